@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Soft shadows by imperfect shadow maps: a map of the house.
+
+settings    every number a user can turn
+scene       what a picture is made of, as arrays
+snapshot    scene, view and settings to one .npz and back
+spaces      matrices between spaces, and the naming rule
+radiometry  Blender's watts and metres to radiance and irradiance
+sampling    points on triangles, on lights and in pixels
+gpu         the method, pass by pass, without Blender (python -m ism_addon.gpu)
+blender     reads Blender's data, runs the engine, shows the picture
+ui          properties, panels, operators and presets
+addon       what registers with Blender, and in which order
+"""

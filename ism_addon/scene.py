@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a picture is made of, as arrays: the only thing that the method knows of Blender.
+
+Everything is frozen and every array is read-only, so "has it changed?" is "is it the same object?".
+SI units, radians, linear Rec.709, float32 unless said; world space is float64 (see `spaces`).
+A mesh, an image, a light table that did not change must be passed on as the same object.
+"""
+
+from dataclasses import dataclass, field, fields
+from enum import Enum, IntEnum
+
+import numpy as np
+
+
+class LightShape(IntEnum):
+    """Blender's four area lights are two: a square is a rectangle, a disk an ellipse."""
+
+    RECTANGLE = 0
+    ELLIPSE = 1
+
+
+class Arrays:
+    """Base of the frozen dataclasses below: locks every array on construction."""
+
+    def __post_init__(self) -> None:
+        for member in fields(self):
+            value = getattr(self, member.name)
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh(Arrays):
+    """Triangles in object space. T triangles, V vertices; corners are stored per triangle."""
+
+    positions: np.ndarray  # (V,3) m
+    triangles: np.ndarray  # (T,3) uint32, into positions
+    normals: np.ndarray  # (T,3,3) unit shading normals of the corners
+    uvs: np.ndarray  # (T,3,2), or (0,3,2) where the mesh has none
+    materials: np.ndarray  # (T,) uint32, into Materials
+
+
+@dataclass(frozen=True, eq=False)
+class Instances(Arrays):
+    """Where meshes stand. Rows of one mesh need not be neighbours."""
+
+    mesh: np.ndarray  # (I,) int32, into Scene.meshes
+    world_from_object: np.ndarray  # (I,4,4) float64
+    visible: np.ndarray  # (I,) bool: seen by the camera
+    casts_shadow: np.ndarray  # (I,) bool
+
+
+@dataclass(frozen=True, eq=False)
+class Materials(Arrays):
+    """Lambertian surfaces: a colour, or an image that replaces it."""
+
+    base_color: np.ndarray  # (M,3)
+    image: np.ndarray  # (M,) int32, into Scene.images; -1: none
+
+
+@dataclass(frozen=True, eq=False)
+class Image(Arrays):
+    """Texels as they are stored: sRGB-encoded, bottom row first."""
+
+    texels: np.ndarray  # (H,W,4) uint8
+    repeat: bool = True  # else the border texels go on for ever
+
+
+@dataclass(frozen=True, eq=False)
+class Lights(Arrays):
+    """One-sided Lambertian area lights. The axes are the shape's full width and height, scale included."""
+
+    shape: np.ndarray  # (L,) int32, LightShape
+    position: np.ndarray  # (L,3) float64 world, m
+    axis_u: np.ndarray  # (L,3) float64 world, m
+    axis_v: np.ndarray  # (L,3) float64 world, m
+    normal: np.ndarray  # (L,3) float64 world, unit: the side that shines
+    radiance: np.ndarray  # (L,3) W/(sr m2), towards the normal
+    spread: np.ndarray  # (L,) rad, Blender's spread: pi is a plain Lambertian light
+    casts_shadow: np.ndarray  # (L,) bool
+
+
+@dataclass(frozen=True, eq=False)
+class World(Arrays):
+    """The light from everywhere, and what stands behind the scene."""
+
+    radiance: np.ndarray  # (3,)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One moment of a Blender scene. `warnings` are sentences about what had to be left out."""
+
+    meshes: tuple[Mesh, ...]
+    instances: Instances
+    materials: Materials
+    images: tuple[Image, ...]
+    lights: Lights
+    world: World
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles that stand in the world, instances counted."""
+        sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
+        return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
+
+
+@dataclass(frozen=True, eq=False)
+class View(Arrays):
+    """A camera and the picture it takes."""
+
+    clip_from_view: np.ndarray  # (4,4) float64, OpenGL's clip space
+    view_from_world: np.ndarray  # (4,4) float64, rigid; the view looks along -z
+    width: int  # px
+    height: int  # px
+    filter_width: float = 1.5  # px, width of the Blackman-Harris pixel filter
+    transparent: bool = False  # leave the background empty instead of showing the world
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.width < 1 or self.height < 1:
+            raise ValueError(f"a picture of {self.width}×{self.height} pixels cannot be drawn")
+
+
+class Change(Enum):
+    """The parts of the input that a pass can depend on."""
+
+    GEOMETRY = "meshes and instances"
+    MATERIALS = "materials and images"
+    LIGHTS = "lights"
+    WORLD = "world"
+    VIEW = "view"
+    SAMPLE = "sample"

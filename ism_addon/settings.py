@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every number a user can turn: label, meaning, unit, range and default, once.
+
+Blender's property groups, the panels' tooltips, the command line's flags and the README's table
+are made from these fields. A section is a frozen dataclass, so two settings compare by value.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import Field, dataclass, field, fields
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Control:
+    """How a setting looks to its user. Units are Blender's names of property subtypes."""
+
+    label: str
+    meaning: str
+    low: float | None = None
+    high: float | None = None
+    soft_high: float | None = None
+    unit: str = "NONE"
+
+
+def setting(default: Any, label: str, meaning: str, **control: Any) -> Any:
+    """A dataclass field that carries its Control."""
+    return field(default=default, metadata={"control": Control(label, meaning, **control)})
+
+
+@dataclass(frozen=True)
+class Shadow:
+    """Look of the shadows."""
+
+    enabled: bool = setting(
+        True, "Shadows", "Draw the lights' shadows. Off, every light reaches every surface that faces it"
+    )
+    splat_size: float = setting(
+        1.3,
+        "Splat Size",
+        "Radius of a surface point's disc over the radius that its share of the area has. "
+        "Larger closes holes and leaks, and darkens beside edges. Costs a little time",
+        low=0.1,
+        high=8.0,
+        soft_high=3.0,
+    )
+    bias: float = setting(
+        1.0,
+        "Bias",
+        "How far a surface is moved towards the light before it is compared with a shadow map, in texels of the map. "
+        "Less shows stripes of false shadow, more lets light through at contacts. Costs no time",
+        low=0.0,
+        high=16.0,
+        soft_high=4.0,
+    )
+    fill_holes: bool = setting(
+        True,
+        "Fill Holes",
+        "Close the gaps between the points of a shadow map by pull-push interpolation. Costs a little time",
+    )
+    fill_threshold: float = setting(
+        0.02,
+        "Fill Threshold",
+        "Depths that differ by less than this part of their distance count as one surface when holes are filled",
+        low=0.0,
+        high=1.0,
+        soft_high=0.2,
+        unit="FACTOR",
+    )
+
+
+@dataclass(frozen=True)
+class SSAO:
+    """Look of the ambient occlusion."""
+
+    enabled: bool = setting(
+        True, "Ambient Occlusion", "Darken the world's light in creases and contacts, in screen space at half resolution"
+    )
+    radius: float = setting(
+        0.5,
+        "Radius",
+        "How far away a surface can still darken another. Larger darkens wider creases; costs no time",
+        low=0.0,
+        high=1e6,
+        soft_high=10.0,
+        unit="DISTANCE",
+    )
+    cone_angle: float = setting(
+        math.radians(160.0),
+        "Cone Angle",
+        "Opening of the cone around the surface's normal in which occluders are looked for. "
+        "Narrow finds only what is straight above, wide also what is at the sides",
+        low=math.radians(1.0),
+        high=math.pi,
+        unit="ANGLE",
+    )
+    intensity: float = setting(
+        1.0,
+        "Intensity",
+        "Strength of the darkening. At 0 the pass is left out",
+        low=0.0,
+        high=10.0,
+        soft_high=4.0,
+    )
+    attenuation: float = setting(
+        1.0,
+        "Attenuation",
+        "How quickly an occluder's darkening fades with its distance, within the radius. At 0 it does not fade",
+        low=0.0,
+        high=100.0,
+        soft_high=8.0,
+    )
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How much work a picture is worth."""
+
+    samples: int = setting(
+        16,
+        "Samples",
+        "Pictures that are averaged, each with other points on the lights and in the pixels. "
+        "More smooth edges and penumbrae; time grows in proportion",
+        low=1,
+        high=65536,
+        soft_high=256,
+    )
+    light_points: int = setting(
+        105,
+        "Light Points",
+        "Virtual point lights a sample, shared out among the area lights; each has a shadow map of its own. "
+        "More give smoother penumbrae; time grows in proportion",
+        low=1,
+        high=65536,
+        soft_high=1024,
+    )
+    map_size: int = setting(
+        128,
+        "Map Size",
+        "Width of one shadow map, which covers a light point's whole hemisphere. "
+        "More give sharper contacts; needs more surface points to be filled",
+        low=8,
+        high=4096,
+        soft_high=512,
+        unit="PIXEL",
+    )
+    surface_points: int = setting(
+        65536,
+        "Surface Points",
+        "Points that stand for the scene in each shadow map. "
+        "More let smaller things cast a shadow; time grows in proportion",
+        low=1,
+        high=1 << 26,
+        soft_high=1 << 20,
+    )
+
+
+#: The two uses of Quality: Blender's final render, and its viewport, where waiting is felt.
+FINAL = Quality()
+VIEWPORT = Quality(light_points=32, map_size=64, surface_points=16384)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All that shapes one picture, apart from the scene and the view."""
+
+    shadow: Shadow = Shadow()
+    ssao: SSAO = SSAO()
+    quality: Quality = FINAL
+    show: str = "color"  # the target that becomes the picture: any that a pass writes
+
+
+#: Sections by the name under which users and scripts find them.
+SECTIONS: dict[str, type] = {"shadow": Shadow, "ssao": SSAO, "quality": Quality}
+
+
+def controls(section: type) -> Iterator[tuple[Field, Control]]:
+    """The fields of a section with what their users see of them."""
+    for member in fields(section):
+        yield member, member.metadata["control"]
