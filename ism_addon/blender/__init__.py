@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The only floor that knows Blender's data: reads it, runs the engine, shows the picture.
+
+extract    an evaluated depsgraph to one Scene
+meshes     one evaluated mesh to triangles with corner normals
+materials  node trees to base colours and images
+images     Blender's images to texels
+lights     area lights to radiance and axes
+world      the background's radiance
+camera     the final render's and the viewport's View
+findings   what had to be left out, in sentences
+engine     the render engine
+present    a picture into the viewport
+"""
