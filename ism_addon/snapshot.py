@@ -1,10 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene, view and settings to one .npz file and back: all that a picture is made of, so a bug report is a file."""
+"""Scene, view and settings to one .npz file and back: all that a picture is made of, so a bug report is a file.
 
+Every array is a member of its own, named by where it stands ("scene/meshes/0/positions"); all else is JSON
+in the member "snapshot". The dataclasses' type hints say how to read it back, SHAPES what is believed.
+Members are not compressed, so no array can be larger than the file that claims to hold it.
+"""
+
+import json
+import math
+import zipfile
+from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
 
-from .scene import Scene, View
-from .settings import Settings
+import numpy as np
+
+from .scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from .settings import SECTIONS, Settings, controls
+
+VERSION = 1
+
+#: The array of each field: dtype and lengths. A letter is one length throughout its object.
+SHAPES: dict[tuple[type, str], str] = {
+    (Mesh, "positions"): "float32 V 3",
+    (Mesh, "triangles"): "uint32 T 3",
+    (Mesh, "normals"): "float32 T 3 3",
+    (Mesh, "uvs"): "float32 U 3 2",
+    (Mesh, "materials"): "uint32 T",
+    (Instances, "mesh"): "int32 I",
+    (Instances, "world_from_object"): "float64 I 4 4",
+    (Instances, "visible"): "bool I",
+    (Instances, "casts_shadow"): "bool I",
+    (Materials, "base_color"): "float32 M 3",
+    (Materials, "image"): "int32 M",
+    (Image, "texels"): "uint8 H W 4",
+    (Lights, "shape"): "int32 L",
+    (Lights, "position"): "float64 L 3",
+    (Lights, "axis_u"): "float64 L 3",
+    (Lights, "axis_v"): "float64 L 3",
+    (Lights, "normal"): "float64 L 3",
+    (Lights, "radiance"): "float32 L 3",
+    (Lights, "spread"): "float32 L",
+    (Lights, "casts_shadow"): "bool L",
+    (World, "radiance"): "float32 3",
+    (View, "clip_from_view"): "float64 4 4",
+    (View, "view_from_world"): "float64 4 4",
+}
 
 
 class SnapshotError(ValueError):
@@ -13,9 +54,143 @@ class SnapshotError(ValueError):
 
 def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None:
     """Write a snapshot. Arrays come back from `load` bit for bit."""
-    raise NotImplementedError
+    arrays: dict[str, np.ndarray] = {}
+    parts = {"scene": scene, "view": view, "settings": settings}
+    told = {"version": VERSION, **{name: _told(part, name, arrays) for name, part in parts.items()}}
+    text = np.frombuffer(json.dumps(told, allow_nan=False).encode(), np.uint8)
+    with open(path, "wb") as file:
+        np.savez(file, snapshot=text, **arrays)
 
 
 def load(path: str | Path) -> tuple[Scene, View, Settings]:
     """Read a snapshot and check all of it. Raises SnapshotError, or OSError if the file cannot be opened."""
-    raise NotImplementedError
+    with open(path, "rb") as file:
+        try:
+            arrays = _members(file, Path(path).stat().st_size)
+            told = json.loads(arrays.pop("snapshot").tobytes())
+            version = told["version"]
+        except Exception as error:  # whatever zipfile, numpy and json raise on bytes that are not theirs
+            raise SnapshotError(f"{path} is not a snapshot: {error}.") from error
+    if version != VERSION:
+        raise SnapshotError(f"{path} is a snapshot of version {version}; this one reads version {VERSION}.")
+    scene, view, settings = (
+        _built(kind, told.get(name), name, arrays)
+        for name, kind in (("scene", Scene), ("view", View), ("settings", Settings))
+    )
+    _check_indices(scene)
+    _check_ranges(settings)
+    return scene, view, settings
+
+
+def _members(file: Any, size: int) -> dict[str, np.ndarray]:
+    """The file's arrays, none of which can be larger than the file."""
+    with zipfile.ZipFile(file) as members:
+        if sum(member.file_size for member in members.infolist()) > size:
+            raise ValueError("its arrays are larger than the file")
+    file.seek(0)
+    with np.load(file, allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files}
+
+
+def _told(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+    """A value as JSON, its arrays put aside under the names of their places."""
+    if is_dataclass(value):
+        return {
+            member.name: _told(getattr(value, member.name), f"{place}/{member.name}", arrays)
+            for member in fields(value)
+        }
+    if isinstance(value, tuple):
+        return [_told(item, f"{place}/{index}", arrays) for index, item in enumerate(value)]
+    if isinstance(value, np.ndarray):
+        arrays[place] = value
+        return None
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _built(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+    """The value of a type that `_told` told of."""
+    if is_dataclass(kind):
+        return _built_object(kind, told, place, arrays)
+    if get_origin(kind) is tuple:
+        if not isinstance(told, list):
+            raise SnapshotError(f"The snapshot's {place} is not a list.")
+        item = get_args(kind)[0]
+        return tuple(_built(item, each, f"{place}/{index}", arrays) for index, each in enumerate(told))
+    if kind is float and type(told) is int:
+        told = float(told)
+    if type(told) is not kind or (kind is float and not math.isfinite(told)):
+        raise SnapshotError(f"The snapshot's {place} is {told!r}, which is no {kind.__name__}.")
+    return told
+
+
+def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+    if not isinstance(told, dict):
+        raise SnapshotError(f"The snapshot has no {place}.")
+    if unknown := set(told) - {member.name for member in fields(kind)}:
+        raise SnapshotError(f"The snapshot's {place} has {', '.join(sorted(unknown))}, unknown to this version.")
+    hints = get_type_hints(kind)
+    lengths: dict[str, int] = {}
+    values = {}
+    for member in fields(kind):
+        where = f"{place}/{member.name}"
+        if hints[member.name] is np.ndarray:
+            values[member.name] = _array(SHAPES[kind, member.name], where, lengths, arrays)
+        elif member.name in told:
+            values[member.name] = _built(hints[member.name], told[member.name], where, arrays)
+        elif member.default is MISSING:
+            raise SnapshotError(f"The snapshot has no {where}.")
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise SnapshotError(f"The snapshot's {place} cannot be used: {error}.") from error
+
+
+def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """An array that is as SHAPES says; the letters' lengths are kept in `lengths`."""
+    if place not in arrays:
+        raise SnapshotError(f"The snapshot has no {place}.")
+    array = arrays[place]
+    dtype, *sizes = expected.split()
+    fits = array.dtype == np.dtype(dtype) and array.ndim == len(sizes)
+    if not fits or any(
+        length != (lengths.setdefault(size, length) if size.isalpha() else int(size))
+        for size, length in zip(sizes, array.shape, strict=True)
+    ):
+        seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
+        raise SnapshotError(f"The snapshot's {place} is {seen} where {expected} belongs.")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise SnapshotError(f"The snapshot's {place} holds numbers that are not finite.")
+    return np.ascontiguousarray(array)
+
+
+def _check_indices(scene: Scene) -> None:
+    """No index may lead outside the array that it leads into."""
+    meshes, images, materials = len(scene.meshes), len(scene.images), len(scene.materials.image)
+    leads = [
+        ("scene/instances/mesh", scene.instances.mesh, 0, meshes),
+        ("scene/materials/image", scene.materials.image, -1, images),
+        ("scene/lights/shape", scene.lights.shape, 0, len(LightShape)),
+    ]
+    for index, mesh in enumerate(scene.meshes):
+        place = f"scene/meshes/{index}"
+        leads.append((f"{place}/triangles", mesh.triangles, 0, len(mesh.positions)))
+        leads.append((f"{place}/materials", mesh.materials, 0, materials))
+        if len(mesh.uvs) not in (0, len(mesh.triangles)):
+            raise SnapshotError(f"The snapshot's {place}/uvs has another length than its triangles.")
+    for place, indices, low, end in leads:
+        if indices.size and not (low <= int(indices.min()) and int(indices.max()) < end):
+            raise SnapshotError(f"The snapshot's {place} leads outside {low} to {end - 1}.")
+    for index, image in enumerate(scene.images):
+        if image.texels.size == 0:
+            raise SnapshotError(f"The snapshot's scene/images/{index} has no texels.")
+
+
+def _check_ranges(settings: Settings) -> None:
+    """No number may be one that its user could not have set."""
+    for name, section in SECTIONS.items():
+        for member, control in controls(section):
+            value = getattr(getattr(settings, name), member.name)
+            low = -np.inf if control.low is None else control.low
+            high = np.inf if control.high is None else control.high
+            if not low <= value <= high:
+                raise SnapshotError(f"The snapshot's settings/{name}/{member.name} is {value}, not {low} to {high}.")

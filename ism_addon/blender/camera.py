@@ -6,7 +6,7 @@ import numpy as np
 
 from ..scene import View
 
-#: The cameras whose picture a matrix can describe.
+#: The types of camera whose picture a matrix can describe.
 DRAWABLE = ("PERSP", "ORTHO")
 
 
@@ -20,7 +20,31 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
     The engine, where there is one, knows the stereo view that is being rendered and its camera's place.
     Raises CameraError without a camera that can be drawn.
     """
-    raise NotImplementedError
+    render = depsgraph.scene.render
+    camera = (engine and engine.camera_override) or depsgraph.scene.camera
+    if camera is None:
+        raise CameraError("The scene has no active camera; add one, or make one active with Ctrl+Numpad 0.")
+    _check(camera)
+    camera = camera.evaluated_get(depsgraph)
+    width, height = full_size(render)
+    clip_from_view = camera.calc_matrix_camera(
+        depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
+    )
+    clip_from_view = np.array(clip_from_view, np.float64)
+    world_from_view = np.array(camera.matrix_world, np.float64)
+    if engine is not None:
+        world_from_view = np.array(engine.camera_model_matrix(camera), np.float64).reshape(4, 4)
+        shift = engine.camera_shift_x(camera) - camera.data.shift_x
+        clip_from_view = _shifted(clip_from_view, shift * _shift_unit(camera.data, render, width, height))
+    left, right, bottom, top = border(render)
+    return View(
+        clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
+        view_from_world=_rigid_inverse(world_from_view),
+        width=right - left,
+        height=top - bottom,
+        filter_width=render.filter_size,
+        transparent=render.film_transparent,
+    )
 
 
 def viewport_view(
@@ -34,4 +58,74 @@ def viewport_view(
 
     Raises CameraError if the viewport looks through a camera that cannot be drawn.
     """
-    raise NotImplementedError
+    if region_data.view_perspective == "CAMERA" and camera is not None:
+        _check(camera)
+    render = depsgraph.scene.render
+    return View(
+        clip_from_view=np.array(region_data.window_matrix, np.float64),
+        view_from_world=_rigid_inverse(np.linalg.inv(np.array(region_data.view_matrix, np.float64))),
+        width=width,
+        height=height,
+        filter_width=render.filter_size,
+        transparent=render.film_transparent,
+    )
+
+
+def full_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
+    """Pixels of the whole picture, before the border cuts out its part."""
+    scale = render.resolution_percentage
+    return max(render.resolution_x * scale // 100, 1), max(render.resolution_y * scale // 100, 1)
+
+
+def border(render: bpy.types.RenderSettings) -> tuple[int, int, int, int]:
+    """Left, right, bottom and top of what is rendered, in pixels of the whole picture; rounded as Blender does."""
+    width, height = full_size(render)
+    if not render.use_border:
+        return 0, width, 0, height
+    x = (np.float32([render.border_min_x, render.border_max_x]) * np.float32(width)).astype(int)
+    y = (np.float32([render.border_min_y, render.border_max_y]) * np.float32(height)).astype(int)
+    return int(x[0]), max(int(x[1]), int(x[0]) + 1), int(y[0]), max(int(y[1]), int(y[0]) + 1)
+
+
+def _check(camera: bpy.types.Object) -> None:
+    if camera.type != "CAMERA":
+        raise CameraError(f"The active camera '{camera.name}' is no camera; choose one to draw a picture.")
+    if camera.data.type not in DRAWABLE:
+        raise CameraError(
+            f"The camera '{camera.name}' is panoramic, which this engine cannot draw; "
+            "make it perspective or orthographic."
+        )
+
+
+def _cropped(clip_from_view: np.ndarray, left: float, right: float, bottom: float, top: float) -> np.ndarray:
+    """The projection onto a part of the picture, given in fractions of it."""
+    part_from_whole = np.eye(4)
+    part_from_whole[0, 0], part_from_whole[0, 3] = 1 / (right - left), (1 - left - right) / (right - left)
+    part_from_whole[1, 1], part_from_whole[1, 3] = 1 / (top - bottom), (1 - bottom - top) / (top - bottom)
+    return part_from_whole @ clip_from_view
+
+
+def _shifted(clip_from_view: np.ndarray, fraction: float) -> np.ndarray:
+    """The projection of a frame moved to the right by a fraction of its width."""
+    return _cropped(clip_from_view, fraction, 1 + fraction, 0, 1)
+
+
+def _shift_unit(
+    camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int
+) -> float:
+    """Blender's unit of shift, the side that the sensor is fitted to, in widths of the picture."""
+    pixel_height = render.pixel_aspect_y / render.pixel_aspect_x
+    wide = width >= height * pixel_height
+    horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and wide)
+    return 1.0 if horizontal else height * pixel_height / width
+
+
+def _rigid_inverse(world_from_view: np.ndarray) -> np.ndarray:
+    """View from world of a camera's matrix without its scale and shear, as Blender's renders leave them out."""
+    rotation = world_from_view[:3, :3] / np.linalg.norm(world_from_view[:3, :3], axis=0)
+    u, _, v = np.linalg.svd(rotation)
+    rotation = u @ v
+    view_from_world = np.eye(4)
+    view_from_world[:3, :3] = rotation.T
+    view_from_world[:3, 3] = -rotation.T @ world_from_view[:3, 3]
+    return view_from_world
