@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the user has turned: the properties under `scene.ism` as Settings."""
+
+from typing import Any
+
+import bpy
+
+from .. import settings
+
+
+def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
+    return cls(**{member.name: getattr(group, member.name) for member, _control in settings.controls(cls)})
+
+
+def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
+    """The settings for a use, "render" or "viewport": one look, two qualities."""
+    group = scene.ism
+    return settings.Settings(
+        shadow=_section(settings.Shadow, group.shadow),
+        ssao=_section(settings.SSAO, group.ssao),
+        quality=_section(settings.Quality, getattr(group, use)),
+    )

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine, as Blender calls it. `final` and `viewport` do what it is asked for."""
+
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..gpu.worker import shared
+from . import final, viewport
+from .final import statistics
+
+__all__ = ["ISMRenderEngine", "register", "statistics", "unregister"]
+
+
+class ISMRenderEngine(bpy.types.RenderEngine):
+    """Soft shadows by imperfect shadow maps, and screen-space ambient occlusion."""
+
+    bl_idname = "ISM"
+    bl_label = "ISM"
+    bl_use_preview = True
+    bl_use_eevee_viewport = False
+    bl_use_shading_nodes_custom = False  # else Blender hides its own material nodes
+
+    _viewport: viewport.Viewport | None = None
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+
+    def __del__(self) -> None:
+        if self._viewport is not None:
+            self._viewport.close()
+
+    def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
+        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+        if renderlayer.use_pass_z:
+            self.register_pass(scene, renderlayer, "Depth", 1, "Z", "VALUE")
+        if renderlayer.use_pass_normal:
+            self.register_pass(scene, renderlayer, "Normal", 3, "XYZ", "VECTOR")
+
+    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        final.render(self, depsgraph)
+
+    def view_update(self, _context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        self._own_viewport().update(depsgraph)
+
+    def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        self._own_viewport().draw(self, context, depsgraph)
+
+    def _own_viewport(self) -> viewport.Viewport:
+        if self._viewport is None:
+            self._viewport = viewport.Viewport()
+        return self._viewport
+
+
+@persistent
+def _before_load(*_args: Any) -> None:
+    shared.stop()
+
+
+def register() -> None:
+    bpy.utils.register_class(ISMRenderEngine)
+    bpy.app.handlers.load_pre.append(_before_load)
+
+
+def unregister() -> None:
+    bpy.app.handlers.load_pre.remove(_before_load)
+    viewport.stop()
+    bpy.utils.unregister_class(ISMRenderEngine)
+    shared.stop()

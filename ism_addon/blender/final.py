@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The final render of one view layer: every stereo view of it, sample by sample, into Blender's passes."""
+
+import time
+from copy import deepcopy
+
+import bpy
+
+from ..gpu.worker import Job, Picture, Request, shared
+from ..scene import View
+from . import camera, controls, extract
+
+#: Blender's name of a pass, and the part of a Picture that goes into it.
+PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
+WAIT = 0.1  # s: how long a wish to cancel can go unnoticed
+SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
+
+_statistics: dict = {}
+
+
+def statistics() -> dict:
+    """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
+    return deepcopy(_statistics)
+
+
+def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+    """Render the depsgraph's view layer. What cannot be drawn becomes one sentence in the engine's report."""
+    scene = extract.scene(depsgraph)
+    if not engine.is_preview:
+        for warning in scene.warnings:
+            engine.report({"WARNING"}, warning)
+    chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
+    layer = depsgraph.view_layer_eval.name
+    client = object()
+    try:
+        for view_name in _view_names(engine, layer):
+            engine.active_view_set(view_name)
+            view = camera.final_view(depsgraph, engine)
+            job = shared.start(Request(scene, view, chosen), client)
+            if not _render_view(engine, job, view, layer, view_name):
+                break
+    except camera.CameraError as error:
+        _fail(engine, str(error))
+    finally:
+        shared.forget(client)
+
+
+def _view_names(engine: bpy.types.RenderEngine, layer: str) -> list[str]:
+    """The stereo views to render: only a result knows them. A plain render has one, without a name."""
+    probe = engine.begin_result(0, 0, 1, 1, layer=layer)
+    names = [view.name for view in probe.views]
+    engine.end_result(probe, cancel=True)
+    return names
+
+
+def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: str, view_name: str) -> bool:
+    """Follow a job until it is done, cancelled or failed, and keep the best picture there is. True when done."""
+    result = engine.begin_result(0, 0, view.width, view.height, layer=layer, view=view_name)
+    passes = result.layers[0].passes
+    shown, shown_at = None, time.monotonic()
+    try:
+        while not job.finished and not engine.test_break():
+            job.wait(WAIT)
+            _tell_progress(engine, job, view_name)
+            picture = job.picture()
+            if picture is not shown and time.monotonic() - shown_at > SHOW_EVERY:
+                _fill(passes, view_name, picture)
+                engine.update_result(result)
+                shown, shown_at = picture, time.monotonic()
+        done = job.finished
+        picture = job.picture()
+        if picture is not None:
+            _fill(passes, view_name, picture)
+    finally:
+        job.cancel()
+        engine.end_result(result, cancel=job.picture() is None)
+    if job.error:
+        _fail(engine, job.error)
+    elif done and not engine.is_preview:
+        _statistics.clear()
+        _statistics.update(deepcopy(job.statistics))
+    return done and not job.error
+
+
+def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> None:
+    for name, part in PASSES.items():
+        target = passes.find_by_name(name, view_name)
+        if target is not None:
+            target.rect.foreach_set(getattr(picture, part).reshape(-1))
+
+
+def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> None:
+    megabytes = job.statistics.get("bytes_uploaded", 0) / 2**20
+    engine.update_progress(job.samples_done / job.samples)
+    engine.update_stats(view_name, f"Sample {job.samples_done}/{job.samples}")
+    engine.update_memory_stats(memory_used=megabytes, memory_peak=megabytes)
+
+
+def _fail(engine: bpy.types.RenderEngine, sentence: str) -> None:
+    engine.error_set(sentence)
+    engine.report({"ERROR"}, sentence)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A picture into the viewport, under Blender's colour management, through Blender's own gpu module."""
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.presets import draw_texture_2d
+
+
+class Presenter:
+    """Keeps the picture that it last drew as a texture: uploading one is what makes large viewports lag."""
+
+    def __init__(self) -> None:
+        self._color: np.ndarray | None = None
+        self._texture: gpu.types.GPUTexture | None = None
+
+    def draw(
+        self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, width: int, height: int
+    ) -> None:
+        """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, over width × height pixels."""
+        if color is not self._color:
+            rows, columns, channels = color.shape
+            texels = gpu.types.Buffer("FLOAT", rows * columns * channels, color.reshape(-1))
+            self._texture = gpu.types.GPUTexture((columns, rows), format="RGBA32F", data=texels)
+            self._color = color
+        gpu.state.blend_set("ALPHA_PREMULT")
+        engine.bind_display_space_shader(scene)
+        draw_texture_2d(self._texture, (0, 0), width, height)
+        engine.unbind_display_space_shader()
+        gpu.state.blend_set("NONE")

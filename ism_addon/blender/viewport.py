@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One 3D viewport: asks the worker for pictures, shows the latest, and never waits for one."""
+
+from weakref import WeakSet
+
+import bpy
+
+from ..gpu.worker import Job, Picture, Request, shared
+from ..scene import Scene, View
+from . import camera, controls, extract
+from .present import Presenter
+
+LOOK_EVERY = 0.04  # s: how long a new picture can go unnoticed
+
+_alive: "WeakSet[Viewport]" = WeakSet()
+
+
+class Viewport:
+    """What is remembered between two redraws: copies only, nothing of bpy."""
+
+    def __init__(self) -> None:
+        self._client = object()
+        self._scene: Scene | None = None
+        self._asked: tuple | None = None
+        self._job: Job | None = None
+        self._picture: Picture | None = None
+        self._told: tuple | None = None
+        self._presenter = Presenter()
+        _alive.add(self)
+
+    def update(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """The scene has changed."""
+        self._scene = extract.scene(depsgraph)
+
+    def draw(
+        self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph
+    ) -> None:
+        """Show the latest picture, and ask for others if what it should show has changed."""
+        if self._scene is None:
+            self.update(depsgraph)
+        try:
+            view = _view(engine, context, depsgraph)
+        except camera.CameraError as error:
+            engine.update_stats("", str(error))
+            return
+        self._ask(view, context.scene)
+        self._told = self._news()
+        self._picture = self._job.picture() or self._picture
+        if self._picture is not None:
+            region = context.region
+            self._presenter.draw(engine, context.scene, self._picture.color, region.width, region.height)
+        engine.update_stats("", self._job.error or f"Sample {self._job.samples_done}/{self._job.samples}")
+        if not self._job.finished and not bpy.app.timers.is_registered(_look):
+            bpy.app.timers.register(_look, first_interval=LOOK_EVERY)
+
+    def close(self) -> None:
+        """Free what the worker keeps for this viewport."""
+        _alive.discard(self)
+        shared.forget(self._client)
+
+    @property
+    def has_news(self) -> bool:
+        return self._job is not None and self._told != self._news()
+
+    @property
+    def is_waiting(self) -> bool:
+        return self._job is not None and not self._job.finished
+
+    def _ask(self, view: View, scene: bpy.types.Scene) -> None:
+        chosen = controls.read(scene, "viewport")
+        asked = (self._scene, _fingerprint(view), chosen)
+        if asked != self._asked:
+            self._job = shared.start(Request(self._scene, view, chosen), self._client)
+            self._asked = asked
+
+    def _news(self) -> tuple:
+        return self._job, self._job.picture(), self._job.samples_done, self._job.finished
+
+
+def _view(
+    engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph
+) -> View:
+    region, space, scene = context.region, context.space_data, context.scene
+    pixel = engine.get_preview_pixel_size(scene)
+    seen_through = space.camera if space.use_local_camera else scene.camera
+    return camera.viewport_view(
+        depsgraph, context.region_data, max(1, region.width // pixel), max(1, region.height // pixel), seen_through
+    )
+
+
+def _fingerprint(view: View) -> tuple:
+    matrices = view.clip_from_view.tobytes(), view.view_from_world.tobytes()
+    return *matrices, view.width, view.height, view.filter_width, view.transparent
+
+
+def _look() -> float | None:
+    """Timer: redraw the viewports while one of them has something new to show."""
+    if any(viewport.has_news for viewport in _alive):
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
+                    area.tag_redraw()
+    return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
+
+
+def stop() -> None:
+    """Stop looking for pictures."""
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine's own panels. Those for settings are loops over a section's fields, so a new setting shows by itself."""
+
+import bpy
+
+from .. import settings
+
+
+class ISMPanel:
+    """A panel of the properties editor that shows only while ISM is the render engine."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {"ISM"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.engine in cls.COMPAT_ENGINES
+
+
+class SectionPanel(ISMPanel):
+    """Every setting of one section; greyed out while the section, or the setting it rests on, is off."""
+
+    section: type
+    name: str  # under scene.ism
+    rests_on: dict[str, str] = {}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        group = getattr(context.scene.ism, self.name)
+        layout = self.layout
+        layout.use_property_split = True
+        layout.active = getattr(group, "enabled", True)
+        for member, _control in settings.controls(self.section):
+            if member.name != "enabled":
+                row = layout.row()
+                row.active = getattr(group, self.rests_on.get(member.name, ""), True)
+                row.prop(group, member.name)
+
+
+class SwitchedPanel(SectionPanel):
+    """A section that can be turned off in its header."""
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(getattr(context.scene.ism, self.name), "enabled", text="")
+
+
+class ISM_RENDER_PT_sampling(ISMPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        pass
+
+
+class ISM_RENDER_PT_sampling_viewport(SectionPanel, bpy.types.Panel):
+    bl_label = "Viewport"
+    bl_parent_id = "ISM_RENDER_PT_sampling"
+    section = settings.Quality
+    name = "viewport"
+
+
+class ISM_RENDER_PT_sampling_render(SectionPanel, bpy.types.Panel):
+    bl_label = "Render"
+    bl_parent_id = "ISM_RENDER_PT_sampling"
+    section = settings.Quality
+    name = "render"
+
+
+class ISM_RENDER_PT_shadow(SwitchedPanel, bpy.types.Panel):
+    bl_label = "Shadows"
+    section = settings.Shadow
+    name = "shadow"
+    rests_on = {"fill_threshold": "fill_holes"}
+
+
+class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
+    bl_label = "Ambient Occlusion"
+    section = settings.SSAO
+    name = "ssao"
+
+
+class ISM_RENDER_PT_film(ISMPanel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(context.scene.render, "filter_size")
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class ISM_VIEWLAYER_PT_passes(ISMPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Include")
+        column.prop(context.view_layer, "use_pass_z", text="Depth")
+        column.prop(context.view_layer, "use_pass_normal")
+
+
+class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
+    """Blender's own light panels are made for one engine each, and none has all that an area light can do here."""
+
+    bl_label = "Light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.light is not None and super().poll(context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        light, layout = context.light, self.layout
+        layout.row().prop(light, "type", expand=True)
+        if light.type != "AREA":
+            layout.label(text="ISM draws area lights; this light is left out", icon="INFO")
+            return
+        layout.use_property_split = True
+        self._draw_power(light, layout.column())
+        self._draw_shape(light, layout.column())
+
+    @staticmethod
+    def _draw_power(light: bpy.types.AreaLight, column: bpy.types.UILayout) -> None:
+        if hasattr(light, "use_temperature"):  # from Blender 4.5 on, as exposure and normalize
+            row = column.row(heading="Temperature")
+            row.prop(light, "use_temperature", text="")
+            temperature = row.row()
+            temperature.active = light.use_temperature
+            temperature.prop(light, "temperature", text="")
+        column.prop(light, "color")
+        column.prop(light, "energy")
+        if hasattr(light, "exposure"):
+            column.prop(light, "exposure")
+            column.prop(light, "normalize")
+        column.prop(light, "use_shadow", text="Cast Shadow")
+
+    @staticmethod
+    def _draw_shape(light: bpy.types.AreaLight, column: bpy.types.UILayout) -> None:
+        column.prop(light, "shape")
+        if light.shape in {"RECTANGLE", "ELLIPSE"}:
+            sizes = column.column(align=True)
+            sizes.prop(light, "size", text="Size X")
+            sizes.prop(light, "size_y", text="Y")
+        else:
+            column.prop(light, "size")
+        column.prop(light, "spread")
+
+
+class ISM_OBJECT_PT_ray_visibility(ISMPanel, bpy.types.Panel):
+    bl_label = "Seen By"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return super().poll(context) and context.object is not None and context.object.type not in {"LIGHT", "CAMERA"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(context.object, "visible_camera", text="Camera")
+        layout.prop(context.object, "visible_shadow", text="Shadow")
+
+
+CLASSES = (
+    ISM_RENDER_PT_sampling,
+    ISM_RENDER_PT_sampling_viewport,
+    ISM_RENDER_PT_sampling_render,
+    ISM_RENDER_PT_shadow,
+    ISM_RENDER_PT_ssao,
+    ISM_RENDER_PT_film,
+    ISM_VIEWLAYER_PT_passes,
+    ISM_LIGHT_PT_light,
+    ISM_OBJECT_PT_ray_visibility,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

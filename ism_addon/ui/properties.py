@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
+
+Look stands there once, quality twice. Every property can be animated, and an edit redraws the 3D viewports,
+because edits of an add-on's properties do not reach the depsgraph.
+"""
+
+from dataclasses import Field, asdict
+from typing import Any
+
+import bpy
+
+from .. import settings
+
+
+def _redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    windows = context.window_manager.windows if context.window_manager else ()
+    for window in windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def _property(member: Field, control: settings.Control, default: Any) -> Any:
+    """The bpy property for a field. `bool` is asked for first: it is an `int` too."""
+    facts = {"name": control.label, "description": control.meaning, "default": default, "update": _redraw}
+    if isinstance(default, bool):
+        return bpy.props.BoolProperty(**facts)
+    ranges = {"min": control.low, "max": control.high, "soft_max": control.soft_high}
+    facts |= {name: limit for name, limit in ranges.items() if limit is not None}
+    if isinstance(default, int):
+        return bpy.props.IntProperty(subtype=control.unit, **facts)
+    return bpy.props.FloatProperty(subtype=control.unit, precision=3, **facts)
+
+
+def _group(name: str, defaults: Any) -> type:
+    """A PropertyGroup class with the fields of `defaults`' section, and its values as defaults."""
+    values = asdict(defaults)
+    members = {
+        member.name: _property(member, control, values[member.name])
+        for member, control in settings.controls(type(defaults))
+    }
+    return type(name, (bpy.types.PropertyGroup,), {"__annotations__": members, "__doc__": type(defaults).__doc__})
+
+
+ISMShadow = _group("ISMShadow", settings.Shadow())
+ISMSSAO = _group("ISMSSAO", settings.SSAO())
+ISMRender = _group("ISMRender", settings.FINAL)
+ISMViewport = _group("ISMViewport", settings.VIEWPORT)
+
+
+class ISMSettings(bpy.types.PropertyGroup):
+    """Settings of the ISM render engine."""
+
+    shadow: bpy.props.PointerProperty(type=ISMShadow)
+    ssao: bpy.props.PointerProperty(type=ISMSSAO)
+    render: bpy.props.PointerProperty(type=ISMRender)
+    viewport: bpy.props.PointerProperty(type=ISMViewport)
+
+
+CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.ism = bpy.props.PointerProperty(type=ISMSettings)
+
+
+def unregister() -> None:
+    del bpy.types.Scene.ism
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
