@@ -20,8 +20,8 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
     The engine, where there is one, knows the stereo view that is being rendered and its camera's place.
     Raises CameraError without a camera that can be drawn.
     """
-    render = depsgraph.scene.render
-    camera = (engine and engine.camera_override) or depsgraph.scene.camera
+    render = depsgraph.scene_eval.render
+    camera = (engine and engine.camera_override) or depsgraph.scene_eval.camera
     if camera is None:
         raise CameraError("The scene has no active camera; add one, or make one active with Ctrl+Numpad 0.")
     _check(camera)
@@ -36,6 +36,8 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
         world_from_view = np.array(engine.camera_model_matrix(camera), np.float64).reshape(4, 4)
         shift = engine.camera_shift_x(camera) - camera.data.shift_x
         clip_from_view = _shifted(clip_from_view, shift * _shift_unit(camera.data, render, width, height))
+    if not (np.isfinite(world_from_view).all() and np.linalg.norm(world_from_view[:3, :3], axis=0).all()):
+        raise CameraError(f"The camera '{camera.name}' is scaled to nothing; clear its scale to draw a picture.")
     left, right, bottom, top = border(render)
     return View(
         clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
@@ -60,7 +62,7 @@ def viewport_view(
     """
     if region_data.view_perspective == "CAMERA" and camera is not None:
         _check(camera)
-    render = depsgraph.scene.render
+    render = depsgraph.scene_eval.render
     return View(
         clip_from_view=np.array(region_data.window_matrix, np.float64),
         view_from_world=_rigid_inverse(np.linalg.inv(np.array(region_data.view_matrix, np.float64))),
@@ -110,9 +112,7 @@ def _shifted(clip_from_view: np.ndarray, fraction: float) -> np.ndarray:
     return _cropped(clip_from_view, fraction, 1 + fraction, 0, 1)
 
 
-def _shift_unit(
-    camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int
-) -> float:
+def _shift_unit(camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int) -> float:
     """Blender's unit of shift, the side that the sensor is fitted to, in widths of the picture."""
     pixel_height = render.pixel_aspect_y / render.pixel_aspect_x
     wide = width >= height * pixel_height

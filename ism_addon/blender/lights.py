@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Area lights to axes and radiance. Under an object's scale and shear they are what Cycles makes of them."""
+
+from dataclasses import dataclass, fields
+
+import bpy
+import numpy as np
+
+from .. import radiometry
+from ..scene import Lights, LightShape
+from .findings import Findings
+
+#: Blender's shapes: ours, and whether the height is a number of its own.
+SHAPES = {
+    "SQUARE": (LightShape.RECTANGLE, False),
+    "RECTANGLE": (LightShape.RECTANGLE, True),
+    "DISK": (LightShape.ELLIPSE, False),
+    "ELLIPSE": (LightShape.ELLIPSE, True),
+}
+
+#: Where the table's arrays are not float32.
+DTYPES = {
+    "shape": np.int32,
+    "position": np.float64,
+    "axis_u": np.float64,
+    "axis_v": np.float64,
+    "normal": np.float64,
+    "casts_shadow": np.bool_,
+}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One light, by the names of Lights."""
+
+    shape: LightShape
+    position: np.ndarray
+    axis_u: np.ndarray
+    axis_v: np.ndarray
+    normal: np.ndarray
+    radiance: np.ndarray
+    spread: float
+    casts_shadow: bool
+
+
+class LightTable:
+    """Collects the area lights, and says which lights are none."""
+
+    def __init__(self, findings: Findings) -> None:
+        self._findings = findings
+        self._rows: list[_Row] = []
+
+    def add(self, light: bpy.types.Light, world_from_light: np.ndarray, name: str) -> None:
+        """One light where it stands, (4,4); left out if it is no area light, has no size or no power."""
+        if light.type != "AREA":
+            kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
+            self._findings.note(kind, name)
+            return
+        power = watts(light)
+        if not np.isfinite(power).all() or not power.any():
+            return
+        row = _row(light, world_from_light, power)
+        if row is None:
+            self._findings.note("Area lights without a size are left out", name)
+        else:
+            self._rows.append(row)
+
+    def table(self) -> Lights:
+        """All that were added."""
+        columns = {}
+        for member in fields(_Row):
+            column = np.array([getattr(row, member.name) for row in self._rows], DTYPES.get(member.name, np.float32))
+            vector = member.type is np.ndarray
+            columns[member.name] = column.reshape(-1, 3) if vector else column
+        return Lights(**columns)
+
+
+def watts(light: bpy.types.Light) -> np.ndarray:
+    """(3,) linear: colour × energy, and since Blender 4.5 × exposure and the colour of its temperature."""
+    power = np.array(light.color, np.float64) * light.energy * 2.0 ** getattr(light, "exposure", 0.0)
+    if getattr(light, "use_temperature", False):
+        power *= np.array(light.temperature_color, np.float64)
+    return power
+
+
+def _row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray) -> _Row | None:
+    """None where the light has no area or no direction."""
+    shape, own_height = SHAPES[light.shape]
+    axis_u = world_from_light[:3, 0] * light.size
+    axis_v = world_from_light[:3, 1] * (light.size_y if own_height else light.size)
+    backwards = world_from_light[:3, 2]
+    depth = np.linalg.norm(backwards)
+    area = np.linalg.norm(axis_u) * np.linalg.norm(axis_v)
+    if shape is LightShape.ELLIPSE:
+        area *= np.pi / 4
+    if not (np.isfinite(world_from_light).all() and area > 0 and depth > 0):
+        return None
+    # A light that is not normalised shines per square metre what a normalised one shines in all.
+    radiant_area = area if getattr(light, "normalize", True) else 1.0
+    return _Row(
+        shape=shape,
+        position=world_from_light[:3, 3],
+        axis_u=axis_u,
+        axis_v=axis_v,
+        normal=-backwards / depth,
+        radiance=radiometry.area_light_radiance(power, radiant_area),
+        spread=light.spread,
+        casts_shadow=light.use_shadow,
+    )

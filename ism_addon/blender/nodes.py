@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What feeds a shader socket, and the few node trees whose colour can be told."""
+
+import bpy
+import numpy as np
+
+#: The nodes of textures behind which only the mesh's own UVs stand.
+UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
+
+
+def tree(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
+    """The node tree that draws a material or a world; before Blender 5.0 it could be switched off."""
+    used = bpy.app.version >= (5, 0) or owner.use_nodes
+    return owner.node_tree if used else None
+
+
+def surface(node_tree: bpy.types.NodeTree) -> bpy.types.Node | None:
+    """The shader node that the active output shows."""
+    output = node_tree.get_output_node("ALL")
+    fed_by = source(output.inputs["Surface"]) if output else None
+    return fed_by.node if fed_by else None
+
+
+def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """The output that feeds an input, behind reroutes and muted nodes; None where nothing does."""
+    while socket is not None and (links := socket.links):
+        link = links[0]
+        if link.is_muted or not link.is_valid:
+            return None
+        node = link.from_node
+        if node.bl_idname == "NodeReroute":
+            socket = node.inputs[0]
+        elif node.mute:
+            inner = (passed.from_socket for passed in node.internal_links if passed.to_socket == link.from_socket)
+            socket = next(inner, None)
+        else:
+            return link.from_socket
+    return None
+
+
+def color(values: bpy.types.bpy_prop_array, otherwise: float) -> np.ndarray:
+    """(3,) of a colour socket, with a stand-in for what is not finite."""
+    rgb = np.array(values[:3], np.float32)
+    return np.where(np.isfinite(rgb), rgb, np.float32(otherwise))
