@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every setting goes the whole way: a field of `settings`, a property of Blender's, and back."""
+
+from dataclasses import asdict, astuple
+
+import bpy
+import pytest
+
+from ism_addon import addon, settings
+from ism_addon.blender import controls
+from ism_addon.ui import properties
+
+GROUPS = {
+    "shadow": settings.Shadow(),
+    "ssao": settings.SSAO(),
+    "render": settings.FINAL,
+    "viewport": settings.VIEWPORT,
+}
+EVERY = [
+    pytest.param(name, member, control, id=f"{name}.{member.name}")
+    for name, defaults in GROUPS.items()
+    for member, control in settings.controls(type(defaults))
+]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def registered():
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def scene():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy.context.scene
+
+
+def another(control, default):
+    """A value within the range that is not the default."""
+    if isinstance(default, bool):
+        return not default
+    return type(default)(default + 1) if default + 1 <= control.high else type(default)((default + control.low) / 2)
+
+
+def turn_all(scene):
+    for name, defaults in GROUPS.items():
+        for member, control in settings.controls(type(defaults)):
+            setattr(getattr(scene.ism, name), member.name, another(control, getattr(defaults, member.name)))
+
+
+def same(ours, theirs):
+    """Equal up to the float32 in which Blender keeps its properties."""
+    return astuple(ours) == pytest.approx(astuple(theirs), rel=1e-6)
+
+
+def test_defaults(scene):
+    for use, quality in (("render", settings.FINAL), ("viewport", settings.VIEWPORT)):
+        read = controls.read(scene, use)
+        assert same(read.shadow, settings.Shadow())
+        assert same(read.ssao, settings.SSAO())
+        assert read.quality == quality
+        assert read.show == settings.Settings().show
+
+
+@pytest.mark.parametrize("name, member, control", EVERY)
+def test_property_says_what_the_field_says(scene, name, member, control):
+    rna = getattr(scene.ism, name).bl_rna.properties[member.name]
+    default = getattr(GROUPS[name], member.name)
+    assert (rna.name, rna.description) == (control.label, control.meaning)
+    assert rna.is_animatable
+    assert rna.default == pytest.approx(default)
+    assert {"BOOLEAN": bool, "INT": int, "FLOAT": float}[rna.type] is type(default)
+    if rna.type != "BOOLEAN":
+        assert (rna.hard_min, rna.hard_max) == pytest.approx((control.low, control.high))
+        assert rna.soft_max == pytest.approx(control.high if control.soft_high is None else control.soft_high)
+        assert rna.subtype == control.unit
+
+
+def test_units_follow_the_scene(scene):
+    ssao = scene.ism.ssao.bl_rna.properties
+    assert (ssao["radius"].unit, ssao["cone_angle"].unit) == ("LENGTH", "ROTATION")
+
+
+@pytest.mark.parametrize("name, member, control", EVERY)
+def test_values_arrive_and_stay_in_range(scene, name, member, control):
+    group, default = getattr(scene.ism, name), getattr(GROUPS[name], member.name)
+
+    def arrived():
+        read = controls.read(scene, name if name in ("render", "viewport") else "render")
+        return getattr(read.quality if name in ("render", "viewport") else getattr(read, name), member.name)
+
+    setattr(group, member.name, another(control, default))
+    assert type(arrived()) is type(default)
+    assert arrived() == pytest.approx(another(control, default))
+    if not isinstance(default, bool):
+        for beyond, limit in ((control.low - 1, control.low), (min(control.high * 2, 2**31 - 1), control.high)):
+            setattr(group, member.name, type(default)(beyond))
+            assert arrived() == pytest.approx(limit)
+
+
+def test_the_two_qualities_are_apart(scene):
+    scene.ism.viewport.samples = 3
+    assert controls.read(scene, "viewport").quality.samples == 3
+    assert controls.read(scene, "render").quality == settings.FINAL
+
+
+def test_survive_the_file(scene, tmp_path):
+    turn_all(scene)
+    before = {use: controls.read(scene, use) for use in ("render", "viewport")}
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "turned.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert controls.read(bpy.context.scene, "render") != before["render"]
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "turned.blend"))
+    for use, expected in before.items():
+        assert asdict(controls.read(bpy.context.scene, use)) == asdict(expected)
+
+
+def test_a_copied_scene_keeps_them(scene):
+    turn_all(scene)
+    assert controls.read(scene.copy(), "render") == controls.read(scene, "render")
+
+
+@pytest.mark.parametrize("name, member, control", EVERY)
+def test_keyframes_move_them(scene, name, member, control):
+    default = getattr(GROUPS[name], member.name)
+    path = f"ism.{name}.{member.name}"
+    for frame, value in ((1, default), (11, another(control, default))):
+        setattr(getattr(scene.ism, name), member.name, value)
+        assert scene.keyframe_insert(path, frame=frame)
+    for frame, value in ((1, default), (11, another(control, default))):
+        scene.frame_set(frame)
+        evaluated = bpy.context.evaluated_depsgraph_get().scene_eval
+        assert getattr(getattr(evaluated.ism, name), member.name) == pytest.approx(value)
+
+
+def test_undo_brings_back_the_old_value(scene):
+    bpy.ops.ed.undo_push(message="before")
+    bpy.context.scene.ism.ssao.radius = 7.0
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    assert bpy.context.scene.ism.ssao.radius == pytest.approx(settings.SSAO().radius)
+
+
+def test_groups_are_gone_after_unregister():
+    properties_before = set(properties.CLASSES)
+    addon.unregister()
+    try:
+        assert not hasattr(bpy.types.Scene, "ism")
+        assert all(not cls.is_registered for cls in properties_before)
+    finally:
+        addon.register()
