@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where our code can run with Blender around it: a virtual environment with bpy, or the `blender` on the PATH."""
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import venv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import pip, project
+
+FOLDER = project.ROOT / ".venv"
+PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
+INSIDE_BLENDER = Path(__file__).with_name("inside_blender.py")
+
+
+@dataclass(frozen=True)
+class Environment:
+    """Python with Blender in it, and Blender's tool for extensions."""
+
+    name: str
+    python: Path  # an interpreter whose pip is the pinned one
+    module: tuple[str, ...]  # runs a Python module when its name follows
+    extension: tuple[str, ...]  # Blender's tool, when a verb follows
+
+    def run(self, module: str, *arguments: str) -> int:
+        """`python -m module arguments` in the project's root: its exit status."""
+        return subprocess.run([*self.module, module, *arguments], cwd=project.ROOT).returncode
+
+
+def environments() -> Iterator[Environment]:
+    """All that this Python can have, each set up when it is asked for, the default first. Exits where there is none."""
+    if PYTHON in project.BPY:
+        yield from map(_with_bpy, project.BPY[PYTHON])
+    else:
+        yield _with_blender()
+
+
+def _with_bpy(version: str) -> Environment:
+    folder = FOLDER / f"bpy-{version}"
+    python = _set_up(folder, f"bpy=={version}", *project.PACKAGES["bpy"], *project.PACKAGES["gpu"], *project.PACKAGES["test"])
+    tools = folder.glob("[Ll]ib/**/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    return Environment(f"bpy {version}", python, (str(python), "-m"), (str(python), str(next(tools))))
+
+
+def _with_blender() -> Environment:
+    advice = f"Use {' or '.join(f'Python {version}' for version in project.BPY)}, which have one, or Blender 4.2 or newer."
+    program = shutil.which("blender")
+    if program is None:
+        sys.exit(f"Python {PYTHON} has no bpy, and there is no blender on the PATH. {advice}")
+    version, python_version = _ask_blender(program)
+    if version < (4, 2):
+        sys.exit(f"Python {PYTHON} has no bpy, and the blender on the PATH is too old. {advice}")
+    name = "blender-" + ".".join(map(str, version))
+    packages = FOLDER / name / "for-blender"
+    target = ["--target", str(packages), "--only-binary=:all:", "--python-version", python_version]
+    python = _set_up(FOLDER / name, *target, *project.PACKAGES["gpu"], *project.PACKAGES["test"])
+    start = (program, "--background", "--factory-startup", "--python-exit-code", "1", "--python", str(INSIDE_BLENDER))
+    return Environment(name, python, (*start, "--", str(packages)), (program, "--command", "extension"))
+
+
+def _ask_blender(program: str) -> tuple[tuple[int, ...], str]:
+    """The versions of Blender and of its Python."""
+    question = "import bpy, sys; print('versions', *bpy.app.version, *sys.version_info[:2])"
+    command = [program, "--background", "--factory-startup", "--python-expr", question]
+    said = subprocess.run(command, capture_output=True, text=True)
+    answer = re.search(r"^versions (\d+) (\d+) (\d+) (\d+) (\d+)$", said.stdout, re.MULTILINE)
+    if answer is None:
+        sys.exit(f"{program} does not start:\n{said.stdout}{said.stderr}")
+    *version, major, minor = map(int, answer.groups())
+    return tuple(version), f"{major}.{minor}"
+
+
+def _set_up(folder: Path, *requirements: str) -> Path:
+    """A virtual environment with these packages, at once where it is there already: its interpreter."""
+    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    stamp = folder / "requirements.sha256"
+    wanted = hashlib.sha256("\n".join([str(folder), sys.version, *requirements]).encode()).hexdigest()
+    if not stamp.exists() or stamp.read_text() != wanted:
+        print(f"setting up {folder.relative_to(project.ROOT)}", flush=True)
+        venv.create(folder, clear=True, with_pip=True)
+        pip.renew(python)
+        pip.run(python, "install", *requirements)
+        stamp.write_text(wanted)
+    return python

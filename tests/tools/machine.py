@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bare Debian lacks for bpy and for OpenGL without a screen: found by trying, installed where we may."""
+
+import ctypes
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+
+#: What bpy links (4.2 to 5.2) and moderngl opens, and Debian's package of each. The packages bring what they need.
+LIBRARIES = {
+    "libEGL.so.1": "libegl1",
+    "libEGL_mesa.so.0": "libegl-mesa0",
+    "libGL.so.1": "libgl1",
+    "libSM.so.6": "libsm6",
+    "libX11.so.6": "libx11-6",
+    "libXfixes.so.3": "libxfixes3",
+    "libXi.so.6": "libxi6",
+    "libXrender.so.1": "libxrender1",
+    "libXxf86vm.so.1": "libxxf86vm1",
+    "libgomp.so.1": "libgomp1",
+    "libxkbcommon.so.0": "libxkbcommon0",
+}
+
+
+def prepare() -> None:
+    """Install the missing packages, or exit with the command that does."""
+    missing = missing_packages()
+    if not missing:
+        return
+    names = " ".join(missing)
+    if shutil.which("apt-get") is None:
+        sys.exit(f"This machine lacks what Debian has in these packages: {names}. Install them and try again.")
+    if os.geteuid() != 0:
+        command = f"apt-get install --no-install-recommends {names}"
+        sys.exit(f"Some of Debian's packages are missing. Type this, and try again:\n\n    sudo {command}\n")
+    print(f"installing from Debian: {names}", flush=True)
+    _apt("update")
+    _apt("install", "--yes", "--no-install-recommends", *missing)
+    if left := missing_packages():
+        sys.exit(f"Debian's packages are installed, but still missing is what they should bring: {' '.join(left)}")
+
+
+def missing_packages() -> list[str]:
+    """Debian's packages that have to be installed, sorted; none on another system than Linux."""
+    if not sys.platform.startswith("linux"):
+        return []
+    missing = {package for library, package in LIBRARIES.items() if not _loads(library)}
+    if importlib.util.find_spec("ensurepip") is None:
+        missing.add(f"python{sys.version_info.major}.{sys.version_info.minor}-venv")
+    if shutil.which("git") is None:
+        missing.add("git")
+    return sorted(missing)
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
+
+
+def _apt(*arguments: str) -> None:
+    done = subprocess.run(
+        ["apt-get", "-qq", *arguments],
+        env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    if done.returncode:
+        sys.exit(f"apt-get {arguments[0]} failed:\n{done.stdout}")

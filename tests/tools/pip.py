@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pip without its chatter: a line for each large download, with its progress where someone watches."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from . import project
+
+LARGE_DOWNLOAD = re.compile(r"Downloading (\S+) \(([\d.]+ [MG]B)\)")
+WHEEL_TAGS = re.compile(r"-(cp|py)\d.*")
+PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
+
+
+def renew(python: Path) -> None:
+    """Give that interpreter the pip that `run` knows to read."""
+    command = [python, "-m", "pip", "--disable-pip-version-check", "install", f"pip=={project.PIP}"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"pip {project.PIP} could not be installed:\n{done.stderr}")
+
+
+def run(python: Path, command: str, *arguments: str) -> None:
+    """`pip command arguments` of that interpreter. Where it fails, exits with what pip said."""
+    pip = subprocess.Popen(
+        [python, "-m", "pip", "--disable-pip-version-check", command, "--progress-bar=raw", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert pip.stdout is not None
+    errors = []
+    for line in pip.stdout:
+        _show(line)
+        if line.startswith("ERROR"):
+            errors.append(line)
+    if pip.wait():
+        sys.exit(f"pip {command} failed.\n{''.join(errors)}")
+
+
+def _show(line: str) -> None:
+    if download := LARGE_DOWNLOAD.search(line):
+        print(f"  downloading {WHEEL_TAGS.sub('', download[1])} ({download[2]})", flush=True)
+    elif line.startswith("Installing collected packages:"):
+        print("  unpacking", flush=True)
+    elif sys.stdout.isatty() and (progress := PROGRESS.match(line)):
+        done, whole = map(int, progress.groups())
+        print(f"  {done / whole:4.0%}", end="\r", flush=True)
