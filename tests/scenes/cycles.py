@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The truth of the open scene's direct light: Cycles without bounces, as a float picture."""
+
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+PIXEL_CENTRES = 0.01  # px, the narrowest filter that Cycles has
+
+
+def direct_light(samples: int, filter_width: float = PIXEL_CENTRES, bounces: int = 0, seed: int = 0) -> np.ndarray:
+    """Render the open file with Cycles on the processor: (H,W,4) float32 scene-linear, premultiplied, bottom row first.
+
+    `filter_width` is the Blackman-Harris pixel filter's in pixels. The world's light counts as the scene has it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "truth.exr"
+        render_exr(path, samples, filter_width, bounces, seed)
+        image = bpy.data.images.load(str(path))
+        image.colorspace_settings.name = "Non-Color"
+        width, height = image.size
+        pixels = np.empty(width * height * 4, np.float32)
+        image.pixels.foreach_get(pixels)
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, 4)
+
+
+def render_exr(path: Path, samples: int, filter_width: float = PIXEL_CENTRES, bounces: int = 0, seed: int = 0) -> None:
+    """The same picture, written as a 32-bit OpenEXR file; the scene keeps Cycles' settings."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = samples, seed
+    cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_light_tree = False
+    cycles.max_bounces = cycles.diffuse_bounces = bounces
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", filter_width
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "IMAGE"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.image_settings.color_mode = "RGBA"
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
