@@ -43,13 +43,13 @@ def environments() -> Iterator[Environment]:
 
 def _with_bpy(version: str) -> Environment:
     folder = FOLDER / f"bpy-{version}"
-    python = _set_up(folder, f"bpy=={version}", *project.PACKAGES["bpy"], *project.PACKAGES["gpu"], *project.PACKAGES["test"])
+    python = _set_up(folder, f"bpy=={version}", *(name for group in project.PACKAGES.values() for name in group))
     tools = folder.glob("[Ll]ib/**/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
     return Environment(f"bpy {version}", python, (str(python), "-m"), (str(python), str(next(tools))))
 
 
 def _with_blender() -> Environment:
-    advice = f"Use {' or '.join(f'Python {version}' for version in project.BPY)}, which have one, or Blender 4.2 or newer."
+    advice = f"Use Python {' or '.join(project.BPY)}, which have one, or a Blender from 4.2 on."
     program = shutil.which("blender")
     if program is None:
         sys.exit(f"Python {PYTHON} has no bpy, and there is no blender on the PATH. {advice}")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the extension's zips, one a platform: our tracked files, the wheels, and Blender's own tool."""
 
+import itertools
+import json
 import shutil
 import subprocess
 import sys
@@ -12,32 +14,32 @@ from . import pip, project
 BUILD = project.ROOT / "build"
 
 
-def build(python: Path, tool: Sequence[str], output: Path, platforms: Sequence[str] = tuple(project.WHEELS)) -> list[Path]:
-    """The zips in `output`, each found valid. `tool` begins a command of Blender's for extensions, `python` has pip."""
+def build(python: Path, tool: Sequence[str], output: Path, platforms: Sequence[str] = ()) -> list[Path]:
+    """Zips in `output`, each found valid, for some platforms or all. `python` has pip; `tool` is Blender's."""
     source = output / "source"
-    _stage(source, {name: _wheels(python, name) for name in platforms})
+    _stage(source, {name: _wheels(python, name) for name in platforms or project.WHEELS})
     for old in output.glob("*.zip"):
         old.unlink()
-    arguments = ["--source-dir", str(source), "--output-dir", str(output), "--split-platforms"]
-    _blender([*tool, "build", *arguments])
+    _blender(*tool, "build", "--source-dir", str(source), "--output-dir", str(output), "--split-platforms")
     zips = sorted(output.glob("*.zip"))
     for path in zips:
-        _blender([*tool, "validate", str(path)])
+        _blender(*tool, "validate", str(path))
     return zips
 
 
 def _wheels(python: Path, platform: str) -> list[Path]:
     """Download what the platform's zip carries, once."""
     carried = project.WHEELS[platform]
-    wheels = []
+    folder = BUILD / "wheels" / platform
     for version in carried["python"]:
-        folder = BUILD / "wheels" / platform / version
-        if len(list(folder.glob("*.whl"))) != len(carried["packages"]):
-            chosen = [word for tag in carried["tags"] for word in ("--platform", tag)]
-            chosen += ["--implementation", "cp", "--python-version", version, "--only-binary=:all:", "--no-deps"]
-            pip.run(python, "download", *chosen, "--dest", str(folder), *carried["packages"])
-        wheels += sorted(folder.glob("*.whl"))
-    return wheels
+        for package in carried["packages"]:
+            name = package.replace("==", "-")
+            if not list(folder.glob(f"{name}-cp{version.replace('.', '')}-*.whl")):
+                target = ["--python-version", version, *(f"--platform={tag}" for tag in carried["tags"])]
+                choice = ["--implementation=cp", "--only-binary=:all:", "--no-deps"]
+                pip.run(python, "download", *target, *choice, "--dest", str(folder), package)
+    names = [package.replace("==", "-") for package in carried["packages"]]
+    return sorted(wheel for name in names for wheel in folder.glob(f"{name}-*.whl"))
 
 
 def _stage(source: Path, wheels: dict[str, list[Path]]) -> None:
@@ -47,14 +49,16 @@ def _stage(source: Path, wheels: dict[str, list[Path]]) -> None:
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(project.ROOT / name, source / name)
     (source / "wheels").mkdir()
-    for wheel in sum(wheels.values(), []):
+    names = []
+    for wheel in itertools.chain(*wheels.values()):
         shutil.copy2(wheel, source / "wheels")
-    names = sorted(f"./wheels/{wheel.name}" for wheel in sum(wheels.values(), []))
+        names.append(f"./wheels/{wheel.name}")
     manifest = source / "blender_manifest.toml"
-    manifest.write_text(f"platforms = {list(wheels)}\nwheels = {names}\n\n" + manifest.read_text("utf-8"), "utf-8")
+    head = f"platforms = {json.dumps(list(wheels))}\nwheels = {json.dumps(names, indent=2)}\n\n"
+    manifest.write_text(head + manifest.read_text("utf-8"), "utf-8")
 
 
-def _blender(command: list[str]) -> None:
+def _blender(*command: str) -> None:
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
         sys.exit(f"Blender's tool for extensions failed:\n{done.stdout}")

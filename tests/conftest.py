@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What tests of several floors share: an open OpenGL device, watched for errors."""
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def opened_device():
+    # Imported here, so that tests of the pure floor run without OpenGL.
+    from ism_addon.gpu.context import open_device
+
+    device = open_device()
+    yield device
+    device.gl.release()
+
+
+@pytest.fixture
+def device(opened_device):
+    """A Device, current in this thread. A test that leaves an OpenGL error behind has failed."""
+    with opened_device.gl as gl:
+        assert gl.error == "GL_NO_ERROR", "an earlier use of this context left an error behind"
+        yield opened_device
+        assert gl.error == "GL_NO_ERROR"
+        gl.gc()

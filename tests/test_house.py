@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The house's laws: who may import whom and why, one name for a pass and its shaders, and what no file may hold."""
+
+import ast
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.tools import project
+
+ADDON = project.ROOT / "ism_addon"
+MODULES = sorted(ADDON.rglob("*.py"))
+PASSES = [path.stem for path in sorted((ADDON / "gpu" / "passes").glob("*.py")) if path.stem != "__init__"]
+SHADERS = [
+    path for path in sorted((ADDON / "gpu" / "shaders").iterdir()) if path.is_file() and path.stem != "full_screen"
+]
+SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
+PURE = ("settings", "scene", "spaces", "radiometry", "sampling", "snapshot")
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What modules may import besides the standard library: parts of ism_addon, packages, and why no more."""
+
+    ours: tuple[str, ...]
+    packages: tuple[str, ...]
+    reason: str
+
+
+BLENDER_PACKAGES = ("bpy", "bpy_extras", "bl_ui", "mathutils", "gpu", "gpu_extras")
+FLOORS = {
+    **dict.fromkeys(
+        PURE, Floor(PURE, ("numpy",), "the method's data and mathematics must be testable without Blender and OpenGL")
+    ),
+    "gpu": Floor((*PURE, "gpu"), ("numpy", "moderngl"), "the pipeline must run without Blender, on a snapshot alone"),
+    "blender": Floor(
+        (*PURE, "blender", "gpu.worker"),
+        ("numpy", *BLENDER_PACKAGES),
+        "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
+    ),
+    "ui": Floor(("settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"),
+    "addon": Floor(("blender", "ui"), (), "it is the order of registration, and nothing else"),
+    "__init__": Floor((), (), "it is a map: whoever imports a part must not get the rest with it"),
+}
+
+
+def name_of(module: Path) -> str:
+    """The dotted name below ism_addon; a package's own module is called like the package."""
+    parts = module.relative_to(ADDON).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts)
+
+
+def imports_of(module: Path) -> list[tuple[int, str]]:
+    """(line, name) of each import: names of ours begin with a dot and are counted from ism_addon."""
+    package = module.relative_to(ADDON).parts[:-1]
+    found = []
+    for node in ast.walk(ast.parse(module.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            found.append((node.lineno, node.module or ""))
+        elif isinstance(node, ast.ImportFrom):
+            base = [*package[: len(package) + 1 - node.level], *(node.module or "").split(".")]
+            whole = "".join(f".{part}" for part in base if part)
+            # `from package import name` may mean a module or something that the package defines.
+            found += [(node.lineno, f"{whole}.{alias.name}" if is_package(whole) else whole) for alias in node.names]
+    return found
+
+
+def is_package(name: str) -> bool:
+    return (ADDON.joinpath(*name.split(".")) / "__init__.py").exists()
+
+
+def allowed(name: str, floor: Floor) -> bool:
+    if name.startswith("."):
+        return any(f"{name}.".startswith(f".{ours}.") for ours in floor.ours)
+    top = name.split(".")[0]
+    return top in sys.stdlib_module_names or top in floor.packages
+
+
+@pytest.mark.parametrize("module", MODULES, ids=name_of)
+def test_imports_only_what_its_floor_may(module):
+    floor = FLOORS[name_of(module).split(".")[0]]
+    for line, name in imports_of(module):
+        assert name.split(".")[0] != "ism_addon", f"{module.name}:{line}: as an extension our package has another name"
+        assert allowed(name, floor), f"{module.relative_to(project.ROOT)}:{line} imports {name}, but {floor.reason}"
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_passes_never_import_one_another(name):
+    for line, imported in imports_of(ADDON / "gpu" / "passes" / f"{name}.py"):
+        other = re.fullmatch(r"\.gpu\.passes\.(\w+)(\..*)?", imported)
+        assert other is None or other[1] not in PASSES, (
+            f"{name}.py:{line} imports {imported}, but passes meet in targets only: else none can be left out"
+        )
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_a_pass_that_draws_has_a_shader_of_its_name(name):
+    source = (ADDON / "gpu" / "passes" / f"{name}.py").read_text("utf-8")
+    draws = "full_screen(" in source or "compile_program(" in source
+    assert draws == any(belongs(shader.stem, name) for shader in SHADERS)
+
+
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda shader: shader.name)
+def test_a_shader_has_the_name_of_its_pass(shader):
+    assert any(belongs(shader.stem, name) for name in PASSES), f"no pass is called {shader.stem}"
+
+
+def belongs(shader: str, name: str) -> bool:
+    """gbuffer_triangle belongs to gbuffer; pull and push are the halves of pull_push."""
+    return shader == name or shader.startswith(f"{name}_") or shader in name.split("_")
+
+
+@pytest.mark.parametrize("module", ["ism_addon.gpu", "ism_addon.gpu.worker"])
+def test_the_pipeline_starts_without_blender_and_opengl(module):
+    names = ("bpy", "mathutils", "moderngl", "glcontext")
+    question = f"import sys, {module}; print([name for name in {names} if name in sys.modules])"
+    answer = subprocess.run([sys.executable, "-c", question], cwd=project.ROOT, capture_output=True, text=True)
+    assert (answer.stdout.strip(), answer.stderr) == ("[]", "")
+
+
+@pytest.mark.parametrize("name", [name for name in SOURCES if name.endswith(".py")])
+def test_the_first_line_names_the_licence(name):
+    first = (project.ROOT / name).read_text("utf-8").partition("\n")[0]
+    assert first == "# SPDX-License-Identifier: GPL-3.0-or-later"
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_file_holds_one_idea(name):
+    lines = (project.ROOT / name).read_text("utf-8").count("\n")
+    assert lines <= 300, f"{name} has {lines} lines: look for the second idea in it"
+
+
+FOREIGN = re.compile(
+    r"://[a-z.]*(debian|pypi|pythonhosted|npmjs)\.|(^|[ \"'(=`])/(work|farm|root|home|tmp)/|\.\./shared", re.M
+)
+
+
+def test_no_file_names_a_registry_or_a_machine():
+    found = []
+    for name in project.files():
+        content = (project.ROOT / name).read_bytes()
+        if b"\0" not in content and (match := FOREIGN.search(content.decode("utf-8"))):
+            found.append(f"{name}: {match[0].strip()}")
+    assert not found, "what holds on one machine only must not be in the project"
