@@ -120,7 +120,7 @@ class Geometry:
         self._note_unlike(source)
         key = (source.data.as_pointer(), materials)
         if key not in self._of_mesh:
-            reading = meshes.read(source.data, materials)
+            reading = _reading(source, materials)
             self._of_mesh[key] = len(self._meshes) if reading.mesh else None
             self._meshes += [reading.mesh] if reading.mesh else []
             self._findings.note("Triangles without area are left out", source.name, reading.without_area)
@@ -139,6 +139,16 @@ class Geometry:
 
     def _is_indirect_only(self, source: bpy.types.Object) -> bool:
         return source.indirect_only_get(view_layer=self._view_layer)
+
+
+def _reading(source: bpy.types.Object, materials: tuple[int, ...]) -> meshes.Reading:
+    """An object's mesh; one in edit mode is in its editor's form, and has to be copied out of it."""
+    if not source.data.is_editmode:
+        return meshes.read(source.data, materials)
+    try:
+        return meshes.read(source.to_mesh(), materials)
+    finally:
+        source.to_mesh_clear()
 
 
 def _invertible(matrices: np.ndarray) -> np.ndarray:

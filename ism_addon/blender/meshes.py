@@ -23,6 +23,8 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...]) -> Reading:
 
     As in Blender, a face whose slot there is not has the last slot's material.
     """
+    if not len(source.polygons):
+        return Reading(None, 0, 0)
     source.calc_loop_triangles()
     corners = _corners(source)
     corner_vertices = _read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32)
