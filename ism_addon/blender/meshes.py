@@ -48,15 +48,16 @@ def _mesh(
     kept: np.ndarray,
     materials: tuple[int, ...],
 ) -> Mesh:
-    """The kept triangles, with the vertices that are numbers."""
+    """The kept triangles, with the vertices that they use: others may be no numbers, or far away."""
     slots = np.minimum(_material_slots(source), len(materials) - 1)
     normals = _read(source.corner_normals, "vector", (len(source.loops), 3))
     uvs = _uvs(source)
     if not kept.all():
         triangles, corners, face_normals, slots = (a[kept] for a in (triangles, corners, face_normals, slots))
-        usable = np.isfinite(positions).all(1)
-        triangles = (np.cumsum(usable) - 1)[triangles]
-        positions = positions[usable]
+    used = np.zeros(len(positions), np.bool_)
+    used[triangles] = True
+    if not used.all():
+        positions, triangles = positions[used], (np.cumsum(used) - 1)[triangles]
     return Mesh(
         positions=positions,
         triangles=triangles.astype(np.uint32),
