@@ -6,8 +6,9 @@ SI units, radians, linear Rec.709, float32 unless said; world space is float64 (
 A mesh, an image, a light table that did not change must be passed on as the same object.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from enum import Enum, IntEnum
+from functools import cached_property
 
 import numpy as np
 
@@ -105,6 +106,20 @@ class Scene:
         sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
+    @cached_property
+    def extent(self) -> float:
+        """Largest side of the box around all instances, m, from their bounding spheres."""
+        if not len(self.instances.mesh):
+            return 1.0
+        low = np.array([mesh.positions.min(0) for mesh in self.meshes], np.float64)
+        high = np.array([mesh.positions.max(0) for mesh in self.meshes], np.float64)
+        centre = ((low + high) / 2.0)[self.instances.mesh]
+        radius = np.linalg.norm(high - low, axis=1)[self.instances.mesh] / 2.0
+        linear = self.instances.world_from_object[:, :3, :3]
+        middle = np.einsum("nij,nj->ni", linear, centre) + self.instances.world_from_object[:, :3, 3]
+        reach = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
+        return float(((middle + reach).max(0) - (middle - reach).min(0)).max())
+
 
 @dataclass(frozen=True, eq=False)
 class View(Arrays):
@@ -126,7 +141,8 @@ class View(Arrays):
 class Change(Enum):
     """The parts of the input that a pass can depend on."""
 
-    GEOMETRY = "meshes and instances"
+    MESHES = "meshes"
+    INSTANCES = "instances"
     MATERIALS = "materials and images"
     LIGHTS = "lights"
     WORLD = "world"

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The door without Blender: draw a snapshot. python -m ism_addon.gpu scene.npz -o out.png"""
+
+import argparse
+import sys
+from dataclasses import Field, replace
+from pathlib import Path
+from typing import Any
+
+from .. import snapshot
+from ..scene import View
+from ..settings import SECTIONS, Control, Settings, controls
+from .png import display_from_linear, write_png
+from .worker import Job, Picture, Request, Worker
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line: a flag for each setting, made from its label and meaning."""
+    line = argparse.ArgumentParser(prog="python -m ism_addon.gpu", description="Draw a snapshot of a scene.")
+    line.add_argument("snapshot", type=Path, help="an .npz that the add-on or ism_addon.snapshot wrote")
+    line.add_argument("-o", "--output", type=Path, default=Path("out.png"), help="the PNG to write (%(default)s)")
+    line.add_argument("--size", metavar="WIDTHxHEIGHT", help="instead of the snapshot's own; it keeps the field of view across")
+    line.add_argument("--show", default="color", metavar="TARGET", help="an intermediate target instead of the picture")
+    line.add_argument("--profile", action="store_true", help="print what each pass took")
+    for name, section in SECTIONS.items():
+        group = line.add_argument_group(name)
+        for member, control in controls(section):
+            add_flag(group, name, member, control)
+    return line
+
+
+def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
+    """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch."""
+    flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
+    kind: dict = {"action": argparse.BooleanOptionalAction} if member.type is bool else {"type": member.type}
+    group.add_argument(flag, dest=f"{section}.{member.name}", help=control.meaning.replace("%", "%%"), **kind)
+
+
+def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
+    """The snapshot's settings with those of the command line."""
+    for name in SECTIONS:
+        given = {
+            key.removeprefix(f"{name}."): value
+            for key, value in vars(options).items()
+            if key.startswith(f"{name}.") and value is not None
+        }
+        settings = replace(settings, **{name: replace(getattr(settings, name), **given)})
+    return replace(settings, show=options.show)
+
+
+def resized(view: View, size: str) -> View:
+    """The view at another size, with square pixels and the same field of view across."""
+    width, height = (int(number) for number in size.lower().split("x"))
+    clip_from_view = view.clip_from_view.copy()
+    clip_from_view[1] *= (width / height) / (view.width / view.height)
+    return replace(view, clip_from_view=clip_from_view, width=width, height=height)
+
+
+def profile_table(statistics: dict) -> str:
+    """A line a pass."""
+    lines = [f"{'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
+    for name, row in statistics["passes"].items():
+        lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
+    counts = ("light_points", "surface_points", "triangles", "bytes_uploaded", "samples")
+    lines.append(" · ".join(f"{statistics[name]:,} {name.replace('_', ' ')}" for name in counts))
+    return "\n".join(lines + [f"{statistics['seconds']:.3f} s"])
+
+
+def draw(request: Request) -> tuple[Picture | None, Job]:
+    """Draw on a worker of our own, to the end."""
+    worker = Worker()
+    job = worker.start(request, "command line")
+    while not job.finished:
+        job.wait(1.0)
+    worker.stop()
+    return job.picture(), job
+
+
+def main() -> int:
+    """Exit status: 0, or 1 with a sentence on stderr where there is no picture."""
+    options = parser().parse_args()
+    try:
+        scene, view, settings = snapshot.load(options.snapshot)
+        request = Request(scene, resized(view, options.size) if options.size else view, chosen(settings, options))
+    except (OSError, ValueError) as reason:
+        print(reason, file=sys.stderr)
+        return 1
+    for warning in scene.warnings:
+        print(warning, file=sys.stderr)
+    picture, job = draw(request)
+    if picture is None:
+        print(job.error, file=sys.stderr)
+        return 1
+    write_png(options.output, display_from_linear(picture.color))
+    if options.profile:
+        print(profile_table(job.statistics))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the shadow maps of many light points share one texture, or several one after the other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Sides of maps are multiples of this, so that pull_push can halve them.
+GRANULE = 8
+
+#: Most texels of an atlas; more maps are drawn in further batches.
+ATLAS_TEXELS = 1 << 24
+
+@dataclass(frozen=True)
+class Batch:
+    """Light points first … first + count - 1, whose maps of `side` texels lie in an atlas row by row."""
+
+    first: int
+    count: int
+    side: int
+    columns: int
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Of the atlas, in texels."""
+        return self.columns * self.side, -(-self.count // self.columns) * self.side
+
+    def corner(self, index: int) -> tuple[int, int]:
+        """The lower left texel of the batch's map number `index`."""
+        return index % self.columns * self.side, index // self.columns * self.side
+
+
+def batches(points: int, map_size: int, texture_size: int) -> list[Batch]:
+    """As few atlases as hold a map for each of `points` light points, within the GL's limit; at least one."""
+    side = min(-(-map_size // GRANULE) * GRANULE, texture_size // GRANULE * GRANULE)
+    most_columns = max(1, min(texture_size, int(ATLAS_TEXELS**0.5)) // side)
+    most = most_columns * most_columns
+    found = []
+    for first in range(0, max(points, 1), most):
+        count = min(most, points - first)
+        found.append(Batch(first, count, side, max(1, min(most_columns, int(np.ceil(np.sqrt(count)))))))
+    return found

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene's arrays on the GPU.
+
+All meshes lie one behind the other in common arrays, so one triangle number names a triangle of the scene.
+The G-buffer needs positions alone; normals and texture coordinates are fetched by triangle where it is seen.
+"""
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ..scene import Image, Instances, Materials, Mesh
+from .layout import INSTANCE, MATERIAL, WIDTH, octahedron_from_directions, upload_array
+
+SRGB8_ALPHA8 = 0x8C43
+
+
+@dataclass(frozen=True)
+class Draw:
+    """The instances of one mesh: one draw call."""
+
+    first_triangle: int
+    triangles: int
+    first_instance: int
+    instances: int
+
+
+class Geometry:
+    """Meshes as vertex and index buffers, and as textures that shaders read by triangle."""
+
+    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...]):
+        vertices = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])
+        self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
+        # A mesh far from its own origin would lose digits in float32 products: it is moved to its centre.
+        self.centres = np.array([centre_of(mesh.positions) for mesh in meshes]).reshape(-1, 3)
+        positions = joined([(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres)], (0, 3), "f4")
+        triangles = joined([m.triangles + first for m, first in zip(meshes, vertices)], (0, 3), "u4")
+        uvs = [m.uvs if len(m.uvs) else np.zeros((len(m.triangles), 3, 2), np.float32) for m in meshes]
+        normals = joined([snorm(mesh.normals) for mesh in meshes], (0, 2), "i2")
+        self.vertices = gl.buffer(positions) if len(positions) else None
+        self.indices = gl.buffer(triangles) if len(triangles) else None
+        self.textures = {
+            "positions": upload_array(gl, positions, "f4"),
+            "triangles": upload_array(gl, triangles, "u4"),
+            "normals": upload_array(gl, normals, "i2"),
+            "uvs": upload_array(gl, joined([uv.reshape(-1, 2) for uv in uvs], (0, 2), "f4"), "f4"),
+            "materials": upload_array(gl, joined([m.materials[:, None] for m in meshes], (0, 1), "u4"), "u4"),
+        }
+        self.bytes = positions.nbytes * 2 + triangles.nbytes * 2 + normals.nbytes + len(normals) * 8 + len(triangles) * 4
+
+
+class Placement:
+    """Where the instances stand in anchor space, sorted so that each mesh is one draw."""
+
+    def __init__(self, gl: moderngl.Context, geometry: Geometry, instances: Instances, anchor: np.ndarray):
+        shown = np.flatnonzero(instances.visible)
+        order = shown[np.argsort(instances.mesh[shown], kind="stable")]
+        mesh = instances.mesh[order]
+        matrices = instances.world_from_object[order]
+        offsets = np.einsum("nij,nj->ni", matrices[:, :3, :3], geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
+        rows = np.concatenate([matrices[:, :3, :3], offsets[:, :, None]], 2)
+        table = np.zeros(len(order), INSTANCE.dtype)
+        for k in range(3):
+            table[f"row{k}"] = rows[:, k]
+        self.table = INSTANCE.upload(gl, table)
+        self.bytes = table.nbytes
+        kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
+        spans = np.diff(geometry.first_triangle)
+        self.draws = [
+            Draw(int(geometry.first_triangle[k]), int(spans[k]), int(f), int(c))
+            for k, f, c in zip(kinds, first, count, strict=True)
+        ]
+
+
+class Surfaces:
+    """Materials as a table; all images, with their halved copies, in one texture of texels."""
+
+    def __init__(self, gl: moderngl.Context, materials: Materials, images: tuple[Image, ...]):
+        chains = [mip_chain(image.texels) for image in images]
+        blocks = [padded(np.concatenate(chain)) for chain in chains]
+        first = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
+        table = np.zeros(len(materials.base_color), MATERIAL.dtype)
+        table["color"] = materials.base_color
+        for row in np.flatnonzero(materials.image >= 0):
+            image = materials.image[row]
+            height, width = images[image].texels.shape[:2]
+            table[row]["first_line"] = first[image]
+            table[row]["width"], table[row]["height"] = width, height
+            table[row]["repeat"], table[row]["levels"] = images[image].repeat, len(chains[image])
+        self.table = MATERIAL.upload(gl, table)
+        texels = joined(blocks, (0, 4), "u1")
+        self.texels = upload_array(gl, texels, "f1", internal_format=SRGB8_ALPHA8)
+        self.bytes = table.nbytes + texels.nbytes
+
+
+def snorm(normals: np.ndarray) -> np.ndarray:
+    """Unit vectors (…,3) as points (N,2) int16 of the octahedron's square."""
+    return np.rint(octahedron_from_directions(normals.reshape(-1, 3)) * 32767.0).astype(np.int16)
+
+
+def joined(parts: list[np.ndarray], shape: tuple[int, ...], dtype: str) -> np.ndarray:
+    """The parts one behind the other, or an empty array."""
+    return np.concatenate(parts, dtype=dtype, casting="unsafe") if parts else np.zeros(shape, dtype)
+
+
+def padded(texels: np.ndarray) -> np.ndarray:
+    """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly, not texels."""
+    return np.pad(texels, ((0, -len(texels) % WIDTH), (0, 0)))
+
+
+def centre_of(positions: np.ndarray) -> np.ndarray:
+    """(3,) float64: the middle of the bounding box of positions (V,3)."""
+    if not len(positions):
+        return np.zeros(3)
+    return (positions.min(0).astype(np.float64) + positions.max(0)) / 2.0
+
+
+def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
+    """sRGB's decoding of values in [0,1] (IEC 61966-2-1)."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
+    """sRGB's encoding of values in [0,1]."""
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055)
+
+
+def mip_chain(texels: np.ndarray) -> list[np.ndarray]:
+    """An image (H,W,4) uint8 and its halved copies down to one texel, each as rows of texels (N,4) uint8.
+
+    Averages are taken in linear light. An odd last row or column joins its neighbour.
+    """
+    decode = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
+    chain = [texels.reshape(-1, 4)]
+    linear = decode[texels]
+    linear[..., 3] = texels[..., 3] / np.float32(255.0)
+    while linear.shape[0] > 1 or linear.shape[1] > 1:
+        for axis in (0, 1):
+            if linear.shape[axis] > 1:
+                starts = np.arange(0, linear.shape[axis] - 1, 2)
+                counts = np.diff(np.append(starts, linear.shape[axis])).astype(np.float32)
+                shape = [-1 if axis == k else 1 for k in range(3)]
+                linear = np.add.reduceat(linear, starts, axis) / counts.reshape(shape)
+        level = np.concatenate([srgb_from_linear(linear[..., :3]), linear[..., 3:]], -1)
+        chain.append(np.rint(np.clip(level, 0.0, 1.0) * 255.0).astype(np.uint8).reshape(-1, 4))
+    return chain

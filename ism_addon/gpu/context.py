@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where an OpenGL context comes from, what it must be able to do, and how to wait for it.
+
+The context belongs to the thread that opens it, which must not be Blender's main thread: there Blender's
+own context would stay current and take our calls without a word.
+"""
+
+import ctypes
+import sys
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+
+import moderngl
+
+#: OpenGL's version that every pass gets by with; macOS offers no newer one.
+FLOOR = 410
+
+
+class NoOpenGL(RuntimeError):
+    """This machine gives no usable OpenGL context; the message is a sentence for the artist."""
+
+
+@dataclass(frozen=True)
+class Device:
+    """An open context, its limits, and its name."""
+
+    gl: moderngl.Context
+    texture_size: int
+    name: str
+    #: Returns when the GPU has done all that was asked of it, without holding the interpreter's lock:
+    #: moderngl's own finish() and read() hold it while they wait, and Blender's window with it.
+    wait: Callable[[], None]
+    #: Compiled shaders by what they were made of: renderers share them.
+    programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
+
+
+def open_device() -> Device:
+    """Open a context without a window. Raises NoOpenGL."""
+    try:
+        if sys.platform.startswith("linux"):
+            gl = moderngl.create_context(standalone=True, backend="egl", require=FLOOR)
+        else:
+            gl = moderngl.create_context(standalone=True, require=FLOOR)
+    except Exception as reason:  # glcontext and moderngl raise bare Exceptions here
+        raise NoOpenGL(
+            f"OpenGL {FLOOR // 100}.{FLOOR // 10 % 10} could not be opened ({reason}): "
+            "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
+        ) from reason
+    gl.gc_mode = "context_gc"  # what is let go of is freed by gl.gc(), in this thread
+    finish = ctypes.CFUNCTYPE(None)(gl.mglo._context.load("glFinish"))
+    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish)

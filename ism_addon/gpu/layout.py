@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One declaration for data that numpy fills and GLSL reads.
+
+A Record is a row of a table: the table is a 2D texture, so its number of rows has no limit but memory
+(OpenGL 4.1 has no storage buffers, and a uniform block may hold no more than 16 KB). Numbers of kind "int"
+are stored as floats, exact up to 2^24.
+"""
+
+import moderngl
+import numpy as np
+
+SIZES = {"float": 1, "int": 1, "vec2": 2, "vec3": 3, "vec4": 4}
+
+#: Width of the textures that hold arrays; GLSL finds element i at (i % WIDTH, i / WIDTH).
+WIDTH = 4096
+
+
+class Record:
+    """A named row of members, each a kind of SIZES."""
+
+    def __init__(self, name: str, **members: str):
+        self.name = name
+        self.members = members
+        self.dtype = np.dtype(
+            [(key, "f4", (SIZES[kind],)) if SIZES[kind] > 1 else (key, "f4") for key, kind in members.items()]
+        )
+        self.texels = -(-self.dtype.itemsize // 16)
+        self.rows = WIDTH // self.texels
+
+    def glsl(self) -> str:
+        """A struct of this name and `Name fetch(sampler2D table, int row)`."""
+        struct = "".join(f"    {kind} {key};\n" for key, kind in self.members.items())
+        fetches = "".join(
+            f"    vec4 t{k} = texelFetch(table, at + ivec2({k}, 0), 0);\n" for k in range(self.texels)
+        )
+        values, first = [], 0
+        for kind in self.members.values():
+            floats = [f"t{k // 4}.{'xyzw'[k % 4]}" for k in range(first, first + SIZES[kind])]
+            values.append(f"{kind}({', '.join(floats)})")
+            first += SIZES[kind]
+        return (
+            f"struct {self.name} {{\n{struct}}};\n"
+            f"{self.name} fetch_{self.name}(sampler2D table, int row) {{\n"
+            f"    ivec2 at = ivec2(row % {self.rows} * {self.texels}, row / {self.rows});\n{fetches}"
+            f"    return {self.name}({', '.join(values)});\n}}\n"
+        )
+
+    def upload(self, gl: moderngl.Context, table: np.ndarray) -> moderngl.Texture:
+        """A table (N,) of this record's dtype as a texture."""
+        lines = max(1, -(-len(table) // self.rows))
+        floats = np.zeros((lines, WIDTH // self.texels, self.texels * 4), np.float32)
+        packed = table.view(np.float32).reshape(len(table), self.dtype.itemsize // 4)
+        floats.reshape(-1, self.texels * 4)[: len(table), : packed.shape[1]] = packed
+        width = self.rows * self.texels
+        texture = gl.texture((width, lines), 4, floats, dtype="f4")
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        return texture
+
+
+def upload_array(
+    gl: moderngl.Context, array: np.ndarray, dtype: str, internal_format: int | None = None
+) -> moderngl.Texture:
+    """An array (N, components 1…4) as a texture of WIDTH columns, without a padded copy of the whole."""
+    array = np.ascontiguousarray(array)
+    lines, rest = divmod(len(array), WIDTH)
+    size = WIDTH, max(1, lines + (rest > 0))
+    texture = gl.texture(size, array.shape[1], dtype=dtype, internal_format=internal_format)
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    if lines:
+        texture.write(array[: lines * WIDTH], viewport=(0, 0, WIDTH, lines))
+    if rest:
+        texture.write(array[lines * WIDTH :], viewport=(0, lines, rest, 1))
+    return texture
+
+
+def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
+    """Unit vectors (…,3) as points (…,2) of a square, as lib/octahedron.glsl does (Cigolle et al. 2014)."""
+    p = directions[..., :2] / np.maximum(np.abs(directions).sum(-1, keepdims=True), 1e-20)
+    folded = (1.0 - np.abs(p[..., ::-1])) * np.where(p >= 0.0, 1.0, -1.0)
+    return np.where(directions[..., 2:] >= 0.0, p, folded)
+
+
+def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
+    """The inverse: (…,2) to unit vectors (…,3)."""
+    z = 1.0 - np.abs(points).sum(-1, keepdims=True)
+    across = points - np.where(points >= 0.0, 1.0, -1.0) * np.maximum(-z, 0.0)
+    directions = np.concatenate([across, z], -1)
+    return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+
+#: Where a mesh stands: the rows of its 3×4 matrix.
+INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
+
+#: A Lambertian surface; a width of 0 means that there is no image.
+MATERIAL = Record("Material", color="vec3", first_line="int", width="int", height="int", repeat="int", levels="int")
+
+#: An area light in anchor space, and which light points stand for it.
+LIGHT = Record(
+    "Light",
+    position="vec3",
+    shape="int",
+    axis_u="vec3",
+    first_point="int",
+    axis_v="vec3",
+    point_count="int",
+    normal="vec3",
+    casts_shadow="int",
+    radiance="vec3",
+    spread_tangent="float",
+    spread_scale="float",
+)
+
+#: A virtual point light in anchor space, with two axes of the hemisphere that its shadow map covers.
+LIGHT_POINT = Record("LightPoint", position="vec3", tangent="vec3", normal="vec3")

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The steps of the method. What a pass is, and what it is handed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import moderngl
+import numpy as np
+
+from ...scene import Change, Scene, View
+from ...settings import Settings
+from ..atlas import Batch
+from ..context import Device
+from ..layout import Record
+from ..program import compile_program
+from ..targets import Target, Targets
+
+
+@dataclass
+class Frame:
+    """One sample of one picture, as the passes see it."""
+
+    device: Device
+    scene: Scene
+    view: View
+    settings: Settings
+    sample: int
+    anchor: np.ndarray  # (3,) float64 world
+    targets: Targets
+    tables: dict[str, Any]  # what passes make that is no target, by name
+    counts: dict[str, int]
+    batch: Batch | None = None  # the light points whose maps are in the atlas
+
+    @property
+    def casts_shadows(self) -> bool:
+        """Whether a shadow map can hold anything that matters."""
+        return bool(
+            self.settings.shadow.enabled
+            and self.scene.lights.casts_shadow.any()
+            and self.scene.instances.casts_shadow.any()
+        )
+
+    @property
+    def occludes(self) -> bool:
+        """Whether ambient occlusion can darken anything."""
+        ssao = self.settings.ssao
+        return bool(ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any())
+
+    def part(self, change: Change) -> object:
+        """What stands for one kind of input: equal as long as it did not change."""
+        view = self.view
+        return {
+            Change.MESHES: self.scene.meshes,
+            Change.INSTANCES: (self.scene.instances, self.anchor.tobytes()),
+            Change.MATERIALS: (self.scene.materials, self.scene.images),
+            Change.LIGHTS: (self.scene.lights, self.anchor.tobytes()),
+            Change.WORLD: self.scene.world,
+            Change.VIEW: (
+                view.clip_from_view.tobytes(),
+                view.view_from_world.tobytes(),
+                (view.width, view.height, view.filter_width, view.transparent),
+                self.anchor.tobytes(),
+            ),
+            Change.SAMPLE: self.sample,
+        }[change]
+
+
+class Pass:
+    """One step of the method. Its class, shader file and row in the profile have one name.
+
+    It is drawn again only if what it depends on differs from when it was last drawn: parts of the input,
+    sections of the settings, or the resources it reads.
+    """
+
+    reads: ClassVar[tuple[str, ...]] = ()
+    writes: ClassVar[Mapping[str, Target]] = {}
+    makes: ClassVar[tuple[str, ...]] = ()  # resources that are no targets: tables, buffers, atlases
+    settings: ClassVar[tuple[str, ...]] = ()
+    depends_on: ClassVar[tuple[Change, ...]] = ()
+
+    def __init__(self, device: Device):
+        self.device = device
+
+    def needed(self, frame: Frame) -> bool:
+        """Whether the picture would differ without this pass."""
+        return True
+
+    def draw(self, frame: Frame) -> None:
+        """Make what the pass writes."""
+        raise NotImplementedError
+
+    def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:
+        """The triangle that covers all pixels, shaded by the file named like this pass."""
+        name = type(self).__module__.rsplit(".", 1)[-1]
+        program = compile_program(self.device, "full_screen.vert", f"{name}.frag", records=records, **constants)
+        return self.device.gl.vertex_array(program, [])

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light and shadow from all light points at each pixel.
+
+Beck-Norén & Valter 2013, section 3.2. What differs: a light's irradiance is exact (Lambert's edge sum, see
+radiometry), and the light points only weigh how much of it arrives, as a ratio (Heitz, Hill & McGuire 2018): where
+nothing is in the way there is no error. The receiver is compared as the plane that it is, in the direction of
+the texel's centre, where the disc was measured too. Matrices come from a table, so their number has no limit.
+"""
+
+import moderngl
+
+from ...radiometry import ELLIPSE_CORNERS, ellipse_polygon_scale
+from ...scene import Change
+from ..context import Device
+from ..layout import LIGHT, LIGHT_POINT
+from ..program import bind
+from ..targets import Target
+from . import Frame, Pass
+from .splat import EMPTY
+
+
+class Gather(Pass):
+    """Irradiance W/m² of each pixel: the sum over the batches of light points."""
+
+    reads = ("position", "normal", "lights", "light_points", "splats", "shadow_maps")
+    writes = {"irradiance": Target(4, "f4")}
+    settings = ("shadow.enabled", "shadow.bias", "shadow.fill_holes")
+    depends_on = (Change.LIGHTS,)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.pixels = self.full_screen(
+            LIGHT,
+            LIGHT_POINT,
+            empty=EMPTY,
+            ellipse_corners=ELLIPSE_CORNERS,
+            ellipse_scale=ellipse_polygon_scale(ELLIPSE_CORNERS),
+        )
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.lights.shape) > 0
+
+    def draw(self, frame: Frame) -> None:
+        gl, batch, shadow = frame.device.gl, frame.batch, frame.settings.shadow
+        target = frame.targets.into("irradiance")
+        if batch.first == 0:
+            target.clear()
+        target.use()
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_func = moderngl.ONE, moderngl.ONE
+        bind(
+            self.pixels.program,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            lights=frame.tables["lights"],
+            light_points=frame.tables["light_points"],
+            maps=frame.targets["shadow_maps" if shadow.fill_holes else "splats"],
+            light_count=len(frame.scene.lights.shape),
+            batch=(batch.first, batch.count),
+            side=batch.side,
+            columns=batch.columns,
+            shadows=frame.casts_shadows,
+            bias=shadow.bias,
+        )
+        self.pixels.render(moderngl.TRIANGLES, vertices=3)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the camera sees: first which triangle, then its depth, position, normals and albedo.
+
+A visibility buffer (Burns & Hunt 2013): the triangles are drawn with nothing but their positions, so the
+vertex stage handles each vertex once; all else is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3,
+store depth, normals and positions likewise.
+"""
+
+import moderngl
+
+from ...scene import Change
+from ..context import Device
+from ..layout import INSTANCE, MATERIAL
+from ..program import bind, compile_program
+from ..targets import DEPTH, Target
+from . import Frame, Pass
+
+#: Depth of the background, as in Cycles' depth pass. m
+FAR_AWAY = 1e10
+
+
+class GBuffer(Pass):
+    """Depth along the view's axis, position, normals and albedo of each pixel's nearest surface."""
+
+    writes = {
+        "triangle": Target(2, "u4"),
+        "z": Target(1, DEPTH),
+        "depth": Target(1, "f4", neutral=(FAR_AWAY,)),
+        "position": Target(4, "f4"),
+        "normal": Target(4, "f4"),  # octahedral: shading normal in xy, the triangle's own in zw
+        "albedo": Target(4, "f2"),
+    }
+    reads = ("geometry", "placement", "surfaces")
+    depends_on = (Change.VIEW, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", records=(INSTANCE,))
+        self.surface = self.full_screen(INSTANCE, MATERIAL, far_away=FAR_AWAY)
+
+    def draw(self, frame: Frame) -> None:
+        self.draw_triangles(frame)
+        frame.targets.into("depth", "position", "normal", "albedo").use()
+        frame.device.gl.disable(moderngl.DEPTH_TEST)
+        bind(
+            self.surface.program,
+            triangle_ids=frame.targets["triangle"],
+            instances=frame.tables["placement"].table,
+            material_table=frame.tables["surfaces"].table,
+            texels=frame.tables["surfaces"].texels,
+            **frame.tables["geometry"].textures,
+        )
+        self.surface.render(moderngl.TRIANGLES, vertices=3)
+
+    def draw_triangles(self, frame: Frame) -> None:
+        """Which triangle of which instance is nearest; 0 where there is none."""
+        gl = frame.device.gl
+        target = frame.targets.into("triangle", "z")
+        target.clear(depth=1.0)
+        geometry = frame.tables["geometry"]
+        if geometry.indices is None:
+            return
+        target.use()
+        gl.enable_only(moderngl.DEPTH_TEST)
+        mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
+        bind(self.triangles, instances=frame.tables["placement"].table)
+        for draw in frame.tables["placement"].draws:
+            bind(self.triangles, first_triangle=draw.first_triangle, first_instance=draw.first_instance)
+            mesh.render(
+                moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
+            )

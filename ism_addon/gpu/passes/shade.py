@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Put together what a pixel sends to the camera, in linear light.
+
+Albedo / pi times the irradiance of the lights, plus albedo times the world's radiance as far as the ambient
+occlusion leaves it open; behind everything, the world itself. The occlusion is brought to full resolution here,
+from the half-resolution pixels that show the same surface.
+"""
+
+import moderngl
+
+from ...scene import Change
+from ..context import Device
+from ..program import bind
+from ..targets import Target
+from . import Frame, Pass
+
+
+class Shade(Pass):
+    """The picture of one sample, alpha premultiplied."""
+
+    reads = ("position", "normal", "depth", "albedo", "irradiance", "smooth_occlusion")
+    writes = {"color": Target(4, "f4")}
+    depends_on = (Change.WORLD, Change.VIEW)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.pixels = self.full_screen()
+
+    def draw(self, frame: Frame) -> None:
+        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.targets.into("color").use()
+        bind(
+            self.pixels.program,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            depth=frame.targets["depth"],
+            albedo=frame.targets["albedo"],
+            irradiance=frame.targets["irradiance"],
+            occlusion=frame.targets["smooth_occlusion"],
+            world=tuple(frame.scene.world.radiance),
+            background=0.0 if frame.view.transparent else 1.0,
+        )
+        self.pixels.render(moderngl.TRIANGLES, vertices=3)

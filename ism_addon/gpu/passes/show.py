@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Any target as a picture: what settings.show names, stretched to the picture's size."""
+
+import moderngl
+
+from ..context import Device
+from ..program import bind, compile_program
+from ..targets import Target
+from . import Frame, Pass
+
+
+class Show(Pass):
+    """The picture that is accumulated: the colour, or a target looked into."""
+
+    reads = ("color",)
+    writes = {"shown": Target(4, "f4")}
+    settings = ("show",)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.pixels = {
+            integers: device.gl.vertex_array(
+                compile_program(device, "full_screen.vert", "show.frag", integers=int(integers)), []
+            )
+            for integers in (False, True)
+        }
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.settings.show != "color"
+
+    def draw(self, frame: Frame) -> None:
+        frame.device.gl.enable_only(moderngl.NOTHING)
+        source = frame.targets[frame.settings.show]
+        frame.targets.into("shown").use()
+        pixels = self.pixels[source.dtype == "u4"]
+        bind(
+            pixels.program,
+            source=source,
+            octahedral=frame.settings.show == "normal",
+            components=source.components,
+            picture_size=frame.targets["shown"].size,
+        )
+        pixels.render(moderngl.TRIANGLES, vertices=3)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An imperfect shadow map for each light point: surface points as oriented discs, nearest first.
+
+Beck-Norén & Valter 2013, sections 2.1 and 3.2: a geometry shader makes a point a quad, the fragment shader
+makes the quad a disc with the triangle's normal. A map covers its light point's whole hemisphere, here by the
+upper half of an octahedron, which wastes no texel. As that bends planes, each fragment meets the disc's plane
+itself. All maps lie in one atlas; the nearest distance wins by blending with the minimum, which keeps metres.
+"""
+
+import moderngl
+import numpy as np
+
+from ..context import Device
+from ..layout import LIGHT_POINT
+from ..program import bind, compile_program
+from ..targets import Target
+from . import Frame, Pass
+
+#: Distance of what no disc covers. m
+EMPTY = 1e30
+
+
+class Splat(Pass):
+    """The atlas of one batch: for each direction, the distance to the nearest disc."""
+
+    reads = ("surface_points", "light_points")
+    writes = {"splats": Target(1, "f4", neutral=(EMPTY,), divisor=0)}
+    settings = ("shadow.splat_size", "quality.map_size")
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.discs = compile_program(
+            device, "splat.vert", "splat.geom", "splat.frag", records=(LIGHT_POINT,), empty=EMPTY
+        )
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.casts_shadows
+
+    def draw(self, frame: Frame) -> None:
+        gl, batch = frame.device.gl, frame.batch
+        frame.targets.allocate("splats", self.writes["splats"], batch.size)
+        atlas = frame.targets.into("splats")
+        atlas.clear(EMPTY)
+        cloud, points = frame.tables["surface_points"]
+        if points is None:
+            return
+        atlas.use()
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_equation = moderngl.MIN
+        radius = frame.settings.shadow.splat_size * np.sqrt(cloud.area / np.pi)
+        bind(self.discs, light_points=frame.tables["light_points"], radius=radius, side=batch.side)
+        discs = gl.vertex_array(self.discs, [(points, "3f 3f", "position", "normal")])
+        for index in range(batch.count):
+            corner = batch.corner(index)
+            gl.viewport = (*corner, batch.side, batch.side)
+            bind(self.discs, light_point=batch.first + index, corner=corner)
+            subset = (batch.first + index + frame.sample) % cloud.subsets
+            discs.render(moderngl.POINTS, vertices=cloud.count, first=subset * cloud.count)
+        gl.blend_equation = moderngl.FUNC_ADD
+        frame.counts["surface_points"] = cloud.count

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as random points on its triangles, each standing for the same share of its area.
+
+Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008. As in the latter, shadow maps do not all
+see the same points: the cloud falls into subsets, dealt out to the maps, so that errors average out.
+"""
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ...sampling import points_on_triangles, shares, triangle_areas
+from ...scene import Change, Mesh, Scene
+from ...settings import Settings
+from . import Frame, Pass
+
+#: Most subsets of the cloud, and the most points that all of them may have.
+SUBSETS = 8
+MOST_POINTS = 1 << 21
+
+POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3)])
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """`subsets` sets of `count` points each, one behind the other; `area` m² is a point's share."""
+
+    points: np.ndarray  # (subsets * count,) POINT, anchor space
+    subsets: int
+    count: int
+    area: float
+
+
+def similarity(linear: np.ndarray) -> np.ndarray:
+    """(I,) scale of linear maps (I,3,3) that keep angles; 0 where they do not."""
+    gram = np.einsum("nki,nkj->nij", linear, linear)
+    square = np.trace(gram, axis1=1, axis2=2) / 3.0
+    stretched = np.abs(gram - square[:, None, None] * np.eye(3)).max((1, 2)) > 1e-5 * square
+    return np.where(stretched, 0.0, np.sqrt(square))
+
+
+def make_cloud(scene: Scene, anchor: np.ndarray, count: int) -> Cloud:
+    """Points on all instances that cast shadows, in proportion to their world area.
+
+    An instance's points are the first of its mesh's endless sequence: they stay where they are on it
+    while it, or anything else, moves.
+    """
+    instances = scene.instances
+    rows = np.flatnonzero(instances.casts_shadow)
+    matrices = instances.world_from_object[rows]
+    scales = similarity(matrices[:, :3, :3])
+    corners = {k: object_corners(scene.meshes[k]) for k in np.unique(instances.mesh[rows])}
+    own_area = {k: triangle_areas(c).sum() for k, c in corners.items()}
+    areas = np.array([own_area[k] for k in instances.mesh[rows]]) * scales**2
+    for i in np.flatnonzero(scales == 0.0):
+        areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
+    total = areas.sum()
+    if total <= 0.0:
+        return Cloud(np.zeros(0, POINT), 1, 0, 0.0)
+    subsets = int(np.clip(MOST_POINTS // count, 1, SUBSETS))
+    due = shares(areas, count * subsets)
+    positions = np.zeros((count * subsets, 3))
+    normals = np.zeros((count * subsets, 3))
+    ends = np.cumsum(due)
+    for k, mesh_corners in corners.items():
+        of_mesh = instances.mesh[rows] == k
+        for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
+            fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group])
+    order = np.arange(count * subsets).reshape(count, subsets).T.ravel()
+    points = np.zeros(count * subsets, POINT)
+    points["position"] = (positions - anchor)[order]
+    points["normal"] = normals[order]
+    return Cloud(points, subsets, count, float(total) / count)
+
+
+def fill(
+    positions: np.ndarray, normals: np.ndarray, corners: np.ndarray, matrices: np.ndarray, due: np.ndarray, ends: np.ndarray
+) -> None:
+    """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each of its instances, before `ends` (I,)."""
+    if not due.sum():
+        return
+    linear = matrices[:, :3, :3]
+    # Instances that keep angles share one sequence; one that does not weighs its triangles anew.
+    seen = corners if len(matrices) > 1 or similarity(linear)[0] > 0.0 else corners @ linear[0].T
+    chosen, on_mesh = points_on_triangles(seen, int(due.max()))
+    if seen is not corners:
+        linear = np.eye(3)[None]
+    facets = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])[chosen]
+    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+    of = np.repeat(np.arange(len(due)), due)
+    index = np.arange(len(of)) - np.repeat(np.cumsum(due) - due, due)
+    to = np.repeat(ends - due, due) + index
+    positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
+    turned = np.einsum("nij,nj->ni", linear[of], facets[index])
+    normals[to] = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
+
+
+def object_corners(mesh: Mesh) -> np.ndarray:
+    """(T,3,3) float64 object space."""
+    return mesh.positions.astype(np.float64)[mesh.triangles]
+
+
+class SurfacePoints(Pass):
+    """The cloud that stands for the scene in the shadow maps, as a vertex buffer."""
+
+    makes = ("surface_points",)
+    settings = ("quality.surface_points",)
+    depends_on = (Change.MESHES, Change.INSTANCES)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.casts_shadows
+
+    def draw(self, frame: Frame) -> None:
+        cloud = make_cloud(frame.scene, frame.anchor, frame.settings.quality.surface_points)
+        buffer = self.device.gl.buffer(cloud.points) if len(cloud.points) else None
+        frame.tables["surface_points"] = cloud, buffer
+        frame.counts["bytes_uploaded"] += cloud.points.nbytes

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each only when it changed."""
+
+from ...scene import Change
+from ..buffers import Geometry, Placement, Surfaces
+from . import Frame, Pass
+
+
+class Meshes(Pass):
+    """Vertices and triangles of all meshes."""
+
+    makes = ("geometry",)
+    depends_on = (Change.MESHES,)
+
+    def draw(self, frame: Frame) -> None:
+        geometry = frame.tables["geometry"] = Geometry(self.device.gl, frame.scene.meshes)
+        frame.counts["bytes_uploaded"] += geometry.bytes
+
+
+class Place(Pass):
+    """The matrices of the instances."""
+
+    reads = ("geometry",)
+    makes = ("placement",)
+    depends_on = (Change.INSTANCES,)
+
+    def draw(self, frame: Frame) -> None:
+        placement = Placement(self.device.gl, frame.tables["geometry"], frame.scene.instances, frame.anchor)
+        frame.tables["placement"] = placement
+        frame.counts["bytes_uploaded"] += placement.bytes
+
+
+class Colours(Pass):
+    """Materials and images."""
+
+    makes = ("surfaces",)
+    depends_on = (Change.MATERIALS,)
+
+    def draw(self, frame: Frame) -> None:
+        surfaces = frame.tables["surfaces"] = Surfaces(self.device.gl, frame.scene.materials, frame.scene.images)
+        frame.counts["bytes_uploaded"] += surfaces.bytes

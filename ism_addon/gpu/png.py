@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures to PNG files with nothing but the standard library: Blender ships no image library for Python."""
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+
+def display_from_linear(color: np.ndarray) -> np.ndarray:
+    """(H,W,4) uint8 sRGB with straight alpha, of linear light with premultiplied alpha: Blender's "Standard" view."""
+    alpha = np.clip(color[..., 3:], 0.0, 1.0)
+    linear = np.clip(color[..., :3] / np.where(alpha > 0.0, alpha, 1.0), 0.0, 1.0)
+    encoded = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+    return np.rint(np.concatenate([encoded, alpha], -1) * 255.0).astype(np.uint8)
+
+
+def write_png(path: Path, pixels: np.ndarray) -> None:
+    """Write (H,W,4) uint8, bottom row first, as a PNG of 8-bit RGBA (ISO 15948)."""
+    height, width = pixels.shape[:2]
+    lines = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter, 0: none
+    lines[:, 1:] = pixels[::-1].reshape(height, -1)
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(lines.tobytes(), 6))
+        + chunk(b"IEND", b"")
+    )

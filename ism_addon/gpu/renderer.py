@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The method, as it is written in the paper.
+
+Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and screen space ambient occlusion", 2013.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..sampling import pixel_offset
+from ..scene import Scene, View
+from ..settings import Settings
+from ..spaces import anchor_of, camera_position
+from . import block
+from .atlas import batches
+from .context import Device
+from .layout import directions_from_octahedron
+from .passes import Frame, Pass
+from .passes.accumulate import Accumulate
+from .passes.blur import Blur
+from .passes.gather import Gather
+from .passes.gbuffer import FAR_AWAY, GBuffer
+from .passes.light_points import LightPoints, points_per_light
+from .passes.pull_push import PullPush
+from .passes.shade import Shade
+from .passes.show import Show
+from .passes.splat import Splat
+from .passes.ssao import SSAO
+from .passes.surface_points import SurfacePoints
+from .passes.upload import Colours, Meshes, Place
+from .targets import Targets
+
+#: What the camera sees, and points for the scene and for its lights,
+BEFORE = (Meshes, Place, Colours, GBuffer, SurfacePoints, LightPoints)
+#: for as many light points as an atlas holds: an imperfect shadow map each, filled, and the light they let through,
+FOR_EACH_BATCH = (Splat, PullPush, Gather)
+#: the creases too small for the maps, and all of it put together; again with other points, and averaged.
+AFTER = (SSAO, Blur, Shade, Show, Accumulate)
+
+PASSES = (*BEFORE, *FOR_EACH_BATCH, *AFTER)
+
+#: What settings.show may name.
+SHOWABLE = tuple(name for kind in PASSES for name, target in kind.writes.items() if target.dtype != "depth")
+
+
+@dataclass
+class Row:
+    """A pass's row in the profile."""
+
+    drawn: int = 0
+    reused: int = 0
+    skipped: int = 0
+    ms: float = 0.0
+
+
+@dataclass
+class Profile:
+    """What a picture took so far."""
+
+    rows: dict[str, Row] = field(default_factory=lambda: {kind.__name__: Row() for kind in PASSES})
+    counts: dict[str, int] = field(default_factory=lambda: {"bytes_uploaded": 0, "surface_points": 0, "light_points": 0})
+
+
+class Renderer:
+    """Draws samples of pictures; keeps what the next one can use again."""
+
+    def __init__(self, device: Device):
+        self.device = device
+        self.passes = {kind: kind(device) for kind in PASSES}
+        self.targets = Targets(device.gl)
+        self.tables: dict = {}
+        self.block = device.gl.buffer(reserve=block.DTYPE.itemsize)
+        self.keys: dict[type[Pass], tuple] = {}
+        self.revisions: dict[str, int] = {}
+
+    def sample(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Iterator[str]:
+        """Draw one sample, and yield the name of each pass when the GPU is done with it."""
+        frame = self.frame(scene, view, settings, sample, profile)
+        for kind in BEFORE:
+            yield self.run(kind, frame, profile)
+        points = points_per_light(scene.lights, settings.quality.light_points).sum()
+        for frame.batch in batches(int(points), settings.quality.map_size, self.device.texture_size):
+            for kind in FOR_EACH_BATCH:
+                yield self.run(kind, frame, profile)
+        for kind in AFTER:
+            yield self.run(kind, frame, profile)
+        self.device.gl.gc()
+
+    def frame(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Frame:
+        """What the passes are told about this sample."""
+        camera = camera_position(view.view_from_world)
+        anchor = anchor_of(camera, scene.extent)
+        offset = pixel_offset(sample, view.filter_width)
+        self.block.write(block.frame_block(view, anchor, offset))
+        self.block.bind_to_uniform_block(block.BINDING)
+        return Frame(
+            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts
+        )
+
+    def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
+        """Draw one pass if the picture needs it and something that it depends on is new."""
+        step, row = self.passes[kind], profile.rows[kind.__name__]
+        needed = step.needed(frame)
+        key = self.key(kind, frame) if needed else None
+        if kind in self.keys and self.keys[kind] == key:
+            row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
+            return kind.__name__
+        start = time.perf_counter()
+        for name, target in kind.writes.items():
+            if not needed:
+                self.targets.neutralise(name, target)
+            elif target.divisor:
+                size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
+                self.targets.allocate(name, target, size)
+        if needed:
+            step.draw(frame)
+            self.device.wait()
+        row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
+        row.ms += 1e3 * (time.perf_counter() - start)
+        self.keys[kind] = key
+        for name in (*kind.writes, *kind.makes):
+            self.revisions[name] = self.revisions.get(name, 0) + 1
+        return kind.__name__
+
+    def key(self, kind: type[Pass], frame: Frame) -> tuple:
+        """All that a pass depends on: equal as long as what it drew last still holds."""
+        return (
+            tuple(frame.part(change) for change in kind.depends_on),
+            tuple(setting(frame.settings, path) for path in kind.settings),
+            tuple(self.revisions.get(name, 0) for name in kind.reads),
+            (frame.view.width, frame.view.height) if kind.writes else None,
+            frame.batch,
+        )
+
+    def picture(self, samples: int) -> np.ndarray:
+        """(H,W,4): the average of the samples so far, alpha premultiplied, bottom row first."""
+        width, height = self.targets["sum"].size
+        color = np.empty((height, width, 4), np.float32)
+        self.targets["sum"].read_into(color)
+        color /= samples
+        return color
+
+    def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depth (H,W) m and world-space shading normals (H,W,3) of the newest sample, bottom row first."""
+        width, height = self.targets["depth"].size
+        depth, packed = np.empty((height, width), np.float32), np.empty((height, width, 4), np.float32)
+        self.targets["depth"].read_into(depth)
+        self.targets["normal"].read_into(packed)
+        normal = directions_from_octahedron(packed[..., :2])
+        normal[depth >= FAR_AWAY] = 0.0
+        return depth, normal
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self.targets.release()
+        self.tables.clear()
+        self.device.gl.gc()
+
+
+def setting(settings: Settings, path: str) -> object:
+    """The setting, or section of settings, that a path such as "shadow.bias" names."""
+    value: object = settings
+    for name in path.split("."):
+        value = getattr(value, name)
+    return value

@@ -1,0 +1,69 @@
+// Irradiance: a light's exact value times the part of its light points that see the pixel, weighted by what they send.
+#include "lib/octahedron.glsl"
+#include "lib/irradiance.glsl"
+#include "lib/spread.glsl"
+
+uniform sampler2D position;
+uniform sampler2D normals;
+uniform sampler2D lights;
+uniform sampler2D light_points;
+uniform sampler2D maps;
+uniform int light_count;
+uniform ivec2 batch; // first light point, number of light points
+uniform int side;
+uniform int columns;
+uniform bool shadows;
+uniform float bias;
+out vec4 irradiance;
+
+// 1 where the light point number `index` of the batch sees the receiver p with the plane normal `facet`.
+float visibility(LightPoint light, int index, vec3 p, vec3 facet) {
+    mat3 map_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
+    vec3 v = map_from_anchor * (p - light.position);
+    vec3 n = map_from_anchor * facet;
+    float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
+    v += n * (bias * texel_angle * length(v));
+    vec2 square = square_from_hemisphere(vec3(v.xy, max(v.z, 0.0)));
+    ivec2 texel = clamp(ivec2((0.5 * square + 0.5) * float(side)), ivec2(0), ivec2(side - 1));
+    vec3 centre = hemisphere_from_square((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0);
+    float plane = dot(n, v) / dot(n, centre);
+    float distance = length(v);
+    // A plane seen edge-on reaches from here to nowhere within a texel: there its own distance must do.
+    float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
+    ivec2 corner = ivec2(index % columns, index / columns) * side;
+    return texelFetch(maps, corner + texel, 0).x >= receiver ? 1.0 : 0.0;
+}
+
+vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
+    bool masked = shadows && light.casts_shadow != 0;
+    vec3 full = light.radiance * area_irradiance(light, p, n);
+    if (!masked && light.spread_scale == 0.0) return batch.x == 0 ? full : vec3(0.0);
+    float sent = 0.0, arrived = 0.0;
+    for (int k = light.first_point; k < light.first_point + light.point_count; ++k) {
+        LightPoint point = fetch_LightPoint(light_points, k);
+        vec3 to = point.position - p;
+        float square = dot(to, to);
+        float receiver = max(dot(n, to), 0.0), sender = max(-dot(light.normal, to), 0.0);
+        float weight = receiver * sender / max(square * square, 1e-30);
+        sent += weight;
+        int index = k - batch.x;
+        if (masked ? index >= 0 && index < batch.y : batch.x == 0) {
+            weight *= spread(light, sender * inversesqrt(max(square, 1e-30)));
+            arrived += masked ? weight * visibility(point, index, p, facet) : weight;
+        }
+    }
+    return sent > 0.0 ? full * (arrived / sent) : vec3(0.0);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 p = texelFetch(position, at, 0);
+    irradiance = vec4(0.0);
+    if (p.w == 0.0) return;
+    vec4 octahedra = texelFetch(normals, at, 0);
+    vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
+    for (int k = 0; k < light_count; ++k) {
+        Light light = fetch_Light(lights, k);
+        irradiance.rgb += light_irradiance(light, p.xyz, n, facet);
+    }
+}

@@ -1,0 +1,78 @@
+// From a triangle's number to all that the other passes ask about a pixel.
+#include "lib/array.glsl"
+#include "lib/octahedron.glsl"
+#include "lib/ray.glsl"
+#include "lib/image.glsl"
+
+uniform usampler2D triangle_ids;
+uniform sampler2D instances;
+uniform sampler2D material_table;
+uniform sampler2D positions;
+uniform usampler2D triangles;
+uniform isampler2D normals;
+uniform sampler2D uvs;
+uniform usampler2D materials;
+layout(location = 0) out float depth;
+layout(location = 1) out vec4 position;
+layout(location = 2) out vec4 normal;
+layout(location = 3) out vec4 albedo;
+
+// Barycentric coordinates of where a ray meets the plane of the triangle a, a + u, a + v, whose normal is n.
+vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
+    vec3 q = cross(ray.direction, ray.origin - a);
+    float scale = -1.0 / dot(ray.direction, n);
+    float s = dot(v, q) * scale, t = -dot(u, q) * scale;
+    return vec3(1.0 - s - t, s, t);
+}
+
+void main() {
+    uvec2 id = texelFetch(triangle_ids, ivec2(gl_FragCoord.xy), 0).xy;
+    if (id.x == 0u) {
+        depth = FAR_AWAY;
+        position = normal = albedo = vec4(0.0);
+        return;
+    }
+    int triangle = int(id.x) - 1;
+    Instance here = fetch_Instance(instances, int(id.y));
+    mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
+    vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
+
+    uvec3 vertex = texelFetch(triangles, element(triangle), 0).xyz;
+    vec3 a = texelFetch(positions, element(int(vertex.x)), 0).xyz;
+    vec3 u = linear * (texelFetch(positions, element(int(vertex.y)), 0).xyz - a);
+    vec3 v = linear * (texelFetch(positions, element(int(vertex.z)), 0).xyz - a);
+    a = linear * a + offset;
+    vec3 facet = cross(u, v);
+
+    Ray ray = view_ray(gl_FragCoord.xy);
+    vec3 exact = barycentric(ray, a, u, v, facet);
+    vec3 b = clamp(exact, 0.0, 1.0);
+    b /= b.x + b.y + b.z;
+    vec3 p = a + u * b.y + v * b.z;
+    position = vec4(p, 1.0);
+    depth = -(view_from_anchor * vec4(p, 1.0)).z;
+
+    // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.
+    mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
+    vec3 smooth_normal = vec3(0.0);
+    vec2 uv[3];
+    for (int k = 0; k < 3; ++k) {
+        int corner = 3 * triangle + k;
+        vec2 octahedra = vec2(texelFetch(normals, element(corner), 0).xy) / 32767.0;
+        smooth_normal += b[k] * direction_from_octahedron(octahedra);
+        uv[k] = texelFetch(uvs, element(corner), 0).xy;
+    }
+    smooth_normal = normalize(cofactor * smooth_normal);
+    facet = normalize(facet);
+    float side = dot(facet, ray.direction) > 0.0 ? -1.0 : 1.0;
+    normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
+
+    Material material = fetch_Material(material_table, int(texelFetch(materials, element(triangle), 0).x));
+    albedo = vec4(material.color, 1.0);
+    if (material.width > 0) {
+        vec3 bx = barycentric(view_ray(gl_FragCoord.xy + vec2(1.0, 0.0)), a, u, v, cross(u, v));
+        vec3 by = barycentric(view_ray(gl_FragCoord.xy + vec2(0.0, 1.0)), a, u, v, cross(u, v));
+        mat3x2 at = mat3x2(uv[0], uv[1], uv[2]);
+        albedo.rgb = image_color(material, at * b, at * (bx - exact), at * (by - exact));
+    }
+}

@@ -1,0 +1,12 @@
+// Object to clip space. The mesh stands where its instance's row says.
+uniform sampler2D instances;
+uniform int first_instance;
+in vec3 position;
+flat out int instance;
+
+void main() {
+    instance = first_instance + gl_InstanceID;
+    Instance here = fetch_Instance(instances, instance);
+    vec4 p = vec4(position, 1.0);
+    gl_Position = clip_from_anchor * vec4(dot(here.row0, p), dot(here.row1, p), dot(here.row2, p), 1.0);
+}

@@ -1,0 +1,49 @@
+// The part of a cone of points about the normal that is not behind what the camera sees.
+#include "lib/octahedron.glsl"
+#include "lib/half.glsl"
+#include "lib/basis.glsl"
+
+uniform sampler2D depth;
+uniform sampler2D position;
+uniform sampler2D normals;
+uniform sampler2D random;
+uniform vec3 cone_points[POINTS]; // in [0,1): two for the place on the cone's cap, one for the distance
+uniform float turn;
+uniform float radius;
+uniform float cone_sine;
+uniform float intensity;
+uniform float attenuation;
+out float occlusion; // 1 is open
+
+float occluded_by(vec3 p, vec3 facet, vec3 s) {
+    vec4 clip = clip_from_anchor * vec4(s, 1.0);
+    vec2 uv = 0.5 * clip.xy / clip.w + 0.5;
+    if (clip.w <= 0.0 || any(lessThan(uv, vec2(0.0))) || any(greaterThanEqual(uv, vec2(1.0)))) return 0.0;
+    ivec2 size = textureSize(depth, 0);
+    ivec2 at = ivec2(uv * vec2(size));
+    if (texelFetch(depth, at, 0).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
+    vec3 to = texelFetch(position, at, 0).xyz - p;
+    float square = dot(to, to) / (radius * radius);
+    // What lies in the pixel's own plane occludes nothing; what is far in front of it is not a neighbour.
+    return square > 1.0 || dot(to, facet) <= 0.02 * length(to) ? 0.0 : 1.0 / (1.0 + attenuation * square);
+}
+
+void main() {
+    ivec2 at = full_from_half(ivec2(gl_FragCoord.xy), textureSize(depth, 0));
+    vec4 here = texelFetch(position, at, 0);
+    occlusion = 1.0;
+    if (here.w == 0.0) return;
+    vec4 octahedra = texelFetch(normals, at, 0);
+    vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
+    mat3 cone = basis(n);
+    vec2 noise = 0.5 * texelFetch(random, ivec2(gl_FragCoord.xy) % TILE, 0).xy + 0.5;
+    float hidden = 0.0;
+    for (int k = 0; k < POINTS; ++k) {
+        vec3 c = cone_points[k];
+        float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * fract(c.y + noise.x + turn);
+        vec3 direction = cone * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - sine * sine));
+        float reach = fract(c.z + noise.y + turn);
+        hidden += occluded_by(here.xyz, facet, here.xyz + direction * radius * sqrt(reach));
+    }
+    occlusion = clamp(1.0 - intensity * hidden / float(POINTS), 0.0, 1.0);
+}

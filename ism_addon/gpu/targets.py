@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The textures that passes draw into, by name, and the framebuffers around them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+#: What a depth buffer's Target has for a dtype.
+DEPTH = "depth"
+
+
+@dataclass(frozen=True)
+class Target:
+    """A texture that a pass writes: the size of the picture over `divisor`, or for 0 a size of the pass's own.
+
+    Where the pass is not needed, one texel of `neutral` stands for it, so no shader has a variant without it.
+    """
+
+    components: int
+    dtype: str
+    neutral: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    divisor: int = 1
+
+    def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
+        """A texture of this kind, never filtered."""
+        if self.dtype == DEPTH:
+            return gl.depth_texture(size)
+        texture = gl.texture(size, self.components, dtype=self.dtype)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+
+class Targets:
+    """Allocates a target when it is first wanted or wanted in another size, and frees what it replaces."""
+
+    def __init__(self, gl: moderngl.Context):
+        self.gl = gl
+        self.textures: dict[str, moderngl.Texture] = {}
+        self.framebuffers: dict[tuple[str, ...], moderngl.Framebuffer] = {}
+
+    def __getitem__(self, name: str) -> moderngl.Texture:
+        return self.textures[name]
+
+    def allocate(self, name: str, target: Target, size: tuple[int, int]) -> None:
+        """Make sure that `name` is a texture of this size."""
+        texture = self.textures.get(name)
+        if texture is None or texture.size != size:
+            self.release([name])
+            self.textures[name] = target.create(self.gl, size)
+
+    def neutralise(self, name: str, target: Target) -> None:
+        """Let one neutral texel stand for a target that nobody draws."""
+        self.allocate(name, target, (1, 1))
+        if target.dtype != DEPTH:
+            dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[target.dtype]
+            scale = 255 if target.dtype == "f1" else 1
+            self.textures[name].write((np.array(target.neutral[: target.components]) * scale).astype(dtype))
+
+    def into(self, *names: str) -> moderngl.Framebuffer:
+        """The framebuffer that draws into these targets; the depth buffer, if there is one, comes last."""
+        if names not in self.framebuffers:
+            textures = [self.textures[name] for name in names]
+            depth = textures.pop() if textures[-1].depth else None
+            self.framebuffers[names] = self.gl.framebuffer(textures, depth)
+        return self.framebuffers[names]
+
+    def release(self, names: Iterable[str] | None = None) -> None:
+        """Let go of the targets `names`, or all, with the framebuffers around them."""
+        for name in list(self.textures) if names is None else names:
+            if name in self.textures:
+                del self.textures[name]
+                for around in [key for key in self.framebuffers if name in key]:
+                    del self.framebuffers[around]

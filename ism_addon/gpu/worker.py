@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The thread that owns the OpenGL context: requests in, pictures out.
+
+A context opened in Blender's main thread is silently wrong, and waiting for the GPU there would freeze the window;
+so one thread does all OpenGL, a pass at a time, and takes turns between its clients (viewports, final renders).
+Nobody waits for it unless they ask to.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Hashable, Iterator
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..scene import Scene, View
+from ..settings import Settings
+
+if TYPE_CHECKING:
+    from .context import Device
+    from .renderer import Profile, Renderer
+
+log = logging.getLogger(__name__)
+
+#: Shortest time between two pictures that are read back while samples remain. s
+PICTURE_INTERVAL = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is to be drawn."""
+
+    scene: Scene
+    view: View
+    settings: Settings
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The average of `samples` samples. Bottom row first."""
+
+    color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
+    depth: np.ndarray  # (H,W) float32 m along the view's axis, 1e10 where nothing is
+    normal: np.ndarray  # (H,W,3) float32 world space
+    samples: int
+
+
+class Job:
+    """One request on its way. All of it may be asked from any thread."""
+
+    def __init__(self, request: Request, news: threading.Condition):
+        self.request = request
+        self.samples = request.settings.quality.samples
+        self.samples_done = 0
+        self.finished = False
+        self.cancelled = False
+        self.error = ""
+        self.statistics: dict = {}
+        self._news = news
+        self._seen = 0
+        self._happened = 0
+        self._picture: Picture | None = None
+
+    def picture(self) -> Picture | None:
+        """The newest picture, the same object until there is a newer one."""
+        return self._picture
+
+    def wait(self, timeout: float) -> bool:
+        """Until there is news since the last call, or `timeout` seconds: whether there was any."""
+        with self._news:
+            told = self._news.wait_for(lambda: self._happened != self._seen or self.finished, timeout)
+            self._seen = self._happened
+            return told
+
+    def cancel(self) -> None:
+        """Stop after the pass that is being drawn."""
+        self.cancelled = True
+
+    def tell(self, **changes: object) -> None:
+        """Set attributes and wake whoever waits. The worker's side."""
+        with self._news:
+            for name, value in changes.items():
+                setattr(self, name, value)
+            self._happened += 1
+            self._news.notify_all()
+
+
+class Worker:
+    """Draws the newest job of each client, in turns."""
+
+    def __init__(self) -> None:
+        self._news = threading.Condition()
+        self._jobs: dict[Hashable, Job] = {}
+        self._forgotten: set[Hashable] = set()
+        self._thread: threading.Thread | None = None
+        self._stopping = False
+
+    def start(self, request: Request, client: Hashable) -> Job:
+        """Draw this instead of what the client asked for before."""
+        job = Job(request, self._news)
+        with self._news:
+            if client in self._jobs:
+                self._jobs[client].cancel()
+            self._jobs[client] = job
+            self._forgotten.discard(client)
+            if self._thread is None:
+                self._stopping = False
+                self._thread = threading.Thread(target=self._run, name="ISM renderer", daemon=True)
+                self._thread.start()
+            self._news.notify_all()
+        return job
+
+    def forget(self, client: Hashable) -> None:
+        """Cancel the client's job and free what is kept for it."""
+        with self._news:
+            job = self._jobs.pop(client, None)
+            if job is not None:
+                job.cancel()
+            self._forgotten.add(client)
+            self._news.notify_all()
+
+    def stop(self) -> None:
+        """End all jobs and the thread, and wait for it."""
+        with self._news:
+            thread, self._thread = self._thread, None
+            self._stopping = True
+            for job in self._jobs.values():
+                job.cancel()
+            self._jobs.clear()
+            self._news.notify_all()
+        if thread is not None:
+            thread.join()
+
+    def _run(self) -> None:
+        from .context import NoOpenGL, open_device
+
+        try:
+            device = open_device()
+        except NoOpenGL as reason:
+            self._refuse(str(reason))
+            return
+        studio = Studio(device)
+        while True:
+            with self._news:
+                self._news.wait_for(self._has_work)
+                if self._stopping:
+                    break
+                jobs = {client: job for client, job in self._jobs.items() if not job.finished}
+                forgotten, self._forgotten = self._forgotten, set()
+            studio.tidy(jobs, forgotten)
+            for client, job in jobs.items():
+                studio.step(client, job)
+        studio.close()
+
+    def _has_work(self) -> bool:
+        return self._stopping or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
+
+    def _refuse(self, reason: str) -> None:
+        """Answer everyone who asked with `reason`; the next request tries again."""
+        with self._news:
+            self._thread = None
+            jobs = list(self._jobs.values())
+            self._jobs.clear()
+        for job in jobs:
+            job.tell(error=reason, finished=True)
+
+
+class Studio:
+    """The worker's side: a renderer a client, and how far their jobs are. Lives in the worker's thread."""
+
+    def __init__(self, device: "Device"):
+        self.device = device
+        self.renderers: dict[Hashable, Renderer] = {}
+        self.running: dict[Job, Iterator[None]] = {}
+
+    def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
+        """Drop jobs that were replaced, and the renderers of clients that are gone."""
+        for job in self.running.keys() - set(jobs.values()):
+            self.end(job)
+        for client in forgotten & self.renderers.keys():
+            self.renderers.pop(client).release()
+
+    def step(self, client: Hashable, job: Job) -> None:
+        """Draw one pass of a job; whatever goes wrong is the job's own error."""
+        error = ""
+        try:
+            if job not in self.running:
+                self.running[job] = draw(self.renderer(client), job)
+            if not job.cancelled and next(self.running[job], job) is not job:
+                return
+        except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
+            log.exception("drawing failed")
+            error = f"The picture could not be drawn: {reason}"
+        self.end(job, error)
+
+    def renderer(self, client: Hashable) -> "Renderer":
+        """The one that is kept for the client."""
+        from .renderer import Renderer
+
+        if client not in self.renderers:
+            self.renderers[client] = Renderer(self.device)
+        return self.renderers[client]
+
+    def end(self, job: Job, error: str = "") -> None:
+        """Nothing more comes of this job."""
+        if job in self.running:
+            self.running.pop(job).close()
+        job.tell(finished=True, error=error)
+
+    def close(self) -> None:
+        """Free all that the GPU holds for us."""
+        for job in list(self.running):
+            self.end(job)
+        for renderer in self.renderers.values():
+            renderer.release()
+        self.device.gl.release()
+
+
+def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
+    """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
+    from .renderer import Profile
+
+    request, profile = job.request, Profile()
+    start = shown = time.perf_counter()
+    surfaces: tuple[np.ndarray, np.ndarray] | None = None
+    for sample in range(job.samples):
+        for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
+            yield
+        now = time.perf_counter()
+        if surfaces is None:
+            surfaces = renderer.depth_and_normal()
+        job.samples_done = sample + 1
+        job.statistics = statistics(profile, request.scene, sample + 1, now - start)
+        if sample == 0 or sample + 1 == job.samples or now - shown > PICTURE_INTERVAL:
+            job._picture = Picture(renderer.picture(sample + 1), *surfaces, sample + 1)
+            shown = now
+        job.tell()
+        yield
+
+
+def statistics(profile: "Profile", scene: Scene, samples: int, seconds: float) -> dict:
+    """What a picture took, as users and scripts see it."""
+    return {
+        "passes": {name: asdict(row) for name, row in profile.rows.items()},
+        **profile.counts,
+        "triangles": scene.triangle_count,
+        "samples": samples,
+        "seconds": seconds,
+    }
+
+
+#: The worker that Blender's engine uses.
+shared = Worker()

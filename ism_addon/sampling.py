@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points on triangles, on lights and in pixels: low-discrepancy, and the same for the same input."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from .scene import Lights, LightShape
+
+#: Points are made in blocks of this many, so that several cores share them (numpy lets go of the GIL).
+BLOCK = 1 << 17
+
+
+def additive_sequence(first: int, count: int, dimensions: int) -> np.ndarray:
+    """(count, dimensions) float64 in [0,1): members first … of the R_d sequence.
+
+    Generalised golden ratios (Roberts 2018): every run of neighbours is evenly spread, so any prefix and
+    any slice is itself a good set.
+    """
+    root = 1.5
+    for _ in range(64):
+        root = (1.0 + root) ** (1.0 / (dimensions + 1))
+    steps = root ** -np.arange(1.0, dimensions + 1)
+    return np.modf(0.5 + np.outer(np.arange(first + 1, first + 1 + count, dtype=np.float64), steps))[0]
+
+
+def barycentric(squares: np.ndarray) -> np.ndarray:
+    """Uniform barycentric coordinates (N,3) of points (N,2) of the unit square.
+
+    The square's upper half is folded onto the lower one. The report's listing 1 ends in a slip
+    (1 - t2 - t3); the third coordinate is 1 - t1 - t2.
+    """
+    folded = np.where(squares.sum(1, keepdims=True) > 1.0, 1.0 - squares, squares)
+    return np.column_stack([folded, 1.0 - folded.sum(1)])
+
+
+def triangle_areas(corners: np.ndarray) -> np.ndarray:
+    """(T,) m² of triangles (T,3,3)."""
+    edges = corners[:, 1:] - corners[:, :1]
+    return 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+
+
+def shares(weights: np.ndarray, count: int) -> np.ndarray:
+    """(N,) int64 that sum to `count`, in proportion to `weights` (N,), each within 1 of its due."""
+    total = weights.sum()
+    if total <= 0.0:
+        return np.zeros(len(weights), np.int64)
+    edges = np.floor(np.cumsum(weights) / total * count + 0.5).astype(np.int64)
+    edges[-1] = count
+    return np.diff(edges, prepend=0)
+
+
+def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Triangle index (count,) and position (count,3) of points `first` … of a mesh's endless sequence.
+
+    Triangles (T,3,3) are chosen with probability in proportion to their area, points uniformly on each:
+    one dimension of the sequence chooses the triangle, two the point on it.
+    """
+    cumulative = np.cumsum(triangle_areas(corners))
+
+    def block(start: int) -> tuple[np.ndarray, np.ndarray]:
+        random = additive_sequence(first + start, min(BLOCK, count - start), 3)
+        chosen = np.searchsorted(cumulative, random[:, 0] * cumulative[-1], side="right")
+        chosen = np.minimum(chosen, len(corners) - 1)
+        return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
+
+    with ThreadPoolExecutor() as cores:
+        blocks = list(cores.map(block, range(0, count, BLOCK)))
+    return np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
+
+
+def disk(squares: np.ndarray) -> np.ndarray:
+    """Points (N,2) of the unit square to the disk of diameter 1, equal areas (Shirley & Chiu 1997)."""
+    x, y = (2.0 * squares - 1.0).T
+    wide = np.abs(x) > np.abs(y)
+    radius = np.where(wide, x, y)
+    minor = np.where(wide, y, x)
+    angle = (np.pi / 4.0) * np.divide(minor, radius, out=np.zeros_like(radius), where=radius != 0.0)
+    angle = np.where(wide, angle, np.pi / 2.0 - angle)
+    return 0.5 * radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -> np.ndarray:
+    """(count,3) float64 world positions on one light; `shift` (2,) in [0,1) moves them (Cranley & Patterson 1976).
+
+    A rank-1 lattice: better spread than a prefix of an endless sequence, for exactly `count` points.
+    """
+    index = np.arange(count)
+    golden = additive_sequence(0, count, 1)[:, 0]
+    squares = np.modf(np.column_stack([(index + 0.5) / count, golden]) + shift)[0]
+    across = disk(squares) if lights.shape[light] == LightShape.ELLIPSE else squares - 0.5
+    return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
+
+
+def pixel_offset(sample: int, width: float) -> np.ndarray:
+    """(2,) px from the pixel's centre, spread like the Blackman-Harris filter of `width` px.
+
+    The first is the centre itself, so that a single sample shows what is there.
+    """
+    if sample == 0:
+        return np.zeros(2)
+    t = np.linspace(-0.5, 0.5, 257)
+    k = 2.0 * np.pi * (t + 0.5)
+    density = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
+    cumulative = np.cumsum(density) - 0.5 * density
+    return width * np.interp(additive_sequence(sample, 1, 2)[0], cumulative / density.sum(), t)
