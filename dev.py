@@ -11,6 +11,7 @@ if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python dese
 from tests.tools import extension, machine, project
 from tests.tools.environments import environments
 
+BUILD = project.ROOT / "build"
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 
@@ -35,11 +36,11 @@ def test(chosen: list[str]) -> int:
     return int(bool(failed))
 
 
-def pack() -> int:
-    """Build the extension for every platform."""
+def pack(output: Path, platforms: list[str]) -> int:
+    """Build the extension, a zip for each platform."""
     environment = next(environments())
-    for path in extension.build(environment.python, environment.extension, extension.BUILD):
-        print(f"{path.relative_to(project.ROOT)}  {path.stat().st_size / 1e6:.2f} MB")
+    for path in extension.build(environment.python, environment.extension, output.resolve(), platforms):
+        print(f"{path}  {path.stat().st_size / 1e6:.2f} MB")
     return 0
 
 
@@ -47,16 +48,20 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description="Shows, tests and packs the add-on.")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     verb = verbs.add_parser("demo", help="render the report's figure 6: an atrium without and with shadows")
-    verb.add_argument("--output", type=Path, default=extension.BUILD / "figure6", help="folder of the pictures")
+    verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
     verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
-    verbs.add_parser("extension", help="build and validate the extension's zips, one a platform")
+    verb = verbs.add_parser("extension", help="build and validate the extension's zips, one a platform")
+    verb.add_argument("--output", type=Path, default=BUILD / "extension", help="folder of the zips (%(default)s)")
+    verb.add_argument("--platform", action="append", default=[], choices=project.WHEELS, help="only this platform")
     arguments, further = parser.parse_known_args()
     if further and arguments.verb != "test":
         parser.error(f"unknown: {' '.join(further)}")
     machine.prepare()
     if arguments.verb == "demo":
         return demo(arguments.output)
-    return test(further) if arguments.verb == "test" else pack()
+    if arguments.verb == "test":
+        return test(further)
+    return pack(arguments.output, arguments.platform)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from . import pip, project
 
 FOLDER = project.ROOT / ".venv"
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
+ADVICE = f"Use Python {' or '.join(project.BPY)}, which have one, or a Blender from 4.2 on."
 INSIDE_BLENDER = Path(__file__).with_name("inside_blender.py")
 
 
@@ -49,13 +50,12 @@ def _with_bpy(version: str) -> Environment:
 
 
 def _with_blender() -> Environment:
-    advice = f"Use Python {' or '.join(project.BPY)}, which have one, or a Blender from 4.2 on."
     program = shutil.which("blender")
     if program is None:
-        sys.exit(f"Python {PYTHON} has no bpy, and there is no blender on the PATH. {advice}")
+        sys.exit(f"Python {PYTHON} has no bpy, and there is no blender on the PATH. {ADVICE}")
     version, python_version = _ask_blender(program)
     if version < (4, 2):
-        sys.exit(f"Python {PYTHON} has no bpy, and the blender on the PATH is too old. {advice}")
+        sys.exit(f"Python {PYTHON} has no bpy, and the blender on the PATH is too old. {ADVICE}")
     name = "blender-" + ".".join(map(str, version))
     packages = FOLDER / name / "for-blender"
     target = ["--target", str(packages), "--only-binary=:all:", "--python-version", python_version]
@@ -71,7 +71,7 @@ def _ask_blender(program: str) -> tuple[tuple[int, ...], str]:
     said = subprocess.run(command, capture_output=True, text=True)
     answer = re.search(r"^versions (\d+) (\d+) (\d+) (\d+) (\d+)$", said.stdout, re.MULTILINE)
     if answer is None:
-        sys.exit(f"{program} does not start:\n{said.stdout}{said.stderr}")
+        sys.exit(f"{program} does not start. {ADVICE}\n{said.stdout}{said.stderr}")
     *version, major, minor = map(int, answer.groups())
     return tuple(version), f"{major}.{minor}"
 

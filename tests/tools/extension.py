@@ -6,45 +6,50 @@ import json
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from . import pip, project
 
-BUILD = project.ROOT / "build"
+WHEELS = project.ROOT / "build" / "wheels"
 
 
 def build(python: Path, tool: Sequence[str], output: Path, platforms: Sequence[str] = ()) -> list[Path]:
     """Zips in `output`, each found valid, for some platforms or all. `python` has pip; `tool` is Blender's."""
-    source = output / "source"
-    _stage(source, {name: _wheels(python, name) for name in platforms or project.WHEELS})
-    for old in output.glob("*.zip"):
-        old.unlink()
-    _blender(*tool, "build", "--source-dir", str(source), "--output-dir", str(output), "--split-platforms")
-    zips = sorted(output.glob("*.zip"))
-    for path in zips:
-        _blender(*tool, "validate", str(path))
-    return zips
+    wheels = {platform: _wheels(python, platform) for platform in platforms or project.WHEELS}
+    output.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        source, zips = Path(folder, "source"), Path(folder, "zips")
+        _stage(source, wheels)
+        zips.mkdir()
+        _blender(*tool, "build", "--source-dir", str(source), "--output-dir", str(zips), "--split-platforms")
+        for path in zips.iterdir():
+            _blender(*tool, "validate", str(path))
+        return sorted(Path(shutil.copy2(path, output)) for path in zips.iterdir())
 
 
 def _wheels(python: Path, platform: str) -> list[Path]:
-    """Download what the platform's zip carries, once."""
+    """What the platform's zip carries, downloaded once."""
     carried = project.WHEELS[platform]
-    folder = BUILD / "wheels" / platform
-    for version in carried["python"]:
-        for package in carried["packages"]:
-            name = package.replace("==", "-")
-            if not list(folder.glob(f"{name}-cp{version.replace('.', '')}-*.whl")):
-                target = ["--python-version", version, *(f"--platform={tag}" for tag in carried["tags"])]
-                choice = ["--implementation=cp", "--only-binary=:all:", "--no-deps"]
-                pip.run(python, "download", *target, *choice, "--dest", str(folder), package)
-    names = [package.replace("==", "-") for package in carried["packages"]]
-    return sorted(wheel for name in names for wheel in folder.glob(f"{name}-*.whl"))
+    folder = WHEELS / platform
+    wheels = []
+    for version, package in itertools.product(carried["python"], carried["packages"]):
+        name = f"{package.replace('==', '-')}-cp{version.replace('.', '')}-*.whl"
+        if not any(folder.glob(name)):
+            target = [
+                "--implementation=cp",
+                "--python-version",
+                version,
+                *(f"--platform={tag}" for tag in carried["tags"]),
+            ]
+            pip.run(python, "download", *target, "--only-binary=:all:", "--no-deps", "--dest", str(folder), package)
+        wheels += folder.glob(name)
+    return wheels
 
 
 def _stage(source: Path, wheels: dict[str, list[Path]]) -> None:
     """The files that git does not ignore, with a manifest that names the platforms and the wheels."""
-    shutil.rmtree(source, ignore_errors=True)
     for name in project.files():
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(project.ROOT / name, source / name)

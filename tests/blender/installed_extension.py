@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run by test_extension in a Blender of its own: installs a zip, renders, and prints what it found as JSON."""
+
+import json
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+archive, picture = sys.argv[-2:]
+bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+early = sorted({"moderngl", "glcontext"} & set(sys.modules))
+
+# Blender puts the extension's packages last, behind those of a virtual environment with the same names.
+user = bpy.utils.resource_path("USER")
+sys.path.sort(key=lambda path: not Path(path).is_relative_to(user))
+
+scene = bpy.context.scene
+bpy.data.lights[0].type = "AREA"
+bpy.data.lights[0].size = 2.0
+scene.render.engine = "ISM"
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 48, 32, 100
+scene.ism.render.samples, scene.ism.render.light_points = 1, 8
+scene.render.filepath = picture
+bpy.ops.render.render(write_still=True)
+
+loaded = bpy.data.images.load(picture)
+pixels = np.empty(len(loaded.pixels), np.float32)
+loaded.pixels.foreach_get(pixels)
+print(
+    json.dumps(
+        {
+            "packages before the first picture": early,
+            "moderngl": sys.modules["moderngl"].__file__,
+            "user": user,
+            "brightest": float(pixels.reshape(-1, 4)[:, :3].max()),
+            "darkest": float(pixels.reshape(-1, 4)[:, :3].min()),
+            "size": list(loaded.size),
+        }
+    )
+)
