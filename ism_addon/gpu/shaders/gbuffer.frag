@@ -20,7 +20,7 @@ layout(location = 3) out vec4 albedo;
 // Barycentric coordinates of where a ray meets the plane of the triangle a, a + u, a + v, whose normal is n.
 vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     vec3 q = cross(ray.direction, ray.origin - a);
-    float scale = -1.0 / dot(ray.direction, n);
+    float scale = 1.0 / dot(ray.direction, n);
     float s = dot(v, q) * scale, t = -dot(u, q) * scale;
     return vec3(1.0 - s - t, s, t);
 }
