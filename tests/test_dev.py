@@ -38,7 +38,8 @@ def test_a_user_who_may_not_install_gets_the_command(monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     with pytest.raises(SystemExit) as exit:
         machine.prepare()
-    assert "\n    sudo apt-get install --no-install-recommends libthere-is-none1\n" in exit.value.code
+    command = "apt-get update && apt-get install --no-install-recommends libthere-is-none1"
+    assert f"\n    sudo sh -c '{command}'\n" in exit.value.code
 
 
 @pytest.mark.parametrize(

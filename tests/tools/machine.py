@@ -33,8 +33,8 @@ def prepare() -> None:
     if shutil.which("apt-get") is None:
         sys.exit(f"This machine lacks what Debian has in these packages: {names}. Install them and try again.")
     if os.geteuid() != 0:
-        command = f"apt-get install --no-install-recommends {names}"
-        sys.exit(f"Some of Debian's packages are missing. Type this, and try again:\n\n    sudo {command}\n")
+        command = f"apt-get update && apt-get install --no-install-recommends {names}"
+        sys.exit(f"Some of Debian's packages are missing. Type this, and try again:\n\n    sudo sh -c '{command}'\n")
     print(f"installing from Debian: {names}", flush=True)
     _apt("update")
     _apt("install", "--yes", "--no-install-recommends", *missing)
