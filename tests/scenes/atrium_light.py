@@ -2,6 +2,7 @@
 """The atrium's lights, world, camera and colour management."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import bpy
 from mathutils import Vector
@@ -63,3 +64,5 @@ def look() -> None:
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 1280, 720, 100
     scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
+    with suppress(TypeError):  # the add-on is not registered: Blender's default engine stays
+        scene.render.engine = "ISM"

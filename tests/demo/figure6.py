@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report's figure 6, drawn again in an atrium of our own: python -m tests.demo.figure6 --output FOLDER
+
+(a) without lighting, (b) soft shadows, (c) soft shadows and ambient occlusion, all through Blender's own render.
+"""
+
+import argparse
+import os
+import re
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+
+from ism_addon import addon
+from ism_addon.blender.engine import statistics
+from tests.scenes import atrium
+
+BAR = 30  # characters
+
+
+def without_lighting(scene: bpy.types.Scene) -> None:
+    """Textures only: no lamps, and a world that is white everywhere but behind the scene."""
+    for thing in scene.objects:
+        thing.hide_render = thing.hide_render or thing.type == "LIGHT"
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    scene.render.film_transparent = True
+    scene.ism.ssao.enabled = False
+
+
+def soft_shadows(scene: bpy.types.Scene) -> None:
+    """The world's light reaches every crease."""
+    scene.ism.ssao.enabled = False
+
+
+def soft_shadows_ssao(scene: bpy.types.Scene) -> None:
+    """Everything, as the file was saved."""
+
+
+FIGURES: dict[str, Callable[[bpy.types.Scene], None]] = {
+    "1-no-lighting": without_lighting,
+    "2-soft-shadows": soft_shadows,
+    "3-soft-shadows-ssao": soft_shadows_ssao,
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="tests.demo.figure6", description="Render the report's figure 6.")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the pictures and the .blend")
+    parser.add_argument("--samples", type=int, default=16, help="samples a picture (%(default)s)")
+    parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (%(default)s)")
+    options = parser.parse_args()
+    width, height = (int(number) for number in options.size.split("x"))
+    options.output.mkdir(parents=True, exist_ok=True)
+    addon.register()
+    try:
+        blend = saved_atrium(options.output / "atrium.blend")
+        pictures = [draw(blend, name, width, height, options.samples) for name in FIGURES]
+    finally:
+        addon.unregister()
+    print("\n".join(str(path) for path in (*pictures, blend)))
+    return int(not all(path.is_file() for path in pictures))
+
+
+def saved_atrium(path: Path) -> Path:
+    """The atrium's .blend, built unless it is there and newer than the scripts that build it."""
+    scripts = Path(atrium.__file__).parent.glob("*.py")
+    if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
+        print("building the atrium")
+        atrium.build(path)
+    return path
+
+
+def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:
+    """Render one figure, and print what each pass took."""
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.ism.render.samples = samples
+    FIGURES[name](scene)
+    picture = blend.with_name(f"{name}.png")
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.filepath = str(picture)
+    picture.unlink(missing_ok=True)
+    with progress_bar(name):
+        bpy.ops.render.render(write_still=True)
+    print(table(statistics()))
+    return picture
+
+
+@contextmanager
+def progress_bar(name: str) -> Iterator[None]:
+    """A bar of the samples done, instead of the lines that Blender prints while it renders."""
+    started = time.monotonic()
+
+    def show(line: str, *_more: object) -> None:
+        if counted := re.search(r"Sample (\d+)/(\d+)", line):
+            done, samples = map(int, counted.groups())
+            bar = "█" * round(BAR * done / samples)
+            seconds = time.monotonic() - started
+            print(f"\r{name:<20} {bar:·<{BAR}} {done}/{samples}  {seconds:.0f} s ", end="", file=sys.stderr, flush=True)
+
+    bpy.app.handlers.render_stats.append(show)
+    try:
+        with quiet_stdout():
+            yield
+    finally:
+        bpy.app.handlers.render_stats.remove(show)
+        print(file=sys.stderr)
+
+
+@contextmanager
+def quiet_stdout() -> Iterator[None]:
+    """Blender prints from C, past sys.stdout."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+def table(facts: dict) -> str:
+    """A line a pass: times drawn, reused and left out, and milliseconds."""
+    lines = [f"  {'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
+    for name, row in facts["passes"].items():
+        lines.append(f"  {name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
+    counts = ("samples", "light_points", "surface_points", "triangles", "bytes_uploaded")
+    lines.append("  " + " · ".join(f"{facts[name]:,} {name.replace('_', ' ')}" for name in counts))
+    return "\n".join([*lines, f"  {facts['seconds']:.1f} s"])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
