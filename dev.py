@@ -16,9 +16,9 @@ BUILD = project.ROOT / "build"
 NO_TEST_WAS_CHOSEN = 5
 
 
-def demo(output: Path) -> int:
+def demo(output: Path, further: list[str]) -> int:
     """Render the demo's pictures."""
-    return next(environments()).run("tests.demo.figure6", "--output", str(output.resolve()))
+    return next(environments()).run("tests.demo.figure6", "--output", str(output.resolve()), *further)
 
 
 def test(chosen: list[str]) -> int:
@@ -47,18 +47,19 @@ def pack(output: Path, platforms: list[str]) -> int:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description="Shows, tests and packs the add-on.")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    verb = verbs.add_parser("demo", help="render the report's figure 6: an atrium without and with shadows")
+    verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
     verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
     verb = verbs.add_parser("extension", help="build and validate the extension's zips, one a platform")
     verb.add_argument("--output", type=Path, default=BUILD / "extension", help="folder of the zips (%(default)s)")
     verb.add_argument("--platform", action="append", default=[], choices=project.WHEELS, help="only this platform")
     arguments, further = parser.parse_known_args()
-    if further and arguments.verb != "test":
+    if further and arguments.verb == "extension":
         parser.error(f"unknown: {' '.join(further)}")
-    machine.prepare()
     if arguments.verb == "demo":
-        return demo(arguments.output)
+        machine.prepare()
+        return demo(arguments.output, further)
+    machine.prepare("git")
     if arguments.verb == "test":
         return test(further)
     return pack(arguments.output, arguments.platform)

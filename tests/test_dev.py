@@ -28,7 +28,7 @@ def test_continuous_integration_can_be_run():
 
 
 def test_an_unknown_argument_is_named():
-    run = dev("demo", "--fast")
+    run = dev("extension", "--fast")
     assert run.returncode == 2
     assert "unknown: --fast" in run.stderr
 

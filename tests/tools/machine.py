@@ -24,9 +24,9 @@ LIBRARIES = {
 }
 
 
-def prepare() -> None:
-    """Install the missing packages, or exit with the command that does."""
-    missing = missing_packages()
+def prepare(*programs: str) -> None:
+    """Install the missing libraries and programs, or exit with the command that does."""
+    missing = missing_packages(*programs)
     if not missing:
         return
     names = " ".join(missing)
@@ -38,19 +38,18 @@ def prepare() -> None:
     print(f"installing from Debian: {names}", flush=True)
     _apt("update")
     _apt("install", "--yes", "--no-install-recommends", *missing)
-    if left := missing_packages():
+    if left := missing_packages(*programs):
         sys.exit(f"Debian's packages are installed, but still missing is what they should bring: {' '.join(left)}")
 
 
-def missing_packages() -> list[str]:
+def missing_packages(*programs: str) -> list[str]:
     """Debian's packages that have to be installed, sorted; none on another system than Linux."""
     if not sys.platform.startswith("linux"):
         return []
     missing = {package for library, package in LIBRARIES.items() if not _loads(library)}
     if importlib.util.find_spec("ensurepip") is None:
         missing.add(f"python{sys.version_info.major}.{sys.version_info.minor}-venv")
-    if shutil.which("git") is None:
-        missing.add("git")
+    missing |= {program for program in programs if shutil.which(program) is None}
     return sorted(missing)
 
 
