@@ -3,11 +3,13 @@
 
 extract    an evaluated depsgraph to one Scene
 meshes     one evaluated mesh to triangles with corner normals
-materials  node trees to base colours and images
+nodes      what feeds a shader's sockets
+materials  shaders to base colours and images
 images     Blender's images to texels
 lights     area lights to radiance and axes
 world      the background's radiance
 camera     the final render's and the viewport's View
+reach      how large a number may be
 findings   what had to be left out, in sentences
 engine     the render engine
 present    a picture into the viewport

@@ -15,6 +15,7 @@ from . import meshes, world
 from .findings import Findings
 from .lights import LightTable
 from .materials import MaterialTable
+from .reach import FARTHEST, within
 
 #: Objects that render in other engines, and not in this one.
 UNDRAWN = {
@@ -101,7 +102,8 @@ class Geometry:
         matrices = np.array([row.world_from_object for row in self._placed]).reshape(-1, 4, 4)
         upright = _invertible(matrices)
         for index in np.flatnonzero(~upright):
-            self._findings.note("Objects scaled to nothing in some direction are left out", self._placed[index].name)
+            kind = f"Objects scaled to nothing in some direction, or beyond {FARTHEST:g} m, are left out"
+            self._findings.note(kind, self._placed[index].name)
         placed = [row for row, kept in zip(self._placed, upright, strict=True) if kept]
         used, index = np.unique(np.array([row.mesh for row in placed], np.int32), return_inverse=True)
         instances = Instances(
@@ -124,9 +126,8 @@ class Geometry:
             self._of_mesh[key] = len(self._meshes) if reading.mesh else None
             self._meshes += [reading.mesh] if reading.mesh else []
             self._findings.note("Triangles without area are left out", source.name, reading.without_area)
-            self._findings.note(
-                "Triangles whose corners are not finite numbers are left out", source.name, reading.not_finite
-            )
+            kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
+            self._findings.note(kind, source.name, reading.out_of_reach)
         return self._of_mesh[key]
 
     def _note_unlike(self, source: bpy.types.Object) -> None:
@@ -152,7 +153,7 @@ def _reading(source: bpy.types.Object, materials: tuple[int, ...]) -> meshes.Rea
 
 
 def _invertible(matrices: np.ndarray) -> np.ndarray:
-    """(I,) which of (I,4,4) are finite and flatten nothing, as far as float64 tells of Blender's float32."""
-    linear = np.where(np.isfinite(matrices).all((1, 2), keepdims=True), matrices, 0.0)[:, :3, :3]
+    """(I,) which of (I,4,4) stay within reach and flatten nothing, as far as float64 tells of Blender's float32."""
+    linear = np.where(within(matrices).all((1, 2), keepdims=True), matrices, 0.0)[:, :3, :3]
     size = np.prod(np.linalg.norm(linear, axis=1), axis=1)
     return np.abs(np.linalg.det(linear)) > 1e-9 * size

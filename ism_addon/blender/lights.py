@@ -9,6 +9,7 @@ import numpy as np
 from .. import radiometry
 from ..scene import Lights, LightShape
 from .findings import Findings
+from .reach import within
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
 SHAPES = {
@@ -57,11 +58,13 @@ class LightTable:
             self._findings.note(kind, name)
             return
         power = watts(light)
-        if not np.isfinite(power).all() or not power.any():
+        if not power.any():
             return
         row = _row(light, world_from_light, power)
         if row is None:
-            self._findings.note("Area lights without a size are left out", name)
+            self._findings.note("Area lights without a size, or of one beyond measure, are left out", name)
+        elif not within(row.radiance).all():
+            self._findings.note("Area lights too bright to be drawn are left out", name)
         else:
             self._rows.append(row)
 
@@ -93,7 +96,7 @@ def _row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.nda
     area = np.linalg.norm(axis_u) * np.linalg.norm(axis_v)
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
-    if not (np.isfinite(world_from_light).all() and area > 0 and depth > 0):
+    if not (within(world_from_light).all() and within(area) and area > 0 and depth > 0):
         return None
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ..scene import Mesh
+from .reach import within
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class Reading:
 
     mesh: Mesh | None
     without_area: int  # triangles left out
-    not_finite: int  # triangles left out
+    out_of_reach: int  # triangles left out
 
 
 def read(source: bpy.types.Mesh, materials: tuple[int, ...]) -> Reading:
@@ -30,13 +31,12 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...]) -> Reading:
     corner_vertices = _read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32)
     positions = _read(source.attributes["position"].data, "vector", (len(source.vertices), 3))
     triangles = corner_vertices[corners]
-    finite = np.isfinite(positions).all(1)[triangles].all(1)
+    reachable = within(positions).all(1)[triangles].all(1)
     with np.errstate(all="ignore"):
         face_normals, areas = _face_normals(positions, triangles)
-    finite &= np.isfinite(areas)
-    kept = finite & (areas > 0)
+    kept = reachable & (areas > 0)
     mesh = _mesh(source, positions, triangles, corners, face_normals, kept, materials) if kept.any() else None
-    return Reading(mesh, int((finite & ~kept).sum()), int((~finite).sum()))
+    return Reading(mesh, int((reachable & ~kept).sum()), int((~reachable).sum()))
 
 
 def _mesh(
@@ -85,7 +85,7 @@ def _corners(source: bpy.types.Mesh) -> np.ndarray:
 
 
 def _face_normals(positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(T,3) unit normals, NaN where there is no area, and (T,) areas m², not finite where float32 ends."""
+    """(T,3) unit normals, NaN where there is no area, and (T,) areas m²."""
     a, b, c = (positions[triangles[:, corner]] for corner in range(3))
     crossed = np.cross(b - a, c - a)
     doubled = np.linalg.norm(crossed, axis=1)

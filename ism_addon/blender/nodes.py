@@ -4,6 +4,8 @@
 import bpy
 import numpy as np
 
+from .reach import within
+
 #: The nodes of textures behind which only the mesh's own UVs stand.
 UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
 
@@ -39,6 +41,6 @@ def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
 
 
 def color(values: bpy.types.bpy_prop_array, otherwise: float) -> np.ndarray:
-    """(3,) of a colour socket, with a stand-in for what is not finite."""
+    """(3,) of a colour socket, with a stand-in for what is no number."""
     rgb = np.array(values[:3], np.float32)
-    return np.where(np.isfinite(rgb), rgb, np.float32(otherwise))
+    return np.where(within(rgb), rgb, np.float32(otherwise))

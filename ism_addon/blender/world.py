@@ -7,12 +7,16 @@ import numpy as np
 from ..scene import World
 from . import nodes
 from .findings import Findings
+from .reach import within
 
 
 def read(world: bpy.types.World | None, findings: Findings) -> World:
-    """The Background node's colour × strength, or the world's colour where it has no nodes; none is black."""
+    """The Background node's colour × strength, or the world's colour where it has no nodes.
+
+    No world is black, and so is what is no number.
+    """
     radiance = np.zeros(3) if world is None else _radiance(world, findings)
-    return World(np.nan_to_num(radiance, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32))
+    return World(np.where(within(radiance), radiance, 0.0).astype(np.float32))
 
 
 def _radiance(world: bpy.types.World, findings: Findings) -> np.ndarray:
@@ -23,7 +27,9 @@ def _radiance(world: bpy.types.World, findings: Findings) -> np.ndarray:
     if shader is None:
         return np.zeros(3)
     if shader.bl_idname != "ShaderNodeBackground":
-        findings.note(f"A world whose surface is a node '{shader.bl_label}' is drawn in its viewport colour", world.name)
+        findings.note(
+            f"A world whose surface is a node '{shader.bl_label}' is drawn in its viewport colour", world.name
+        )
         return nodes.color(world.color, 0.0)
     color, strength = shader.inputs["Color"], shader.inputs["Strength"]
     fed_by = nodes.source(color)
@@ -34,4 +40,4 @@ def _radiance(world: bpy.types.World, findings: Findings) -> np.ndarray:
         findings.note(
             f"A world coloured by a node '{fed_by.node.bl_label}' is drawn in the Background's plain colour", world.name
         )
-    return nodes.color(rgb, 0.0) * strength.default_value
+    return nodes.color(rgb, 0.0) * np.float64(strength.default_value)

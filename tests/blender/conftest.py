@@ -64,7 +64,7 @@ def witness() -> Iterator[type]:
 
 @pytest.fixture
 def as_rendered(empty_scene, witness) -> Callable[..., list[Any]]:
-    """as_rendered(look): what look(engine, depsgraph) gave in each call of a real render, of 32 × 16 pixels."""
+    """as_rendered(look): what look(engine, depsgraph) gave in each call of a real render of 32 × 16 pixels."""
 
     def as_rendered(look: Callable[..., Any]) -> list[Any]:
         witness.look, witness.seen = staticmethod(look), []
@@ -75,5 +75,7 @@ def as_rendered(empty_scene, witness) -> Callable[..., list[Any]]:
                 raise seen
         return witness.seen
 
+    empty_scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    empty_scene.collection.objects.link(empty_scene.camera)
     empty_scene.render.resolution_x, empty_scene.render.resolution_y = 32, 16
     return as_rendered

@@ -104,7 +104,7 @@ def test_a_vertex_that_is_no_place_takes_only_its_triangles_with_it(add, extract
     assert corners.tolist() == [[[0, 0, 0], [1, 1, 0], [0, 1, 0]], [[1, 1, 0], [0, 1, 0], [2, 2, 0]]]
     assert np.abs(mesh.positions).max() == 2
     assert np.allclose(np.abs(mesh.normals[..., 2]), 1.0)
-    assert scene.warnings == ("Triangles whose corners are not finite numbers are left out: 'Torn'.",)
+    assert scene.warnings == ("Triangles with corners that are no numbers, or beyond 1e+09 m, are left out: 'Torn'.",)
 
 
 def test_vertices_of_no_triangle_are_left_out(add, extracted):

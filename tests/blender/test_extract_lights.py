@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Area lights and the world: axes and watts, beside what Cycles makes of the same light."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+
+from ism_addon.scene import LightShape
+
+SHAPES = ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"]
+
+
+def lamp(shape="SQUARE", **properties):
+    """An area light of 2 m by 3 m and 40 W."""
+    light = bpy.data.lights.new("Lamp", "AREA")
+    light.shape, light.size, light.size_y, light.energy = shape, 2.0, 3.0, 40.0
+    for name, value in properties.items():
+        setattr(light, name, value)
+    return light
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_axes_are_the_full_size_under_the_objects_scale(add, extracted, shape):
+    thing = add("Lamp", lamp(shape))
+    thing.scale, thing.location, thing.rotation_euler = (2, 0.5, 3), (1, 2, 3), (math.pi / 2, 0, 0)
+    lights = extracted().lights
+    height = 3.0 if shape in ("RECTANGLE", "ELLIPSE") else 2.0
+    round_shape = shape in ("DISK", "ELLIPSE")
+    area = 4.0 * 0.5 * height * (math.pi / 4 if round_shape else 1.0)
+    assert lights.shape.tolist() == [LightShape.ELLIPSE if round_shape else LightShape.RECTANGLE]
+    assert lights.position.tolist() == [[1, 2, 3]]
+    assert np.allclose(lights.axis_u, (4, 0, 0), atol=1e-6)
+    assert np.allclose(lights.axis_v, (0, 0, 0.5 * height), atol=1e-6)
+    assert np.allclose(lights.normal, (0, 1, 0), atol=1e-6)
+    assert np.allclose(lights.radiance, 40 / (math.pi * area))
+    assert lights.spread.tolist() == [np.float32(math.pi)]
+    assert lights.casts_shadow.tolist() == [True]
+
+
+def cycles_radiance(scene, tmp_path):
+    """(3,) what Cycles shows of a light at the origin that a camera below it looks at."""
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0.01, 0.01, -1.0), (math.pi, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    render, cycles = scene.render, scene.cycles
+    render.engine, render.resolution_x, render.resolution_y = "CYCLES", 4, 4
+    cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = 1, False, False
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    render.filepath = str(tmp_path / "cycles.exr")
+    bpy.ops.render.render(write_still=True)
+    picture = bpy.data.images.load(render.filepath)
+    pixels = np.array(picture.pixels).reshape(4, 4, 4)
+    return pixels[2, 2, :3]
+
+
+@pytest.mark.parametrize("normalize", [True, False])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_radiance_is_what_cycles_shows(add, extracted, empty_scene, tmp_path, shape, normalize):
+    light = lamp(shape, color=(1, 0.5, 0.25))
+    if hasattr(light, "normalize"):
+        light.normalize, light.exposure, light.use_temperature, light.temperature = normalize, 1.0, True, 4000.0
+    thing = add("Lamp", light)
+    thing.scale, thing.visible_camera = (1.5, 2, 1), True
+    ours = extracted().lights.radiance[0]
+    assert np.allclose(ours, cycles_radiance(empty_scene, tmp_path), rtol=1e-4)
+
+
+def test_a_sheared_light_keeps_its_axes(add, extracted):
+    parent = add("Parent", None)
+    parent.scale = (1, 3, 1)
+    thing = add("Lamp", lamp("RECTANGLE"))
+    thing.parent, thing.rotation_euler = parent, (0, 0, 0.6)
+    lights = extracted().lights
+    matrix = np.array(thing.matrix_world)
+    assert np.allclose(lights.axis_u[0], 2 * matrix[:3, 0])
+    assert np.allclose(lights.axis_v[0], 3 * matrix[:3, 1])
+    assert abs(lights.axis_u[0] @ lights.axis_v[0]) > 1
+
+
+def test_spread_and_shadow_are_passed_on(add, extracted):
+    add("Lamp", lamp(spread=1.25, use_shadow=False))
+    lights = extracted().lights
+    assert lights.spread.tolist() == [1.25]
+    assert lights.casts_shadow.tolist() == [False]
+
+
+def test_negative_power_takes_light_away(add, extracted):
+    add("Lamp", lamp(energy=-40.0))
+    assert np.all(extracted().lights.radiance < 0)
+
+
+@pytest.mark.parametrize("properties", [{"energy": 0.0}, {"color": (0, 0, 0)}])
+def test_a_light_without_power_is_left_out_silently(add, extracted, properties):
+    add("Lamp", lamp(**properties))
+    scene = extracted()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ()
+
+
+@pytest.mark.parametrize("scale", [(0, 1, 1), (1, 0, 1), (1, 1, 0), (math.nan, 1, 1), (1, math.inf, 1)])
+def test_a_light_without_a_size_is_left_out_and_named(add, extracted, scale):
+    add("Lamp", lamp()).scale = scale
+    scene = extracted()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ("Area lights without a size, or of one beyond measure, are left out: 'Lamp'.",)
+
+
+def test_zero_size_is_left_out_and_named(add, extracted):
+    add("Lamp", lamp("RECTANGLE", size_y=0.0))
+    scene = extracted()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ("Area lights without a size, or of one beyond measure, are left out: 'Lamp'.",)
+
+
+def test_a_light_beyond_all_brightness_is_left_out_and_named(add, extracted):
+    add("Lamp", lamp(energy=3e38))
+    scene = extracted()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ("Area lights too bright to be drawn are left out: 'Lamp'.",)
+
+
+def test_other_lights_get_one_sentence_a_type(add, extracted):
+    for kind in ("POINT", "POINT", "SUN", "SPOT"):
+        add(kind.title(), bpy.data.lights.new(kind, kind))
+    assert extracted().warnings == (
+        "Only area lights shine in this engine, point lights are left out: 'Point', 'Point.001'.",
+        "Only area lights shine in this engine, sun lights are left out: 'Sun'.",
+        "Only area lights shine in this engine, spot lights are left out: 'Spot'.",
+    )
+
+
+def test_no_lights_are_an_empty_table(add, extracted):
+    lights = extracted().lights
+    assert lights.position.shape == (0, 3)
+    assert lights.radiance.dtype == np.float32
+    assert lights.normal.dtype == np.float64
+
+
+def test_a_mirrored_light_shines_the_other_way(add, extracted):
+    thing = add("Lamp", lamp())
+    thing.matrix_world = Matrix.Diagonal((1, 1, -1, 1))
+    assert np.allclose(extracted().lights.normal, np.array(thing.matrix_world)[:3, 2] * -1)
+
+
+def world_with_nodes(scene):
+    world = scene.world = bpy.data.worlds.new("World")
+    if bpy.app.version < (5, 0):
+        world.use_nodes = True
+    return world
+
+
+def test_the_world_is_its_background_times_its_strength(extracted, empty_scene):
+    background = world_with_nodes(empty_scene).node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.5, 0.25, 1, 1)
+    background.inputs["Strength"].default_value = 2
+    assert extracted().world.radiance.tolist() == [1, 0.5, 2]
+
+
+def test_no_world_is_black(extracted):
+    assert extracted().world.radiance.tolist() == [0, 0, 0]
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="since Blender 5.0 a world always has nodes")
+def test_a_world_without_nodes_has_its_own_colour(extracted, empty_scene):
+    empty_scene.world = bpy.data.worlds.new("World")
+    empty_scene.world.color = (0.5, 0.25, 0.125)
+    assert extracted().world.radiance.tolist() == [0.5, 0.25, 0.125]
+
+
+def test_a_textured_world_has_the_plain_colour_and_a_sentence(extracted, empty_scene):
+    tree = world_with_nodes(empty_scene).node_tree
+    background = tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1)
+    background.inputs["Strength"].default_value = 1
+    tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs["Color"], background.inputs["Color"])
+    scene = extracted()
+    assert scene.world.radiance.tolist() == [0.25, 0.25, 0.25]
+    assert scene.warnings == (
+        "A world coloured by a node 'Sky Texture' is drawn in the Background's plain colour: 'World'.",
+    )
+
+
+def test_a_world_of_no_number_is_black(extracted, empty_scene):
+    background = world_with_nodes(empty_scene).node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (math.nan, 1, 1, 1)
+    background.inputs["Strength"].default_value = math.inf
+    assert np.isfinite(extracted().world.radiance).all()

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Base colours and images of real node trees."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from ism_addon.blender import images
+
+
+@pytest.fixture
+def surface(add):
+    """surface(shader="ShaderNodeBsdfPrincipled"): a square's new material, and the node that is its surface."""
+    thing = add("Square")
+
+    def surface(shader="ShaderNodeBsdfPrincipled"):
+        material = bpy.data.materials.new("Paint")
+        if material.node_tree is None:
+            material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        output, node = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new(shader)
+        tree.links.new(node.outputs[0], output.inputs["Surface"])
+        thing.data.materials.append(material)
+        return material, node
+
+    return surface
+
+
+def picture(name="Picture", pixels=((1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (0.5, 0.5, 0.5, 0.5)), **how):
+    """A generated image, 2 × 2."""
+    image = bpy.data.images.new(name, 2, 2, alpha=True, **how)
+    image.pixels.foreach_set(np.float32(pixels).reshape(-1))
+    return image
+
+
+def texture(material, socket, image):
+    """An Image Texture node that feeds the socket."""
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    material.node_tree.links.new(node.outputs["Color"], socket)
+    return node
+
+
+STORED = [[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [128, 128, 128, 128]]]
+
+
+@pytest.mark.parametrize(
+    ("shader", "socket"), [("ShaderNodeBsdfPrincipled", "Base Color"), ("ShaderNodeBsdfDiffuse", "Color")]
+)
+def test_the_shaders_colour_is_the_base_colour(surface, extracted, shader, socket):
+    _, node = surface(shader)
+    node.inputs[socket].default_value = (0.5, 0.25, 0.125, 1)
+    materials = extracted().materials
+    assert materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+    assert materials.image.tolist() == [-1]
+    assert (materials.base_color.dtype, materials.image.dtype) == (np.float32, np.int32)
+
+
+def test_no_material_and_an_empty_slot_are_grey(add, extracted):
+    add("Bare")
+    add("Empty slot").data.materials.append(None)
+    scene = extracted()
+    assert scene.materials.base_color.tolist() == [[np.float32(0.8)] * 3]
+    assert scene.instances.mesh.tolist() == [0, 1]
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="since Blender 5.0 a material always has nodes")
+def test_without_nodes_the_viewport_colour_is_drawn(add, extracted):
+    material = bpy.data.materials.new("Plain")
+    material.diffuse_color = (0.5, 0.25, 0.125, 1)
+    add("Square").data.materials.append(material)
+    assert extracted().materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+
+
+def test_an_override_of_the_view_layer_replaces_all_materials(surface, extracted):
+    surface()
+    override = bpy.data.materials.new("Override")
+    if override.node_tree is None:
+        override.use_nodes = True
+    override.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0, 1, 0, 1)
+    bpy.context.view_layer.material_override = override
+    assert extracted().materials.base_color.tolist() == [[0, 1, 0]]
+
+
+def test_another_surface_is_drawn_in_the_viewport_colour_and_named(surface, extracted):
+    material, _ = surface("ShaderNodeBsdfGlass")
+    material.diffuse_color = (0.5, 0.25, 0.125, 1)
+    scene = extracted()
+    assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+    assert scene.warnings == (
+        "Materials whose surface is a node 'Glass BSDF' are drawn in their viewport colour: 'Paint'.",
+    )
+
+
+def test_a_material_without_a_surface_is_black(surface, extracted):
+    material, node = surface()
+    material.node_tree.nodes.remove(node)
+    assert extracted().materials.base_color.tolist() == [[0, 0, 0]]
+
+
+def test_colours_are_found_behind_reroutes_and_muted_nodes(surface, extracted):
+    material, node = surface()
+    tree = material.node_tree
+    rgb, gamma, reroute = (tree.nodes.new(name) for name in ("ShaderNodeRGB", "ShaderNodeGamma", "NodeReroute"))
+    rgb.outputs[0].default_value = (0.25, 0.5, 0.75, 1)
+    gamma.mute = True
+    tree.links.new(rgb.outputs[0], gamma.inputs["Color"])
+    tree.links.new(gamma.outputs[0], reroute.inputs[0])
+    tree.links.new(reroute.outputs[0], node.inputs["Base Color"])
+    scene = extracted()
+    assert scene.materials.base_color.tolist() == [[0.25, 0.5, 0.75]]
+    assert scene.warnings == ()
+
+
+def test_a_muted_link_feeds_nothing(surface, extracted):
+    material, node = surface()
+    node.inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
+    texture(material, node.inputs["Base Color"], picture())
+    node.inputs["Base Color"].links[0].is_muted = True
+    assert extracted().images == ()
+
+
+def test_another_colour_node_leaves_the_plain_colour_and_is_named(surface, extracted):
+    material, node = surface()
+    node.inputs["Base Color"].default_value = (0.5, 0.25, 0.125, 1)
+    noise = material.node_tree.nodes.new("ShaderNodeTexChecker")
+    material.node_tree.links.new(noise.outputs["Color"], node.inputs["Base Color"])
+    scene = extracted()
+    assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+    assert scene.warnings == (
+        "Materials coloured by a node 'Checker Texture' are drawn in the plain colour of its socket: 'Paint'.",
+    )
+
+
+def test_a_colour_of_no_number_is_grey(surface, extracted):
+    _, node = surface()
+    node.inputs["Base Color"].default_value = (math.nan, 0.5, 3e38, 1)
+    assert extracted().materials.base_color.tolist() == [[np.float32(0.8), 0.5, np.float32(0.8)]]
+
+
+def test_a_generated_image_is_the_base_colour(surface, extracted):
+    material, node = surface()
+    texture(material, node.inputs["Base Color"], picture())
+    scene = extracted()
+    assert scene.materials.image.tolist() == [0]
+    assert scene.images[0].texels.tolist() == STORED
+    assert scene.images[0].texels.dtype == np.uint8
+    assert scene.images[0].repeat
+    assert scene.warnings == ()
+
+
+def test_packed_and_saved_images_are_the_same(surface, extracted, tmp_path):
+    material, node = surface()
+    path = str(tmp_path / "picture.png")
+    image = picture(pixels=[(0.2, 0.4, 0.6, 1)] * 4)
+    image.filepath_raw, image.file_format = path, "PNG"
+    image.save()
+    loaded = bpy.data.images.load(path)
+    texture(material, node.inputs["Base Color"], loaded)
+    assert extracted().images[0].texels.tolist() == [[[51, 102, 153, 255]] * 2] * 2
+    loaded.pack()
+    (tmp_path / "picture.png").unlink()
+    loaded.reload()
+    assert extracted().images[0].texels.tolist() == [[[51, 102, 153, 255]] * 2] * 2
+
+
+def test_a_missing_image_leaves_the_base_colour_and_is_named(surface, extracted, tmp_path):
+    material, node = surface()
+    path = str(tmp_path / "gone.png")
+    image = picture()
+    image.filepath_raw, image.file_format = path, "PNG"
+    image.save()
+    node.inputs["Base Color"].default_value = (0.5, 0.25, 0.125, 1)
+    texture(material, node.inputs["Base Color"], bpy.data.images.load(path))
+    (tmp_path / "gone.png").unlink()
+    bpy.data.images["gone.png"].reload()
+    scene = extracted()
+    assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+    assert scene.materials.image.tolist() == [-1]
+    assert scene.images == ()
+    assert scene.warnings == (
+        "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'.",
+    )
+
+
+def test_an_image_that_is_missing_twice_is_named_once(surface, extracted, tmp_path):
+    image = bpy.data.images.new("Gone", 2, 2)
+    image.source, image.filepath = "FILE", str(tmp_path / "gone.png")
+    for _ in range(2):
+        material, node = surface()
+        texture(material, node.inputs["Base Color"], image)
+    assert extracted().warnings == (
+        "Images that are missing or cannot be read are left out, and the base colour is drawn: 'Gone'.",
+    )
+
+
+def test_an_empty_image_texture_leaves_the_base_colour(surface, extracted):
+    material, node = surface()
+    texture(material, node.inputs["Base Color"], None)
+    scene = extracted()
+    assert scene.materials.image.tolist() == [-1]
+    assert scene.warnings == ("Materials with an empty Image Texture are drawn in their base colour: 'Paint'.",)
+
+
+def test_images_are_shared_but_not_across_extensions(surface, extracted):
+    image = picture()
+    for extension in ("REPEAT", "EXTEND", "REPEAT"):
+        material, node = surface()
+        texture(material, node.inputs["Base Color"], image).extension = extension
+    scene = extracted()
+    assert scene.materials.image.tolist() == [0, 1, 0]
+    assert [each.repeat for each in scene.images] == [True, False]
+
+
+def test_linear_images_are_encoded():
+    values = np.float32([0.0, 0.002, 0.18, 0.5, 1.0])
+    assert np.allclose(images.encoded(values), [0.0, 0.02584, 0.46136, 0.73536, 1.0], atol=1e-5)
+    assert np.allclose(images.encoded(np.float32([math.nan, -1, 7])), [0, 0, 1])
+
+
+def test_what_is_not_srgb_is_encoded(add):
+    grey = [(0.18, 0.18, 0.18, 1)] * 4
+    encoded = round(0.46136 * 255)
+    floats = picture(pixels=[(0.18, 0.18, 0.18, 1), (7, -1, math.nan, 1)] * 2, float_buffer=True)
+    assert images.texels(floats).tolist() == [[[encoded] * 3 + [255], [255, 0, 0, 255]]] * 2
+    data = picture(pixels=grey, is_data=True)
+    assert abs(int(images.texels(data)[0, 0, 0]) - encoded) <= 1
+    assert images.texels(picture(pixels=grey))[0, 0, 0] == round(0.18 * 255)
+
+
+def test_an_unknown_space_is_named(surface, extracted):
+    material, node = surface()
+    image = picture()
+    image.colorspace_settings.name = "Linear CIE-XYZ D65"
+    texture(material, node.inputs["Base Color"], image)
+    assert extracted().warnings == ("Images in a colour space that is not known are taken for sRGB: 'Picture'.",)
+
+
+def test_a_texture_that_will_not_lie_as_meant_is_named(surface, extracted):
+    material, node = surface()
+    image_node = texture(material, node.inputs["Base Color"], picture())
+    tree = material.node_tree
+    coordinates, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
+    tree.links.new(coordinates.outputs["UV"], image_node.inputs["Vector"])
+    assert extracted().warnings == ()
+    tree.links.new(coordinates.outputs["Object"], image_node.inputs["Vector"])
+    image_node.projection, image_node.extension = "BOX", "CLIP"
+    assert extracted().warnings == (
+        "Textures placed by a node 'Texture Coordinate' lie on the active UV map as it is: 'Paint'.",
+        "Textures projected otherwise than flat lie on the active UV map: 'Paint'.",
+        "Textures that are clipped or mirrored at their border have the border's colour there: 'Paint'.",
+    )
+    tree.links.new(mapping.outputs["Vector"], image_node.inputs["Vector"])
+    assert extracted().warnings[0] == "Textures placed by a node 'Mapping' lie on the active UV map as it is: 'Paint'."
+
+
+def test_many_names_become_one_short_sentence(add, extracted):
+    for letter in "ABCDE":
+        add(letter).is_holdout = True
+    assert extracted().warnings == ("Holdouts are drawn as plain surfaces: 'A', 'B', 'C', 2 more.",)
