@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each factor of radiometry against an integral over the light."""
+
+import numpy as np
+import pytest
+
+from ism_addon.radiometry import ELLIPSE_CORNERS, MIN_SPREAD, area_light_radiance, ellipse_polygon_scale, spread_terms
+from ism_addon.scene import LightShape
+
+from .reference import irradiance, spread_factor
+from .studio import light
+
+
+@pytest.mark.parametrize("spread", np.radians([180.0, 179.0, 120.0, 60.0, 10.0]))
+def test_the_watts_of_a_light_are_what_it_sends(spread):
+    cosine = (np.arange(200_000) + 0.5) / 200_000
+    tangent, scale = spread_terms(np.array([spread]))[0]
+    factor = np.maximum(tangent - np.sqrt(1.0 - cosine**2) / cosine, 0.0) * scale if scale else np.ones_like(cosine)
+    radiance = area_light_radiance(np.array([10.0, 20.0, 30.0]), 0.5)
+    watts = radiance * 0.5 * 2.0 * np.pi * (cosine * factor).mean()
+    assert watts == pytest.approx([10.0, 20.0, 30.0], rel=2e-3)
+    assert factor == pytest.approx(spread_factor(spread, cosine))
+
+
+def test_a_full_spread_has_no_terms_and_a_tiny_one_is_held_open():
+    assert not spread_terms(np.array([np.pi, np.pi + 1e-7])).any()
+    assert np.array_equal(spread_terms(np.array([0.0])), spread_terms(np.array([MIN_SPREAD])))
+    assert np.isfinite(spread_terms(np.linspace(0.0, np.pi, 10_001))).all()
+
+
+def test_the_ellipses_polygon_has_its_area():
+    angles = 2.0 * np.pi * np.arange(ELLIPSE_CORNERS) / ELLIPSE_CORNERS
+    x, y = ellipse_polygon_scale(ELLIPSE_CORNERS) * np.array([np.cos(angles), np.sin(angles)])
+    assert 0.5 * abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) == pytest.approx(np.pi)
+
+
+def test_the_reference_knows_the_textbooks():
+    """A disk straight above: pi sin²; a point far away: the inverse square; both sides of the reference's switch."""
+    up = np.array([0.0, 0.0, 1.0])
+    for height in (0.05, 0.4, 1.4, 1.6, 5.0):
+        lights = light(LightShape.ELLIPSE, (0.0, 0.0, height))
+        assert irradiance(np.zeros(3), up, lights, 0) == pytest.approx(np.pi * 0.25 / (0.25 + height**2), rel=2e-3)
+    far = light(LightShape.RECTANGLE, (0.0, 0.0, 1000.0))
+    assert irradiance(np.zeros(3), up, far, 0) == pytest.approx(1e-6, rel=1e-4)
