@@ -14,6 +14,8 @@ A spread below 180° weighs the radiance towards the angle a off the light's nor
 
 import numpy as np
 
+from .scene import Lights, LightShape
+
 #: Corners of the polygon of equal area that stands for an ellipse in the edge sum.
 ELLIPSE_CORNERS = 16
 
@@ -24,6 +26,12 @@ MIN_SPREAD = np.radians(1.0)
 def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
     """Radiance W/(sr m²) of `power` (3,) W sent out by one side of `area` m²."""
     return np.asarray(power, np.float64) / (np.pi * area)
+
+
+def light_areas(lights: Lights) -> np.ndarray:
+    """(L,) m²: products of the axes' lengths, as in Cycles; an ellipse fills pi/4 of its box."""
+    box = np.linalg.norm(lights.axis_u, axis=1) * np.linalg.norm(lights.axis_v, axis=1)
+    return np.where(lights.shape == LightShape.ELLIPSE, np.pi / 4.0, 1.0) * box
 
 
 def spread_terms(spread: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ class Shadow:
         True, "Shadows", "Draw the lights' shadows. Off, every light reaches every surface that faces it"
     )
     splat_size: float = setting(
-        1.3,
+        1.15,
         "Splat Size",
         "Radius of a surface point's disc over the radius that its share of the area has. "
         "Larger closes holes and leaks, and darkens beside edges. Costs a little time",
@@ -45,7 +45,7 @@ class Shadow:
         soft_high=3.0,
     )
     bias: float = setting(
-        1.0,
+        0.5,
         "Bias",
         "How far a surface is moved towards the light before it is compared with a shadow map, in texels of the map. "
         "Less shows stripes of false shadow, more lets light through at contacts. Costs no time",
@@ -145,7 +145,7 @@ class Quality:
         unit="PIXEL",
     )
     surface_points: int = setting(
-        65536,
+        32768,
         "Surface Points",
         "Points that stand for the scene in each shadow map. "
         "More let smaller things cast a shadow; time grows in proportion",
@@ -157,7 +157,7 @@ class Quality:
 
 #: The two uses of Quality: Blender's final render, and its viewport, where waiting is felt.
 FINAL = Quality()
-VIEWPORT = Quality(light_points=32, map_size=64, surface_points=16384)
+VIEWPORT = Quality(light_points=32, map_size=64, surface_points=8192)
 
 
 @dataclass(frozen=True)

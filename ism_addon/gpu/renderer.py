@@ -29,12 +29,13 @@ from .passes.shade import Shade
 from .passes.show import Show
 from .passes.splat import Splat
 from .passes.ssao import SSAO
+from .passes.subsets import Subsets
 from .passes.surface_points import SurfacePoints
 from .passes.upload import Colours, Meshes, Place
 from .targets import Targets
 
 #: What the camera sees, and points for the scene and for its lights,
-BEFORE = (Meshes, Place, Colours, GBuffer, SurfacePoints, LightPoints)
+BEFORE = (Meshes, Place, Colours, GBuffer, SurfacePoints, Subsets, LightPoints)
 #: for as many light points as an atlas holds: an imperfect shadow map each, filled, and the light they let through,
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
 #: the creases too small for the maps, and all of it put together; again with other points, and averaged.

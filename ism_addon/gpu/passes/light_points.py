@@ -7,7 +7,7 @@ light; a light's radiance and area are exact (see gather), its points only say h
 
 import numpy as np
 
-from ...radiometry import spread_terms
+from ...radiometry import light_areas, spread_terms
 from ...sampling import additive_sequence, points_on_light, shares
 from ...scene import Change, Lights
 from ...spaces import orthonormal
@@ -20,13 +20,12 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 def points_per_light(lights: Lights, count: int) -> np.ndarray:
     """(L,) int64: `count` light points by the lights' power; never none, so a few more where lights are many."""
-    area = np.linalg.norm(lights.axis_u, axis=1) * np.linalg.norm(lights.axis_v, axis=1)
-    power = np.abs(lights.radiance @ LUMINANCE) * area
+    power = np.abs(lights.radiance @ LUMINANCE) * light_areas(lights)
     return 1 + shares(power, max(count - len(power), 0))
 
 
-def light_tables(lights: Lights, count: int, sample: int, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of LIGHT and of LIGHT_POINT for one sample."""
+def light_tables(lights: Lights, count: int, sample: int, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of LIGHT and of LIGHT_POINT for one sample, and the light of each light point."""
     counts = points_per_light(lights, count)
     first = np.cumsum(counts) - counts
     table = np.zeros(len(counts), LIGHT.dtype)
@@ -46,13 +45,13 @@ def light_tables(lights: Lights, count: int, sample: int, anchor: np.ndarray) ->
         angle = 2.0 * np.pi * turns[rows, None]
         points["tangent"][rows] = np.cos(angle) * tangent + np.sin(angle) * bitangent
         points["normal"][rows] = lights.normal[light]
-    return table, points
+    return table, points, np.repeat(np.arange(len(counts)), counts)
 
 
 class LightPoints(Pass):
     """The tables of lights and of light points."""
 
-    makes = ("lights", "light_points")
+    makes = ("lights", "light_points", "light_of_point")
     settings = ("quality.light_points",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
@@ -60,10 +59,11 @@ class LightPoints(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def draw(self, frame: Frame) -> None:
-        lights, points = light_tables(
+        lights, points, owners = light_tables(
             frame.scene.lights, frame.settings.quality.light_points, frame.sample, frame.anchor
         )
         frame.tables["lights"] = LIGHT.upload(self.device.gl, lights)
         frame.tables["light_points"] = LIGHT_POINT.upload(self.device.gl, points)
+        frame.tables["light_of_point"] = owners
         frame.counts["light_points"] = len(points)
         frame.counts["bytes_uploaded"] += lights.nbytes + points.nbytes

@@ -8,7 +8,6 @@ itself. All maps lie in one atlas; the nearest distance wins by blending with th
 """
 
 import moderngl
-import numpy as np
 
 from ..context import Device
 from ..layout import LIGHT_POINT
@@ -23,9 +22,9 @@ EMPTY = 1e30
 class Splat(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
-    reads = ("surface_points", "light_points")
+    reads = ("surface_points", "light_points", "light_of_point")
     writes = {"splats": Target(1, "f4", neutral=(EMPTY,), divisor=0)}
-    settings = ("shadow.splat_size", "quality.map_size")
+    settings = ("quality.map_size",)
 
     def __init__(self, device: Device):
         super().__init__(device)
@@ -41,20 +40,20 @@ class Splat(Pass):
         frame.targets.allocate("splats", self.writes["splats"], batch.size)
         atlas = frame.targets.into("splats")
         atlas.clear(EMPTY)
-        cloud, points = frame.tables["surface_points"]
+        subsets, points = frame.tables["surface_points"]
         if points is None:
             return
         atlas.use()
         gl.enable_only(moderngl.BLEND)
         gl.blend_equation = moderngl.MIN
-        radius = frame.settings.shadow.splat_size * np.sqrt(cloud.area / np.pi)
-        bind(self.discs, light_points=frame.tables["light_points"], radius=radius, side=batch.side)
-        discs = gl.vertex_array(self.discs, [(points, "3f 3f", "position", "normal")])
+        bind(self.discs, light_points=frame.tables["light_points"], side=batch.side)
+        discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
         for index in range(batch.count):
-            corner = batch.corner(index)
-            gl.viewport = (*corner, batch.side, batch.side)
-            bind(self.discs, light_point=batch.first + index, corner=corner)
-            subset = (batch.first + index + frame.sample) % cloud.subsets
-            discs.render(moderngl.POINTS, vertices=cloud.count, first=subset * cloud.count)
+            point, corner = batch.first + index, batch.corner(index)
+            turns = subsets[frame.tables["light_of_point"][point]]
+            subset = turns[(point + frame.sample) % len(turns)]
+            if subset.count:
+                gl.viewport = (*corner, batch.side, batch.side)
+                bind(self.discs, light_point=point, corner=corner)
+                discs.render(moderngl.POINTS, vertices=subset.count, first=subset.first)
         gl.blend_equation = moderngl.FUNC_ADD
-        frame.counts["surface_points"] = cloud.count

@@ -1,35 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene as random points on its triangles, each standing for the same share of its area.
 
-Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008. As in the latter, shadow maps do not all
-see the same points: the cloud falls into subsets, dealt out to the maps, so that errors average out.
+Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008: a triangle is chosen with probability in
+proportion to its area, a point uniformly on it. Which of the points a shadow map sees, subsets decides.
 """
 
 from dataclasses import dataclass
 
-import moderngl
 import numpy as np
 
 from ...sampling import points_on_triangles, shares, triangle_areas
 from ...scene import Change, Mesh, Scene
-from ...settings import Settings
 from . import Frame, Pass
 
-#: Most subsets of the cloud, and the most points that all of them may have.
-SUBSETS = 8
-MOST_POINTS = 1 << 21
-
-POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3)])
+#: Points in the cloud for each that a map sees, and the most points in the cloud, whatever a map sees.
+CHOICE = 16
+MOST_POINTS = 1 << 20
 
 
 @dataclass(frozen=True)
 class Cloud:
-    """`subsets` sets of `count` points each, one behind the other; `area` m² is a point's share."""
+    """P points; each stands for `area` m². Anchor space."""
 
-    points: np.ndarray  # (subsets * count,) POINT, anchor space
-    subsets: int
-    count: int
+    positions: np.ndarray  # (P,3) float32
+    normals: np.ndarray  # (P,3) float32
     area: float
+
+    def __len__(self) -> int:
+        return len(self.positions)
 
 
 def similarity(linear: np.ndarray) -> np.ndarray:
@@ -57,21 +55,14 @@ def make_cloud(scene: Scene, anchor: np.ndarray, count: int) -> Cloud:
         areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
     total = areas.sum()
     if total <= 0.0:
-        return Cloud(np.zeros(0, POINT), 1, 0, 0.0)
-    subsets = int(np.clip(MOST_POINTS // count, 1, SUBSETS))
-    due = shares(areas, count * subsets)
-    positions = np.zeros((count * subsets, 3))
-    normals = np.zeros((count * subsets, 3))
-    ends = np.cumsum(due)
+        return Cloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), 0.0)
+    due = shares(areas, count)
+    positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(due)
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
             fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group])
-    order = np.arange(count * subsets).reshape(count, subsets).T.ravel()
-    points = np.zeros(count * subsets, POINT)
-    points["position"] = (positions - anchor)[order]
-    points["normal"] = normals[order]
-    return Cloud(points, subsets, count, float(total) / count)
+    return Cloud((positions - anchor).astype(np.float32), normals.astype(np.float32), float(total) / count)
 
 
 def fill(
@@ -102,9 +93,9 @@ def object_corners(mesh: Mesh) -> np.ndarray:
 
 
 class SurfacePoints(Pass):
-    """The cloud that stands for the scene in the shadow maps, as a vertex buffer."""
+    """The cloud that stands for the scene."""
 
-    makes = ("surface_points",)
+    makes = ("cloud",)
     settings = ("quality.surface_points",)
     depends_on = (Change.MESHES, Change.INSTANCES)
 
@@ -112,7 +103,5 @@ class SurfacePoints(Pass):
         return frame.casts_shadows
 
     def draw(self, frame: Frame) -> None:
-        cloud = make_cloud(frame.scene, frame.anchor, frame.settings.quality.surface_points)
-        buffer = self.device.gl.buffer(cloud.points) if len(cloud.points) else None
-        frame.tables["surface_points"] = cloud, buffer
-        frame.counts["bytes_uploaded"] += cloud.points.nbytes
+        seen = frame.settings.quality.surface_points
+        frame.tables["cloud"] = make_cloud(frame.scene, frame.anchor, max(seen, min(CHOICE * seen, MOST_POINTS)))

@@ -1,10 +1,10 @@
 // Where the texel's direction meets the disc: its plane's distance, not its centre's. m
 #include "lib/octahedron.glsl"
-uniform float radius;
 uniform int side;
 uniform ivec2 corner;
 flat in vec3 centre;
 flat in vec3 normal;
+flat in float radius;
 out float nearest;
 
 void main() {

@@ -2,12 +2,13 @@
 #include "lib/octahedron.glsl"
 layout(points) in;
 layout(triangle_strip, max_vertices = 4) out;
-uniform float radius;
 uniform int side;
 in vec3 point_centre[];
 in vec3 point_normal[];
+in float point_radius[];
 flat out vec3 centre;
 flat out vec3 normal;
+flat out float radius;
 
 // How far the map's coordinate can move, at most, when a direction moves by a unit of angle. Two octants meet where
 // x or y is 0: there the steeper one counts.
@@ -27,9 +28,9 @@ float stretch(vec3 d, float angle) {
 
 void main() {
     vec3 c = point_centre[0];
-    float distance = length(c);
-    if (c.z <= -radius || distance <= 1e-6 * radius) return; // below the horizon, or the light point itself
-    float angle = radius / distance;
+    float r = point_radius[0], distance = length(c);
+    if (c.z <= -r || distance <= 1e-6 * r) return; // below the horizon, or the light point itself
+    float angle = r / distance;
     vec2 middle = vec2(0.0), reach = vec2(2.0);
     if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
@@ -41,6 +42,7 @@ void main() {
     for (int k = 0; k < 4; ++k) {
         centre = c;
         normal = point_normal[0];
+        radius = r;
         gl_Position = vec4((k & 1) == 0 ? low.x : high.x, (k & 2) == 0 ? low.y : high.y, 0.0, 1.0);
         EmitVertex();
     }

@@ -24,7 +24,8 @@ vec3 bilinear(Material image, int level, vec2 uv) {
 // dx, dy: how uv changes from pixel to pixel.
 vec3 image_color(Material image, vec2 uv, vec2 dx, vec2 dy) {
     vec2 size = vec2(image.width, image.height);
-    float footprint = max(length(dx * size), length(dy * size));
+    // By the shorter side of the pixel's footprint: what it leaves unfiltered along the longer, the samples average.
+    float footprint = min(length(dx * size), length(dy * size));
     float level = clamp(log2(max(footprint, 1e-6)), 0.0, float(image.levels - 1));
     int fine = int(level);
     vec3 color = bilinear(image, fine, uv);

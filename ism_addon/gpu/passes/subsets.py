@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which surface points stand for the scene in the shadow maps of a light.
+
+Ritschel et al. 2008 give each map a random subset of the points. We choose those by what a map can show of them: a
+point is taken with a probability in proportion to the solid angle that its share of area fills as seen from the
+light, and then stands for as many times more area. So all discs of a map are about as large, one covers about one
+texel where there are as many points as texels, and what is near the light is drawn finely (compare the
+view-adaptive maps of Ritschel et al. 2011). A point's chance is its own and fixed: subsets change only where
+the light's view of them does. Light points take turns with several such subsets.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ...radiometry import light_areas
+from ...sampling import additive_sequence
+from ...scene import Change, Lights
+from . import Frame, Pass
+from .surface_points import Cloud
+
+#: Subsets a light; its light points share them out.
+TURNS = 4
+
+POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])
+
+
+@dataclass(frozen=True)
+class Subset:
+    """Vertices first … first + count - 1 of the buffer of points."""
+
+    first: int
+    count: int
+
+
+def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
+    """(P,) float32, in proportion to the sr that points fill, seen from about a light; 0 behind it.
+
+    A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
+    """
+    to = cloud.positions - (lights.position[light] - anchor).astype(np.float32)
+    normal = lights.normal[light].astype(np.float32)
+    square = np.einsum("nk,nk->n", to, to) + np.float32(light_areas(lights)[light] / 12.0 + 1e-12)
+    facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
+    reach = np.sqrt(cloud.area)
+    return np.where(to @ normal > -reach, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
+
+
+def chances(weights: np.ndarray, count: int) -> np.ndarray:
+    """(P,) probabilities in proportion to weights (P,), no more than 1, that sum to `count` if they can."""
+    scale = count / max(float(weights.sum()), 1e-30)
+    for _ in range(8):  # what is cut off at 1 is given to the others
+        full = weights * scale >= 1.0
+        rest = float(weights[~full].sum())
+        if rest <= 0.0:
+            break
+        scale = (count - int(full.sum())) / rest
+    return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
+
+
+def choose(cloud: Cloud, weights: np.ndarray, count: int, splat_size: float) -> list[np.ndarray]:
+    """TURNS subsets of about `count` points, as arrays of POINT."""
+    chance = chances(weights, count)
+    luck = additive_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
+    found = []
+    for turn in range(TURNS):
+        taken = np.flatnonzero(np.modf(luck + np.float32(turn / TURNS))[0] < chance)
+        points = np.zeros(len(taken), POINT)
+        points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
+        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / chance[taken])
+        found.append(points)
+    return found
+
+
+class Subsets(Pass):
+    """A vertex buffer of all subsets, and where each light's lie in it."""
+
+    reads = ("cloud",)
+    makes = ("surface_points",)
+    settings = ("quality.surface_points", "shadow.splat_size")
+    depends_on = (Change.LIGHTS,)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.casts_shadows
+
+    def draw(self, frame: Frame) -> None:
+        cloud, lights = frame.tables["cloud"], frame.scene.lights
+        count, size = frame.settings.quality.surface_points, frame.settings.shadow.splat_size
+
+        def of_light(light: int) -> list[np.ndarray]:
+            if not lights.casts_shadow[light]:
+                return [np.zeros(0, POINT)] * TURNS
+            return choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size)
+
+        with ThreadPoolExecutor() as cores:
+            chosen = list(cores.map(of_light, range(len(lights.shape))))
+        points = np.concatenate([subset for subsets in chosen for subset in subsets])
+        ends = np.cumsum([len(subset) for subsets in chosen for subset in subsets]).reshape(-1, TURNS)
+        table = [
+            [Subset(int(end) - len(points), len(points)) for end, points in zip(row, subsets, strict=True)]
+            for row, subsets in zip(ends, chosen, strict=True)
+        ]
+        buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
+        frame.tables["surface_points"] = table, buffer
+        frame.counts["bytes_uploaded"] += points.nbytes
+        frame.counts["surface_points"] = max((subset.count for row in table for subset in row), default=0)
