@@ -71,7 +71,14 @@ def saved_atrium(path: Path) -> Path:
     if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
         print("building the atrium")
         atrium.build(path)
+        look(bpy.context.scene.ism)
+        bpy.ops.wm.save_mainfile(compress=True)
     return path
+
+
+def look(ism: bpy.types.PropertyGroup) -> None:
+    """The ambient occlusion of a room of this size."""
+    ism.ssao.radius, ism.ssao.intensity, ism.ssao.attenuation = 0.8, 2.0, 0.5
 
 
 def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:

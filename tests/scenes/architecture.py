@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of a building in stone: arcades, pillars, vaults, balustrades. Metres; each stands on z = 0 or says where."""
+"""The parts of a building in stone: arcades, pillars, vaults, balustrades. Metres; each stands on z = 0."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def wall_over_arches(
     half = 0.5 * thickness
     corners = [(edge, -half), (ceiling, -half), (ceiling, half), (edge, half), (edge, -half)]
     sides = []
-    for (line, y), (next_line, next_y) in zip(corners, corners[1:], strict=False):
+    for (line, y), (next_line, next_y) in pairwise(corners):
         rows = np.stack([at(line, y), at(next_line, next_y)])
         flat = y == next_y
         uvs = [row[:, [0, 2]] if flat else np.stack([path_length(line), row[:, 1]], axis=-1) for row in rows]
@@ -47,9 +48,7 @@ def at(line: np.ndarray, y: float) -> np.ndarray:
 def archivolt(radius: float, width: float, thickness: float, steps: int = 28) -> Shape:
     """The moulded ring of stones around an arch, standing out on both sides of a wall along x; centre at the origin."""
     half = 0.5 * thickness
-    profile = np.array(
-        [(0.0, -half), (0.35, -half), (0.4, -half - 0.02), (0.85, -half - 0.02), (1.0, -half + 0.06)]
-    )
+    profile = np.array([(0.0, -half), (0.35, -half), (0.4, -half - 0.02), (0.85, -half - 0.02), (1.0, -half + 0.06)])
     profile = np.concatenate([profile, profile[::-1] * (1.0, -1.0)])
     profile = profile[::-1] * (width, 1.0) + (radius - 0.02, 0.0)
     angles = np.linspace(0.0, np.pi, steps + 1)
@@ -63,7 +62,7 @@ def curve(*pieces: tuple[tuple[float, float], tuple[float, float], float]) -> np
     """A profile of (radius, height) from pieces: two ends and how far the piece bulges out (negative: in)."""
     points = []
     for start, end, bulge in pieces:
-        steps = np.linspace(0.0, 1.0, 7 if bulge else 2)[:, None]
+        steps = np.linspace(0.0, 1.0, 6 if bulge else 2)[:, None]
         line = (1.0 - steps) * start + steps * np.array(end)
         points.append(line + np.sin(np.pi * steps) * (bulge, 0.0))
     joined = np.concatenate(points)
@@ -85,19 +84,21 @@ def pillar(height: float, radius: float, abacus: float, flutes: int) -> tuple[Sh
         ((1.1 * r, 0.15 + 0.42 * r), (1.05 * r, base_top + 0.02), 0.06 * r),
     )
     top = height - 0.13
-    collar = curve(((0.8 * r, neck - 0.06), (0.84 * r, neck), 0.09 * r), ((0.84 * r, neck), (0.86 * r, neck + 0.02), 0.0))
+    collar = curve(
+        ((0.8 * r, neck - 0.06), (0.84 * r, neck), 0.09 * r), ((0.84 * r, neck), (0.86 * r, neck + 0.02), 0.0)
+    )
     bell_height = np.linspace(neck + 0.02, top, 13)
     s = np.linspace(0.0, 1.0, 13)
     bell = np.stack([r * (0.86 + 0.62 * s**2.2 + 0.1 * np.sin(3.0 * np.pi * s) * (1.0 - s)), bell_height], axis=-1)
     capital = join(
         [
-            lathe(collar, 40),
-            lathe(bell, 48, lobes=8, depth=0.16 * r * np.sin(np.pi * np.clip(s * 1.1, 0.0, 1.0)) ** 0.7),
+            lathe(collar, 32),
+            lathe(bell, 32, lobes=8, depth=0.16 * r * np.sin(np.pi * np.clip(s * 1.1, 0.0, 1.0)) ** 0.7),
             slab(0.5 * abacus, height - 0.14, height + 0.01),
         ]
     )
-    foot = join([slab(1.42 * r, -0.02, 0.16), lathe(base, 40)])
-    return lathe(shaft, 6 * flutes if flutes else 40, flutes, depth), join([foot, capital])
+    foot = join([slab(1.42 * r, -0.02, 0.16), lathe(base, 32)])
+    return lathe(shaft, 4 * flutes if flutes else 32, flutes, depth), join([foot, capital])
 
 
 def slab(half: float, low: float, high: float) -> Shape:
@@ -116,7 +117,7 @@ def pier(height: float, half: float) -> Shape:
 
 
 def groin_vault(half_x: float, half_y: float, springing: float, rise: float, steps: int = 20) -> Shape:
-    """Two crossing barrels over a bay, centred on the origin; the middle of the crossing is `rise` above the springing."""
+    """Two crossing barrels over a bay, centred on the origin, their crown `rise` above the springing."""
     s = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, steps + 1))
     x, y = np.meshgrid(s, s, indexing="ij")
     z = springing + rise * np.sqrt(1.0 - np.minimum(x**2, y**2))
@@ -133,7 +134,7 @@ def balustrade(length: float, count: int) -> Shape:
         ((0.056, 0.63), (0.056, 0.67), 0.012),
         ((0.044, 0.68), (0.062, 0.8), -0.014),
     )
-    one = lathe(profile, 14)
+    one = lathe(profile, 8)
     spots = (np.arange(count) + 0.5) / count * length - h
     rail = [(-0.09, 0.785), (0.02, 0.785), (0.05, 0.83), (0.05, 0.92), (0.03, 0.95), (-0.09, 0.95)]
     foot = box((-h, -0.12, -0.02), (h, 0.12, 0.18))
@@ -154,5 +155,5 @@ def urn(height: float) -> Shape:
             ((0.22 * k, 0.98 * k), (0.16 * k, 0.84 * k), 0.0),
             ((0.16 * k, 0.84 * k), (0.001, 0.3 * k), 0.1 * k),
         ),
-        48,
+        36,
     )

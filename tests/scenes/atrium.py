@@ -18,7 +18,7 @@ from .architecture import wall_over_arches
 from .atrium_light import light, look
 from .materials import Materials
 from .meshes import mesh_of
-from .shapes import Shape, box, join, ring
+from .shapes import Shape, box, ring
 from .statue import statue_mesh
 
 HALF_X, HALF_Y, DEPTH = 12.0, 4.0, 3.3  # m: arcade axes, depth of the galleries
@@ -26,7 +26,20 @@ FLOOR, SPRINGING, STOREY = 0.15, 2.95, 4.6  # m: gallery floor, springing of its
 UPPER_SPRINGING, TOP = 7.0, 9.1  # m
 LONG = np.arange(-10.5, 11.0, 3.0)  # m: middles of the bays
 SHORT = np.array([-8.0, 0.0, 8.0]) / 3.0
+SIDES = (  # distance and direction of each side's arcade, and its bays
+    (HALF_Y, 0.0, LONG),
+    (HALF_Y, math.pi, LONG),
+    (HALF_X, 0.5 * math.pi, SHORT),
+    (HALF_X, -0.5 * math.pi, SHORT),
+)
 CENTRE_Y = 0.3 + 0.5 * (DEPTH - 0.3)  # m: middle of a gallery, from its arcade's axis
+
+THICKNESS = 0.6  # m, of the arcades
+
+STATUE_X = 0.0  # m
+CURTAINS = [(-7.5, 1), (-4.5, -1), (1.5, 1), (4.5, -1), (7.5, 1), (10.5, -1)]  # x in m, and which side
+BANNERS = [(-3.0, 1), (0.0, -1), (3.0, 1), (6.0, -1)]
+SWAGS = [-4.0, 2.0, 7.5]
 
 Parts = Sequence[tuple[Shape, str]]
 
@@ -36,7 +49,7 @@ def build(path: Path) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     mason = Mason()
     shell(mason)
-    for middle, turn, bays in ((HALF_Y, 0.0, LONG), (HALF_Y, math.pi, LONG), (HALF_X, 0.5 * math.pi, SHORT), (HALF_X, -0.5 * math.pi, SHORT)):
+    for middle, turn, bays in SIDES:
         side(mason, Matrix.Rotation(turn, 4, "Z") @ Matrix.Translation((0.0, middle, 0.0)), bays)
     corners(mason)
     furnish(mason)
@@ -66,7 +79,6 @@ class Mason:
 def shell(mason: Mason) -> None:
     """What goes around the whole court: floors, outer walls, cornices, roof."""
     out = DEPTH + 0.25
-    steps = [(out, 0.0), (-0.62, 0.0), (-0.62, 0.06), (-0.6, FLOOR - 0.0), (out, FLOOR)]
     steps = [(out, -0.1), (-0.6, -0.1), (-0.6, FLOOR - 0.02), (-0.58, FLOOR), (out, FLOOR), (out, -0.1)]
     ledge = [(-0.2, STOREY - 0.3), (-0.31, STOREY - 0.3), (-0.36, STOREY - 0.24), (-0.36, STOREY - 0.2)]
     ledge += [(-0.46, STOREY - 0.12), (-0.46, STOREY - 0.02), (-0.44, STOREY), (out, STOREY), (out, STOREY - 0.25)]
@@ -86,26 +98,27 @@ def side(mason: Mason, frame: Matrix, bays: np.ndarray) -> None:
     """Both storeys of the galleries along one side; in its frame, x runs along the arcade and y outwards."""
     bay = float(bays[1] - bays[0])
     kind, half, radius = ("long", 12.3, 1.15) if bays is LONG else ("short", 3.75, 0.98)
-    thickness = 0.6
     for storey, springing, top in (("Ground", SPRINGING, STOREY - 0.1), ("Upper", UPPER_SPRINGING, TOP - 0.1)):
-        wall = wall_over_arches(-half, half, bays, radius, (springing, top), thickness)
+        wall = wall_over_arches(-half, half, bays, radius, (springing, top), THICKNESS)
         mason.set(f"{storey} arcade, {kind}", [(wall, "Stone blocks")], [frame])
         arches = [frame @ Matrix.Translation((x, 0.0, springing)) for x in bays]
-        mason.set(f"Archivolt, {kind}", [(architecture.archivolt(radius, 0.24, thickness), "Limestone")], arches)
+        mason.set(f"Archivolt, {kind}", [(architecture.archivolt(radius, 0.24, THICKNESS), "Limestone")], arches)
     between = bays[:-1] + 0.5 * bay
     stand(mason, frame, between)
     vault = architecture.groin_vault(0.5 * bay, 0.5 * DEPTH - 0.13, SPRINGING, 1.3)
     middles = [frame @ Matrix.Translation((x, CENTRE_Y, 0.0)) for x in bays]
     mason.set(f"Vault, {kind}", [(vault, "Plaster")], middles)
     cross_ribs(mason, frame, [*between, bays[0] - 0.5 * bay, bays[-1] + 0.5 * bay])
-    rail = architecture.balustrade(bay - 0.36, 9 if bays is LONG else 8)
-    mason.set(f"Balustrade, {kind}", [(rail, "Limestone")], [frame @ Matrix.Translation((x, 0.0, STOREY)) for x in bays])
+    rail = architecture.balustrade(bay - 0.36, 8 if bays is LONG else 7)
+    mason.set(
+        f"Balustrade, {kind}", [(rail, "Limestone")], [frame @ Matrix.Translation((x, 0.0, STOREY)) for x in bays]
+    )
 
 
 def stand(mason: Mason, frame: Matrix, spots: np.ndarray) -> None:
     """Pillars of both storeys at spots along a side."""
     storeys = (
-        ("Pillar", FLOOR, architecture.pillar(SPRINGING - FLOOR, 0.25, 0.74, flutes=12)),
+        ("Pillar", FLOOR, architecture.pillar(SPRINGING - FLOOR, 0.25, 0.74, flutes=16)),
         ("Upper pillar", STOREY, architecture.pillar(UPPER_SPRINGING - STOREY, 0.2, 0.74, flutes=0)),
     )
     for name, height, (shaft, ends) in storeys:
@@ -149,7 +162,7 @@ def furnish(mason: Mason) -> None:
     mesh.materials.append(mason.materials["Marble"])
     mason.meshes["Statue"] = mesh
     mason.set("Statue", [], [Matrix.Translation((STATUE_X, 0.0, 1.27)) @ Matrix.Rotation(math.radians(-65.0), 4, "Z")])
-    spots = [(-6.0, 3.0), (-6.0, -3.0), (3.0, 3.0), (3.0, -3.0), (9.0, 3.0), (9.0, -3.0)]
+    spots = [(-6.0, 2.85), (-3.0, -2.85), (3.0, 2.85), (3.0, -2.85), (9.0, 2.85), (9.0, -2.85)]
     mason.set("Jar", [(architecture.urn(0.95), "Terracotta")], [Matrix.Translation((x, y, -0.005)) for x, y in spots])
 
 
@@ -160,18 +173,13 @@ def hang(mason: Mason) -> None:
         sheet = cloth.curtain(1.9, 2.6, 9, seed=number, gather=0.42)
         place = Matrix.Translation((x, way * HALF_Y, SPRINGING - 0.12))
         mason.set(f"Curtain {number + 1}", [(sheet, colors[number % 3])], [place])
-    rod = join([box((-1.3, -0.025, -0.02), (1.3, 0.025, 0.03))])
-    mason.set("Rod", [(rod, "Bronze")], [Matrix.Translation((x, way * HALF_Y, SPRINGING - 0.12)) for x, way in CURTAINS])
+    rod = box((-1.3, -0.025, -0.02), (1.3, 0.025, 0.03))
+    spots = [Matrix.Translation((x, way * HALF_Y, SPRINGING - 0.12)) for x, way in CURTAINS]
+    mason.set("Rod", [(rod, "Bronze")], spots)
     for number, (x, way) in enumerate(BANNERS):
         sheet = cloth.banner(1.2, 3.0, seed=20 + number)
         place = Matrix.Translation((x, way * (HALF_Y - 0.52), STOREY + 0.97))
         mason.set(f"Banner {number + 1}", [(sheet, "Red banner" if number % 2 else "Blue banner")], [place])
     for number, x in enumerate(SWAGS):
         sheet = cloth.swag(2.0 * HALF_Y - 0.62, 1.5, 1.0, seed=40 + number)
-        mason.set(f"Swag {number + 1}", [(sheet, colors[number % 3])], [Matrix.Translation((x, 0.0, TOP - 0.7))])
-
-
-STATUE_X = 3.0
-CURTAINS = [(-7.5, 1), (-4.5, -1), (1.5, 1), (4.5, -1), (7.5, 1), (10.5, -1)]
-BANNERS = [(-6.0, 1), (0.0, -1), (3.0, 1), (6.0, -1)]
-SWAGS = [-3.5, 2.0, 7.5]
+        mason.set(f"Swag {number + 1}", [(sheet, colors[(number + 2) % 3])], [Matrix.Translation((x, 0.0, TOP - 0.7))])

@@ -12,15 +12,15 @@ WARM = (1.0, 0.64, 0.34)
 
 def light() -> None:
     """A low sun and a soft sky over the roof, lamps in the galleries, a dim blue world."""
-    area("Sun", "DISK", (4.0, 1.8, 15.5), (4.5, -1.2, 0.0), 3400.0, (1.0, 0.90, 0.76), (2.0, 2.0))
-    area("Sky", "RECTANGLE", (-1.0, 0.6, 10.6), (0.0, -0.5, 0.0), 520.0, (0.72, 0.86, 1.0), (18.0, 5.0))
+    area("Sun", "DISK", (-6.0, 4.4, 17.0), (2.5, -1.5, 0.0), 5400.0, (1.0, 0.87, 0.70), (1.1, 1.1))
+    area("Sky", "RECTANGLE", (0.0, 0.6, 10.6), (0.0, -0.3, 0.0), 420.0, (0.78, 0.89, 1.0), (18.0, 5.0))
     area("Lamp, left", "SQUARE", (4.5, 5.8, 3.6), (4.5, 5.6, 0.0), 55.0, WARM, (0.4, 0.4))
     area("Lamp, right", "ELLIPSE", (-1.5, -5.8, 3.6), (-1.5, -5.6, 0.0), 55.0, WARM, (0.6, 0.3))
     area("Lamp, far", "DISK", (13.7, 0.0, 3.6), (13.6, 0.0, 0.0), 55.0, WARM, (0.4, 0.4))
     area("Lamp, upper", "SQUARE", (7.5, -5.8, 8.2), (7.5, -5.6, 4.6), 55.0, WARM, (0.4, 0.4))
     world = bpy.data.worlds.new("Evening sky")
     world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.13, 0.18, 0.28, 1.0)
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.105, 0.135, 0.19, 1.0)
     world.node_tree.nodes["Background"].inputs["Strength"].default_value = 1.0
     bpy.context.scene.world = world
 
@@ -54,11 +54,11 @@ def look() -> None:
     """The camera at eye height, and a plain view transform that is the same in every Blender."""
     scene = bpy.context.scene
     lens = bpy.data.cameras.new("Camera")
-    lens.lens = 20.0
+    lens.lens = 21.0
     lens.clip_start, lens.clip_end = 0.05, 200.0
     camera = bpy.data.objects.new("Camera", lens)
-    camera.location = (-10.9, -1.3, 1.9)
-    camera.rotation_euler = aim(camera.location, (3.0, 0.35, 3.1))
+    camera.location = (-10.8, -1.0, 1.75)
+    camera.rotation_euler = aim(camera.location, (2.0, 0.25, 2.95))
     scene.collection.objects.link(camera)
     scene.camera = camera
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 1280, 720, 100

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hanging cloth: curtains in arches, banners over a rail, swags from side to side. Each hangs in x and z around y = 0."""
+"""Hanging cloth: curtains in arches, banners over a rail, swags from side to side, each around its origin."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def banner(width: float, height: float, seed: int, steps: int = 72) -> Shape:
     u, v = sheet(48, steps)
     drift = waves(u, v, seed)
     fold = np.sin(2.0 * np.pi * 2.5 * u + 1.1 * drift + 0.8 * seed) + 0.4 * np.sin(2.0 * np.pi * 6.0 * u - 1.3 * drift)
-    y = 0.05 * v**0.8 * fold + 0.05 * np.sin(2.6 * v + seed) * v
+    y = 0.085 * v**0.8 * fold + 0.05 * np.sin(2.6 * v + seed) * v
     x = width * (u - 0.5) * (1.0 - 0.05 * v) + 0.02 * v * drift
     sag = 0.05 * np.sin(np.pi * u) * v
     return grid(np.stack([x, y, -height * v - sag], -1), np.stack([width * u, height * (1.0 - v)], -1))

@@ -24,12 +24,12 @@ TEXTURED: dict[str, tuple[Callable[[], np.ndarray], tuple[float, float]]] = {
     "Red damask": (lambda: RED, (0.8, 0.8)),
     "Green damask": (lambda: GREEN, (0.8, 0.8)),
     "Blue damask": (lambda: BLUE, (0.8, 0.8)),
-    "Red banner": (lambda: bordered(RED, (2, 5), GOLD, (1024, 420)), (1.2, 3.0)),
-    "Blue banner": (lambda: bordered(BLUE, (2, 5), GOLD, (1024, 420)), (1.2, 3.0)),
+    "Red banner": (lambda: bordered(RED, (3, 7), GOLD, (1024, 420)), (1.2, 3.0)),
+    "Blue banner": (lambda: bordered(BLUE, (3, 7), GOLD, (1024, 420)), (1.2, 3.0)),
 }
 
 #: name: linear colour.
-PLAIN = {"Marble": (0.72, 0.69, 0.64), "Terracotta": (0.42, 0.17, 0.085), "Bronze": (0.16, 0.105, 0.055)}
+PLAIN = {"Marble": (0.64, 0.61, 0.56), "Terracotta": (0.42, 0.17, 0.085), "Bronze": (0.16, 0.105, 0.055)}
 
 
 class Materials:

@@ -39,7 +39,9 @@ def mesh_of(name: str, parts: Sequence[tuple[Shape, str]], materials: Materials)
 
 def weld(positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points at one place become one point."""
-    _, first, inverse = np.unique(np.round(positions / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    _, first, inverse = np.unique(
+        np.round(positions / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True
+    )
     return positions[first], inverse.reshape(-1)[quads]
 
 

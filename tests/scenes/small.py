@@ -13,7 +13,10 @@ Lamp = tuple[LightShape, Sequence[float], Sequence[float], tuple[float, float], 
 
 def box_over_plane(width: int = 96, height: int = 64) -> tuple[Scene, View]:
     """A box that floats over a plane under a square light: umbra, penumbra and nothing else."""
-    meshes = [subdivided_box((-4.0, -4.0, -0.1), (4.0, 4.0, 0.0), 8), subdivided_box((-0.5, -0.4, 0.6), (0.5, 0.4, 1.0), 3)]
+    meshes = [
+        subdivided_box((-4.0, -4.0, -0.1), (4.0, 4.0, 0.0), 8),
+        subdivided_box((-0.5, -0.4, 0.6), (0.5, 0.4, 1.0), 3),
+    ]
     lamp = (LightShape.RECTANGLE, (0.8, -0.6, 3.2), (0.0, 0.0, 0.5), (0.9, 0.9), 12.0, math.pi)
     return scene(meshes, [lamp]), view((3.2, -3.6, 2.6), (0.0, 0.0, 0.3), width, height)
 
@@ -135,7 +138,12 @@ def sphere(centre: Sequence[float], radius: float, around: int, along: int) -> M
     """A sphere with smooth normals: 2 around (along - 1) triangles."""
     theta, phi = np.linspace(0.0, np.pi, along + 1), np.linspace(0.0, 2.0 * np.pi, around + 1)
     directions = np.stack(
-        [np.outer(np.sin(theta), np.cos(phi)), np.outer(np.sin(theta), np.sin(phi)), np.outer(np.cos(theta), 1.0 + 0.0 * phi)], -1
+        [
+            np.outer(np.sin(theta), np.cos(phi)),
+            np.outer(np.sin(theta), np.sin(phi)),
+            np.outer(np.cos(theta), 1.0 + 0.0 * phi),
+        ],
+        -1,
     ).reshape(-1, 3)
     triangles = grid_triangles(along + 1, around + 1)
     corners = directions[triangles]

@@ -88,7 +88,7 @@ def plaster(size: int = 512, seed: int = 31) -> np.ndarray:
 
 def wood(size: int = 512, planks: int = 4, seed: int = 41) -> np.ndarray:
     """Dark oak planks along u."""
-    x, y = pixels(size)
+    _, y = pixels(size)
     broad, fine = noise(size, 1.5, seed), noise(size, 0.7, seed + 1)
     streaks = np.repeat(noise(size, 0.8, seed + 2)[:, :1], size, axis=1)
     plank = np.random.default_rng(seed).normal(0.0, 1.0, planks)[np.floor(y * planks).astype(int)]
