@@ -173,6 +173,8 @@ def _check_indices(scene: Scene) -> None:
     ]
     for index, mesh in enumerate(scene.meshes):
         place = f"scene/meshes/{index}"
+        if not len(mesh.triangles):
+            raise SnapshotError(f"The snapshot's {place} has no triangles.")
         leads.append((f"{place}/triangles", mesh.triangles, 0, len(mesh.positions)))
         leads.append((f"{place}/materials", mesh.materials, 0, materials))
         if len(mesh.uvs) not in (0, len(mesh.triangles)):
@@ -186,11 +188,11 @@ def _check_indices(scene: Scene) -> None:
 
 
 def _check_ranges(settings: Settings) -> None:
-    """No number may be one that its user could not have set."""
+    """No number may be one that its user could not have set; in Blender, that is a float32."""
     for name, section in SECTIONS.items():
         for member, control in controls(section):
             value = getattr(getattr(settings, name), member.name)
             low = -np.inf if control.low is None else control.low
             high = np.inf if control.high is None else control.high
-            if not low <= value <= high:
+            if not np.float32(low) <= np.float32(value) <= np.float32(high):
                 raise SnapshotError(f"The snapshot's settings/{name}/{member.name} is {value}, not {low} to {high}.")
