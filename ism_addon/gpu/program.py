@@ -15,7 +15,7 @@ from .context import Device
 from .layout import WIDTH, Record
 
 FOLDER = Path(__file__).parent / "shaders"
-STAGES = {".vert": "vertex_shader", ".geom": "geometry_shader", ".frag": "fragment_shader"}
+STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
 
 

@@ -1,18 +1,47 @@
-// A surface point in the space of the light point's map: z along the light's normal. m
+// A surface point becomes the square of the map that its disc can touch. Map space: z along the light's normal. m
+#include "lib/octahedron.glsl"
 uniform sampler2D light_points;
 uniform int light_point;
+uniform int side;
 in vec3 position;
 in vec3 normal;
 in float radius;
-out vec3 point_centre;
-out vec3 point_normal;
-out float point_radius;
+flat out vec3 disc_centre;
+flat out vec3 disc_normal;
+flat out float disc_radius;
+
+// How far the map's coordinate can move, at most, when a direction moves by a unit of angle. Two octants meet where
+// x or y is 0: there the steeper one counts.
+float stretch(vec3 d, float angle) {
+    vec3 a = abs(d);
+    vec2 q = (d.xy * mat2(1.0, 1.0, 1.0, -1.0)) / (a.x + a.y + a.z);
+    float steepest = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        vec2 flip = vec2((k & 1) == 0 ? 1.0 : -1.0, (k & 2) == 0 ? 1.0 : -1.0);
+        if (any(lessThan(flip * d.xy, vec2(-angle)))) continue;
+        vec3 sides = vec3(flip, 1.0);
+        vec3 u = vec3(1.0, 1.0, 0.0) - q.x * sides, v = vec3(1.0, -1.0, 0.0) - q.y * sides;
+        steepest = max(steepest, max(dot(u, u), dot(v, v)));
+    }
+    return sqrt(steepest) / (a.x + a.y + a.z);
+}
 
 void main() {
     LightPoint light = fetch_LightPoint(light_points, light_point);
     mat3 map_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
-    point_centre = map_from_anchor * (position - light.position);
-    point_normal = map_from_anchor * normal;
-    point_radius = radius;
+    vec3 c = map_from_anchor * (position - light.position);
+    float distance = length(c), angle = radius / distance;
+    disc_centre = c;
+    disc_normal = map_from_anchor * normal;
+    disc_radius = radius;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    gl_PointSize = 2.0 * float(side);
+    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or the light point itself
+        gl_Position.x = 2.0;
+    } else if (angle < 0.5) {
+        vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
+        gl_Position.xy = square_from_hemisphere(d);
+        // The second term is what the map bends within the disc.
+        gl_PointSize = stretch(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
+    }
 }
