@@ -224,11 +224,11 @@ def map_directions(side: int) -> np.ndarray:
     return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
 
 
-def disc_map(centres: np.ndarray, normals: np.ndarray, radius: float, side: int, empty: float) -> np.ndarray:
-    """(side,side): distance of the nearest of discs (P,3) in each texel's direction, or `empty`. Map space."""
+def disc_map(centres: np.ndarray, normals: np.ndarray, radii: np.ndarray, side: int, empty: float) -> np.ndarray:
+    """(side,side): distance of the nearest of P discs in each texel's direction, or `empty`. Map space."""
     directions = map_directions(side).reshape(-1, 3)
     found = np.full(len(directions), empty)
-    for centre, normal in zip(centres, normals, strict=True):
+    for centre, normal, radius in zip(centres, normals, radii, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
             along = (normal @ centre) / (directions @ normal)
             off = along[:, None] * directions - centre

@@ -158,3 +158,18 @@ def placed(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0
 def shadows(**changes: object) -> Settings:
     """SMALL_SETTINGS with other shadows."""
     return replace(SMALL_SETTINGS, shadow=replace(Shadow(), **changes))
+
+
+def prepared(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
+    """A renderer that has drawn nothing, and the frame of its first sample: for tests that feed one pass by hand."""
+    from ism_addon.gpu.renderer import Profile, Renderer
+
+    renderer = Renderer(device)
+    return renderer, renderer.frame(scene, look((0.0, -4.0, 3.0), size=size), settings, 0, Profile())
+
+
+def rubble(count: int = 200, reach: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
+    """Random triangles about the origin."""
+    random = np.random.default_rng(seed)
+    corners = random.uniform(-reach, reach, (count, 1, 3)) + random.uniform(-size, size, (count, 3, 3))
+    return mesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
