@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the G-buffer holds against rays through the pixels' centres."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.buffers import linear_from_srgb, mip_chain
+from ism_addon.gpu.layout import directions_from_octahedron
+from ism_addon.scene import Image, View
+
+from . import reference
+from .scenes.small import sphere
+from .studio import SMALL_SETTINGS, draw, from_above, look, placed, quad, rubble, stage, with_quality
+
+#: Pixels whose centre lies on an edge more exactly than float32 can tell.
+EDGE = 0.01
+
+SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
+MIRROR = np.diag([-1.0, 1.0, 0.5])
+
+
+def gbuffer(device, scene, view):
+    """Targets by name, pixels in rows: (N,components)."""
+    drawn = draw(device, scene, view)
+    anchor = drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, drawn.profile).anchor
+    found = {name: drawn.target(name).reshape(view.width * view.height, -1) for name in ("depth", "position", "normal", "albedo", "triangle")}
+    found["world"] = found["position"][:, :3] + anchor
+    found["smooth"] = directions_from_octahedron(found["normal"][:, :2])
+    found["facet"] = directions_from_octahedron(found["normal"][:, 2:])
+    return found
+
+
+def compare(device, scene, view, within: float = 1e-4) -> None:
+    """All that the G-buffer holds, but for pixels on edges; positions to `within` m."""
+    ours, truth = gbuffer(device, scene, view), reference.surfaces(scene, view)
+    smooth = reference.shading_normals(scene, truth)
+    seen = ours["position"][:, 3] > 0.0
+    assert seen.any()
+    assert (ours["depth"][~seen] == np.float32(1e10)).all()
+    same = (seen == truth.seen) & (~seen | (np.abs(ours["world"] - truth.position).max(1) < within))
+    assert (~same).mean() <= EDGE
+    both = seen & truth.seen & same
+    assert ours["depth"][both, 0] == pytest.approx(truth.depth[both], rel=1e-4, abs=within)
+    assert (np.abs(ours["facet"] - truth.facet)[both].max(1) > 2e-3).mean() <= EDGE
+    assert (np.abs(ours["smooth"] - smooth)[both].max(1) > 5e-3).mean() <= EDGE
+
+
+def objects(matrices=None, mesh_ids=None):
+    """Rubble, a smooth ball, and a slanted floor."""
+    meshes = [rubble(60), sphere((0.4, -0.3, 0.2), 0.7, 16, 8), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0.5))]
+    return stage(meshes, matrices=matrices, mesh_ids=mesh_ids)
+
+
+@pytest.mark.parametrize("position", [(3.0, -3.0, 2.0), (0.1, 0.2, 6.0), (-2.0, 0.5, -3.0)], ids=["front", "above", "below"])
+def test_positions_normals_and_depths(device, position):
+    compare(device, objects(), look(position, size=(64, 48)))
+
+
+def test_orthographic(device):
+    compare(device, objects(), from_above(4.0, (60, 40)))
+
+
+def test_a_shifted_camera_with_pixels_that_are_not_square(device):
+    view = look((3.0, -3.0, 2.0), size=(64, 48))
+    clip_from_view = view.clip_from_view.copy()
+    clip_from_view[0] *= 1.7
+    clip_from_view[:2, 2] = 0.3, -0.2
+    compare(device, objects(), replace(view, clip_from_view=clip_from_view))
+
+
+def test_mirrored_sheared_and_repeated_instances(device):
+    matrices = [placed(), placed(MIRROR, (1.5, 0.0, 0.0)), placed(SHEAR, (-1.5, 0.5, 0.3)), placed(-0.6 * np.eye(3), (0.0, 2.0, 0.5)), placed()]
+    compare(device, objects(matrices, [1, 1, 1, 1, 2]), look((3.0, -5.0, 3.0), size=(80, 60)))
+
+
+@pytest.mark.parametrize("offset", [1e4, 1e6])
+def test_far_from_the_worlds_origin(device, offset):
+    """Everything, the camera too, stands far away: what is seen stays the same, to a tenth of a millimetre."""
+    far = np.array([offset, -offset, 0.5 * offset])
+    scene = objects([placed(offset=far)] * 3)
+    view = look(far + (3.0, -3.0, 2.0), far, size=(48, 36))
+    compare(device, scene, view)
+
+
+def test_a_mesh_far_from_its_own_origin(device):
+    """Object coordinates of a thousand, brought back by the instance's matrix: they keep their float32 digits."""
+    floor = quad((1000.0, 1000.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.3))
+    scene = stage([floor], matrices=[placed(offset=(-1001.0, -1001.0, 0.0))])
+    compare(device, scene, look((1.0, -3.0, 2.0), size=(48, 36)))
+
+
+def test_two_triangles_of_which_the_nearer_wins(device):
+    """A millimetre apart at ten metres."""
+    near, far = quad((-1, -1, 1e-3), (2, 0, 0), (0, 2, 0)), quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
+    for order in ([near, far], [far, near]):
+        ours = gbuffer(device, stage(order), from_above(1.0, (16, 16)))
+        assert ours["world"][:, 2] == pytest.approx(1e-3, abs=2e-4)
+
+
+def test_what_is_invisible_is_not_drawn(device):
+    scene = objects()
+    hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False, True])))
+    compare(device, hidden, look((3.0, -3.0, 2.0), size=(48, 36)))
+
+
+def pattern(width: int = 8, height: int = 4, repeat: bool = True) -> Image:
+    """Random texels."""
+    return Image(np.random.default_rng(8).integers(0, 256, (height, width, 4), np.uint8), repeat)
+
+
+def looked_up(image: Image, uv: np.ndarray) -> np.ndarray:
+    """(N,3) bilinear between the texels' centres, in linear light."""
+    texels = linear_from_srgb(image.texels[..., :3] / 255.0)
+    height, width = texels.shape[:2]
+    at = (uv - np.floor(uv) if image.repeat else np.clip(uv, 0.0, 1.0)) * (width, height) - 0.5
+    low = np.floor(at).astype(int)
+    part = at - low
+    color = np.zeros((len(uv), 3))
+    for j in (0, 1):
+        for i in (0, 1):
+            x, y = low[:, 0] + i, low[:, 1] + j
+            x, y = (x % width, y % height) if image.repeat else (x.clip(0, width - 1), y.clip(0, height - 1))
+            weight = np.abs(1 - i - part[:, 0]) * np.abs(1 - j - part[:, 1])
+            color += weight[:, None] * texels[y, x]
+    return color
+
+
+@pytest.mark.parametrize("repeat", [True, False], ids=["repeat", "extend"])
+@pytest.mark.parametrize("uv", [1.0, 2.5])
+def test_images_are_filtered_bilinearly_in_linear_light(device, repeat, uv):
+    image = pattern(repeat=repeat)
+    floor = quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), uv=uv)
+    floor = replace(floor, uvs=floor.uvs - np.float32(0.4 * (uv > 1.0)))
+    view = from_above(1.6, (64, 64))
+    scene = stage([floor], image=image)
+    truth = reference.surfaces(scene, view)
+    at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
+    ours = gbuffer(device, scene, view)
+    assert ours["albedo"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
+
+
+def test_images_far_away_have_the_mean_colour(device):
+    """A pixel that covers the whole image shows its average, in linear light."""
+    image = pattern(37, 23)
+    floor = quad((-50.0, -50.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0), uv=1000.0)
+    ours = gbuffer(device, stage([floor], image=image), from_above(20.0, (16, 16)))
+    mean = linear_from_srgb(image.texels[..., :3] / 255.0).mean((0, 1))
+    assert ours["albedo"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 1), (16, 16), (7, 13)])
+def test_halved_images_keep_the_mean(shape):
+    texels = np.random.default_rng(1).integers(0, 256, (*shape, 4), np.uint8)
+    chain = mip_chain(texels)
+    assert len(chain[0]) == shape[0] * shape[1]
+    assert len(chain[-1]) == 1
+    if all(math.log2(side).is_integer() for side in shape):
+        mean = linear_from_srgb(texels[..., :3] / 255.0).mean((0, 1))
+        assert linear_from_srgb(chain[-1][0, :3] / 255.0) == pytest.approx(mean, abs=0.01)
+
+
+def test_several_images_and_plain_colours_side_by_side(device):
+    """Materials 0 and 2 have images, 1 a colour: each triangle takes its own."""
+    images = (pattern(3, 5), Image(np.full((2, 2, 4), (200, 30, 90, 255), np.uint8)))
+    meshes = [replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32)) for k, x in enumerate((-1.5, -0.5, 0.5))]
+    scene = stage(meshes)
+    materials = replace(scene.materials, base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32), image=np.array([0, -1, 1], np.int32))
+    ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
+    albedo = ours["albedo"][:, :3].reshape(10, 30, 3)
+    assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
+    assert albedo[:, 21:] == pytest.approx(np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3)
+    assert albedo[:, :9].std() > 0.01
+
+
+def test_the_same_pixels_at_any_size_of_picture(device):
+    """A picture of odd sizes, down to one pixel."""
+    for size in ((1, 1), (1, 9), (33, 1), (17, 31)):
+        compare(device, objects(), look((3.0, -3.0, 2.0), size=size))
+
+
+def test_no_triangles_at_all(device):
+    ours = gbuffer(device, stage([]), look((3.0, -3.0, 2.0)))
+    assert not ours["position"].any()
+    assert (ours["depth"] == np.float32(1e10)).all()
+
+
+def test_the_sample_moves_the_pixels_centres(device):
+    """The second sample sees what rays through its own places in the pixels meet."""
+    from ism_addon.sampling import pixel_offset
+    from ism_addon.spaces import jittered
+
+    view = replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
+    drawn = draw(device, objects(), view, with_quality(SMALL_SETTINGS, samples=2))
+    moved = View(jittered(view.clip_from_view, pixel_offset(1, 1.5), 48, 36), view.view_from_world, 48, 36)
+    truth = reference.surfaces(objects(), moved)
+    depth = drawn.target("depth").reshape(-1)
+    off = np.abs(depth - np.where(truth.seen, truth.depth, np.float32(1e10)))
+    assert (off > 1e-3).mean() <= EDGE
