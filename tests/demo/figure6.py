@@ -72,6 +72,7 @@ def saved_atrium(path: Path) -> Path:
         print("building the atrium")
         atrium.build(path)
         look(bpy.context.scene.ism)
+        bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside the pictures
         bpy.ops.wm.save_mainfile(compress=True)
     return path
 
