@@ -129,19 +129,28 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
 def mip_chain(texels: np.ndarray) -> list[np.ndarray]:
     """An image (H,W,4) uint8 and its halved copies down to one texel, each as rows of texels (N,4) uint8.
 
-    Averages are taken in linear light. An odd last row or column joins its neighbour.
+    Averages are taken in linear light, on 16 bits. An odd last row or column joins its neighbour.
     """
     decode = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
+    encode = np.rint(srgb_from_linear(np.arange(65536) / 65535.0) * 255.0).astype(np.uint8)
     chain = [texels.reshape(-1, 4)]
     linear = decode[texels]
     linear[..., 3] = texels[..., 3] / np.float32(255.0)
     while linear.shape[0] > 1 or linear.shape[1] > 1:
         for axis in (0, 1):
             if linear.shape[axis] > 1:
-                starts = np.arange(0, linear.shape[axis] - 1, 2)
-                counts = np.diff(np.append(starts, linear.shape[axis])).astype(np.float32)
-                shape = [-1 if axis == k else 1 for k in range(3)]
-                linear = np.add.reduceat(linear, starts, axis) / counts.reshape(shape)
-        level = np.concatenate([srgb_from_linear(linear[..., :3]), linear[..., 3:]], -1)
-        chain.append(np.rint(np.clip(level, 0.0, 1.0) * 255.0).astype(np.uint8).reshape(-1, 4))
+                linear = halved(linear, axis)
+        level = encode[(linear * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
+        level[..., 3] = np.rint(linear[..., 3] * 255.0)
+        chain.append(level.reshape(-1, 4))
     return chain
+
+
+def halved(image: np.ndarray, axis: int) -> np.ndarray:
+    """Averages of neighbours along an axis; of the last three, if their number is odd."""
+    image = np.moveaxis(image, axis, 0)
+    pairs = len(image) // 2 * 2
+    half = (image[0:pairs:2] + image[1:pairs:2]) * np.float32(0.5)
+    if len(image) > pairs:
+        half[-1] = (image[pairs - 2] + image[pairs - 1] + image[pairs]) / np.float32(3.0)
+    return np.moveaxis(half, 0, axis)
