@@ -74,7 +74,9 @@ class SSAO:
     """Look of the ambient occlusion."""
 
     enabled: bool = setting(
-        True, "Ambient Occlusion", "Darken the world's light in creases and contacts, in screen space at half resolution"
+        True,
+        "Ambient Occlusion",
+        "Darken the world's light in creases and contacts, in screen space at half resolution",
     )
     radius: float = setting(
         0.5,

@@ -19,7 +19,9 @@ def parser() -> argparse.ArgumentParser:
     line = argparse.ArgumentParser(prog="python -m ism_addon.gpu", description="Draw a snapshot of a scene.")
     line.add_argument("snapshot", type=Path, help="an .npz that the add-on or ism_addon.snapshot wrote")
     line.add_argument("-o", "--output", type=Path, default=Path("out.png"), help="the PNG to write (%(default)s)")
-    line.add_argument("--size", metavar="WIDTHxHEIGHT", help="instead of the snapshot's own; it keeps the field of view across")
+    line.add_argument(
+        "--size", metavar="WIDTHxHEIGHT", help="instead of the snapshot's own; it keeps the field of view across"
+    )
     line.add_argument("--show", default="color", metavar="TARGET", help="an intermediate target instead of the picture")
     line.add_argument("--profile", action="store_true", help="print what each pass took")
     for name, section in SECTIONS.items():

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+#: Distance in a map where no disc is. m
+EMPTY = 1e30
+
 #: Sides of maps are multiples of this, so that pull_push can halve them.
 GRANULE = 8
 
 #: Most texels of an atlas; more maps are drawn in further batches.
 ATLAS_TEXELS = 1 << 24
+
 
 @dataclass(frozen=True)
 class Batch:

@@ -47,7 +47,9 @@ class Geometry:
             "uvs": upload_array(gl, joined([uv.reshape(-1, 2) for uv in uvs], (0, 2), "f4"), "f4"),
             "materials": upload_array(gl, joined([m.materials[:, None] for m in meshes], (0, 1), "u4"), "u4"),
         }
-        self.bytes = positions.nbytes * 2 + triangles.nbytes * 2 + normals.nbytes + len(normals) * 8 + len(triangles) * 4
+        self.bytes = (
+            positions.nbytes * 2 + triangles.nbytes * 2 + normals.nbytes + len(normals) * 8 + len(triangles) * 4
+        )
 
 
 class Placement:

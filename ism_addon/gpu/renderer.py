@@ -62,7 +62,9 @@ class Profile:
     """What a picture took so far."""
 
     rows: dict[str, Row] = field(default_factory=lambda: {kind.__name__: Row() for kind in PASSES})
-    counts: dict[str, int] = field(default_factory=lambda: {"bytes_uploaded": 0, "surface_points": 0, "light_points": 0})
+    counts: dict[str, int] = field(
+        default_factory=lambda: {"bytes_uploaded": 0, "surface_points": 0, "light_points": 0}
+    )
 
 
 class Renderer:
@@ -97,9 +99,7 @@ class Renderer:
         offset = pixel_offset(sample, view.filter_width)
         self.block.write(block.frame_block(view, anchor, offset))
         self.block.bind_to_uniform_block(block.BINDING)
-        return Frame(
-            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts
-        )
+        return Frame(self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts)
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
         """Draw one pass if the picture needs it and something that it depends on is new."""

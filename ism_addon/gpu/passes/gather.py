@@ -11,12 +11,12 @@ import moderngl
 
 from ...radiometry import ELLIPSE_CORNERS, ellipse_polygon_scale
 from ...scene import Change
+from ..atlas import EMPTY
 from ..context import Device
 from ..layout import LIGHT, LIGHT_POINT
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
-from .splat import EMPTY
 
 
 class Gather(Pass):

@@ -24,7 +24,9 @@ def points_per_light(lights: Lights, count: int) -> np.ndarray:
     return 1 + shares(power, max(count - len(power), 0))
 
 
-def light_tables(lights: Lights, count: int, sample: int, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def light_tables(
+    lights: Lights, count: int, sample: int, anchor: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of LIGHT and of LIGHT_POINT for one sample, and the light of each light point."""
     counts = points_per_light(lights, count)
     first = np.cumsum(counts) - counts

@@ -10,12 +10,11 @@ texels; each halving stays within a map, as maps' sides are multiples of eight.
 
 import moderngl
 
-from ..atlas import GRANULE
+from ..atlas import EMPTY, GRANULE
 from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
-from .splat import EMPTY
 
 LEVELS = GRANULE.bit_length() - 1
 LEVEL = Target(2, "f4", neutral=(EMPTY, 0.0), divisor=0)  # depth in m, coverage
@@ -31,9 +30,7 @@ class PullPush(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.steps = {
-            name: device.gl.vertex_array(
-                compile_program(device, "full_screen.vert", f"{name}.frag", empty=EMPTY), []
-            )
+            name: device.gl.vertex_array(compile_program(device, "full_screen.vert", f"{name}.frag", empty=EMPTY), [])
             for name in ("pull", "push")
         }
 

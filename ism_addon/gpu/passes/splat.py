@@ -11,14 +11,12 @@ largest point (llvmpipe: 255 texels) is cut to that: only one that nearly touche
 
 import moderngl
 
+from ..atlas import EMPTY
 from ..context import Device
 from ..layout import LIGHT_POINT
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
-
-#: Distance of what no disc covers. m
-EMPTY = 1e30
 
 
 class Splat(Pass):
@@ -30,9 +28,7 @@ class Splat(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.discs = compile_program(
-            device, "splat.vert", "splat.frag", records=(LIGHT_POINT,), empty=EMPTY
-        )
+        self.discs = compile_program(device, "splat.vert", "splat.frag", records=(LIGHT_POINT,), empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows

@@ -18,8 +18,8 @@ import numpy as np
 from ...radiometry import light_areas
 from ...sampling import additive_sequence
 from ...scene import Change, Lights
+from ..cloud import Cloud
 from . import Frame, Pass
-from .surface_points import Cloud
 
 #: Subsets a light; its light points share them out.
 TURNS = 4
