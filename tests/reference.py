@@ -285,22 +285,25 @@ def push(
 
 
 def open_part(
-    points: np.ndarray, normals: np.ndarray, triangles: np.ndarray, radius: float, cone_angle: float, attenuation: float, side: int = 24
+    points: np.ndarray, normals: np.ndarray, triangles: np.ndarray, camera: np.ndarray, radius: float, cone_angle: float, attenuation: float
 ) -> np.ndarray:
-    """(N,): 1 less the mean, over rays spread by the cosine in a cone about the normal, of what they meet.
+    """(N,): 1 less the mean, over places in a cone about the normal, of what hides them from the camera (3,).
 
-    An occluder at the distance d within the radius r counts 1 / (1 + attenuation (d / r)²).
+    Places are spread by the cosine within the cone and evenly in the square of their distance up to the radius r.
+    What hides one counts 1 / (1 + attenuation (d / r)²) if it is no farther than r, d being its distance from the point.
     """
-    a, b = (grid.ravel() for grid in np.meshgrid(*[(np.arange(side) + 0.5) / side] * 2))
+    a, b, c = (grid.ravel() for grid in np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (8, 16, 8)]))
     sine = np.sin(cone_angle / 2.0) * np.sqrt(a)
     cone = np.column_stack([sine * np.cos(2 * np.pi * b), sine * np.sin(2 * np.pi * b), np.sqrt(1.0 - sine**2)])
     tangents = orthonormal(normals)
     opened = np.empty(len(points))
     for row, (point, normal) in enumerate(zip(points, normals, strict=True)):
         directions = cone @ np.stack([tangents[0][row], tangents[1][row], normal])
-        _, distance = nearest(np.tile(point + 1e-5 * normal, (len(cone), 1)), directions, triangles)
-        part = distance / radius
-        opened[row] = 1.0 - np.where(part < 1.0, 1.0 / (1.0 + attenuation * np.minimum(part, 1.0) ** 2), 0.0).mean()
+        way = point + radius * np.sqrt(c)[:, None] * directions - camera
+        _, along = nearest(np.tile(camera, (len(way), 1)), way, triangles)
+        part = np.linalg.norm(camera + np.minimum(along, 1.0)[:, None] * way - point, axis=1) / radius
+        hides = (along < 1.0 - 1e-5) & (part <= 1.0)
+        opened[row] = 1.0 - np.where(hides, 1.0 / (1.0 + attenuation * part**2), 0.0).mean()
     return opened
 
 
