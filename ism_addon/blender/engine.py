@@ -27,10 +27,6 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
 
-    def __del__(self) -> None:
-        if self._viewport is not None:
-            self._viewport.close()
-
     def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
         if renderlayer.use_pass_z:
@@ -39,7 +35,11 @@ class ISMRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, "Normal", 3, "XYZ", "VECTOR")
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
-        final.render(self, depsgraph)
+        try:
+            final.render(self, depsgraph)
+        except Exception as error:
+            self.report({"ERROR"}, f"The picture could not be made: {error}")
+            raise
 
     def view_update(self, _context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().update(depsgraph)

@@ -5,6 +5,7 @@ import time
 from copy import deepcopy
 
 import bpy
+import numpy as np
 
 from ..gpu.worker import Job, Picture, Request, shared
 from ..scene import View
@@ -40,7 +41,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
             if not _render_view(engine, job, view, layer, view_name):
                 break
     except camera.CameraError as error:
-        _fail(engine, str(error))
+        _refuse(engine, str(error))
     finally:
         shared.forget(client)
 
@@ -75,7 +76,7 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
         job.cancel()
         engine.end_result(result, cancel=job.picture() is None)
     if job.error:
-        _fail(engine, job.error)
+        _refuse(engine, job.error)
     elif done and not engine.is_preview:
         _statistics.clear()
         _statistics.update(deepcopy(job.statistics))
@@ -86,7 +87,8 @@ def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> N
     for name, part in PASSES.items():
         target = passes.find_by_name(name, view_name)
         if target is not None:
-            target.rect.foreach_set(getattr(picture, part).reshape(-1))
+            # Blender takes nothing else here; it copies in 3 ms what `rect = array` takes a second for.
+            target.rect.foreach_set(np.ascontiguousarray(getattr(picture, part), np.float32).reshape(-1))
 
 
 def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> None:
@@ -96,6 +98,6 @@ def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> 
     engine.update_memory_stats(memory_used=megabytes, memory_peak=megabytes)
 
 
-def _fail(engine: bpy.types.RenderEngine, sentence: str) -> None:
-    engine.error_set(sentence)
+def _refuse(engine: bpy.types.RenderEngine, sentence: str) -> None:
+    # error_set would say it a second time, and by itself lets Blender write an empty file without an error.
     engine.report({"ERROR"}, sentence)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One 3D viewport: asks the worker for pictures, shows the latest, and never waits for one."""
 
-from weakref import WeakSet
+from weakref import WeakSet, finalize
 
 import bpy
 
@@ -27,14 +27,14 @@ class Viewport:
         self._told: tuple | None = None
         self._presenter = Presenter()
         _alive.add(self)
+        # It dies with its engine, in whose own __del__ Blender has already taken everything away.
+        finalize(self, shared.forget, self._client).atexit = False
 
     def update(self, depsgraph: bpy.types.Depsgraph) -> None:
         """The scene has changed."""
         self._scene = extract.scene(depsgraph)
 
-    def draw(
-        self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph
-    ) -> None:
+    def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Show the latest picture, and ask for others if what it should show has changed."""
         if self._scene is None:
             self.update(depsgraph)
@@ -52,11 +52,6 @@ class Viewport:
         engine.update_stats("", self._job.error or f"Sample {self._job.samples_done}/{self._job.samples}")
         if not self._job.finished and not bpy.app.timers.is_registered(_look):
             bpy.app.timers.register(_look, first_interval=LOOK_EVERY)
-
-    def close(self) -> None:
-        """Free what the worker keeps for this viewport."""
-        _alive.discard(self)
-        shared.forget(self._client)
 
     @property
     def has_news(self) -> bool:
@@ -77,9 +72,7 @@ class Viewport:
         return self._job, self._job.picture(), self._job.samples_done, self._job.finished
 
 
-def _view(
-    engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph
-) -> View:
+def _view(engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> View:
     region, space, scene = context.region, context.space_data, context.scene
     pixel = engine.get_preview_pixel_size(scene)
     seen_through = space.camera if space.use_local_camera else scene.camera

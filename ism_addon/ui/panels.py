@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# ruff: noqa: N801 (Blender's rule for the names of panels)
 """The engine's own panels. Those for settings are loops over a section's fields, so a new setting shows by itself."""
 
 import bpy

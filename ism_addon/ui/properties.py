@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-Look stands there once, quality twice. Every property can be animated, and an edit redraws the 3D viewports,
-because edits of an add-on's properties do not reach the depsgraph.
+Look stands there once, quality twice. Every property can be animated, and an edit redraws the 3D viewports.
 """
 
 from dataclasses import Field, asdict
@@ -11,19 +10,12 @@ from typing import Any
 import bpy
 
 from .. import settings
-
-
-def _redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    windows = context.window_manager.windows if context.window_manager else ()
-    for window in windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+from . import redraw
 
 
 def _property(member: Field, control: settings.Control, default: Any) -> Any:
     """The bpy property for a field. `bool` is asked for first: it is an `int` too."""
-    facts = {"name": control.label, "description": control.meaning, "default": default, "update": _redraw}
+    facts = {"name": control.label, "description": control.meaning, "default": default, "update": redraw.viewports}
     if isinstance(default, bool):
         return bpy.props.BoolProperty(**facts)
     ranges = {"min": control.low, "max": control.high, "soft_max": control.soft_high}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the uncompressed 32-bit OpenEXR files that the tests let Blender write: Blender itself gives no access to passes."""
+"""Reads uncompressed 32-bit OpenEXR files, as the tests let Blender write them: it gives no other access to passes."""
 
 import struct
 from pathlib import Path

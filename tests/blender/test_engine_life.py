@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on's coming and going: what it leaves in Blender, and how Python ends with it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+from ism_addon import addon
+from ism_addon.ui import borrowed, panels
+
+ROOT = Path(__file__).parents[2]
+
+
+def python(script):
+    """Run a script in a fresh interpreter, from the checkout."""
+    return subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
+
+
+@pytest.fixture
+def registered():
+    addon.register()
+    yield
+    addon.unregister()
+
+
+def compatible():
+    every = bpy.types.Panel.__subclasses__()
+    return {panel.__name__ for panel in every if "ISM" in getattr(panel, "COMPAT_ENGINES", ())}
+
+
+def test_registers_again_and_again():
+    for _ in range(3):
+        addon.register()
+        assert hasattr(bpy.types.Scene, "ism")
+        bpy.context.scene.render.engine = "ISM"
+        addon.unregister()
+        assert not hasattr(bpy.types.Scene, "ism")
+        with pytest.raises(TypeError):
+            bpy.context.scene.render.engine = "ISM"
+
+
+def test_unregister_leaves_blender_as_it_was():
+    own = {panel.__name__ for panel in panels.CLASSES}
+    handlers = list(bpy.app.handlers.load_pre)
+    addon.register()
+    assert len(compatible() - own) > 100
+    addon.unregister()
+    assert compatible() - own == set()
+    assert list(bpy.app.handlers.load_pre) == handlers
+    assert not any(panel.is_registered for panel in panels.CLASSES)
+
+
+def test_panels_show_in_this_engine_only(registered):
+    shown = [panels.ISM_RENDER_PT_sampling, panels.ISM_RENDER_PT_shadow, panels.ISM_RENDER_PT_ssao]
+    bpy.context.scene.render.engine = "ISM"
+    assert all(panel.poll(bpy.context) for panel in shown)
+    bpy.context.scene.render.engine = "CYCLES"
+    assert not any(panel.poll(bpy.context) for panel in shown)
+
+
+def test_light_panel_shows_for_lights(registered):
+    bpy.context.scene.render.engine = "ISM"
+    light = bpy.data.lights.new("Lamp", "AREA")
+    with bpy.context.temp_override(light=light):
+        assert panels.ISM_LIGHT_PT_light.poll(bpy.context)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "RENDER_PT_format",
+        "RENDER_PT_output",
+        "RENDER_PT_color_management",
+        "DATA_PT_lens",
+        "DATA_PT_camera",
+        "DATA_PT_context_light",
+        "EEVEE_MATERIAL_PT_context_material",
+        "EEVEE_MATERIAL_PT_surface",
+        "EEVEE_WORLD_PT_surface",
+        "MATERIAL_PT_preview",
+        "OBJECT_PT_visibility",
+        "VIEWLAYER_PT_layer",
+        "TEXTURE_PT_image",
+    ],
+)
+def test_blenders_own_panels_serve_too(registered, name):
+    assert name in compatible()
+
+
+def test_panels_about_what_is_not_drawn_stay_away(registered):
+    assert not compatible() & (borrowed.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
+
+
+def test_register_is_quick_and_needs_no_opengl():
+    result = python(
+        "import bpy, sys, time\n"
+        "start = time.perf_counter()\n"
+        "from ism_addon import addon\n"
+        "imported = time.perf_counter()\n"
+        "addon.register()\n"
+        "print(imported - start, time.perf_counter() - imported)\n"
+        "assert 'moderngl' not in sys.modules and 'glcontext' not in sys.modules\n"
+    )
+    assert result.returncode == 0, result.stderr
+    assert float(result.stdout.split()[-1]) < 0.1
+
+
+@pytest.mark.parametrize("last", ["", "addon.unregister()", "bpy.ops.wm.read_factory_settings(use_empty=True)"])
+def test_python_ends_cleanly(last):
+    result = python(f"import bpy\nfrom ism_addon import addon\naddon.register()\n{last}\nprint('end')")
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("last", ["", "bpy.ops.wm.read_factory_settings(use_empty=True); bpy.context.scene.camera"])
+def test_python_ends_cleanly_after_a_render(last):
+    result = python(
+        "import bpy\n"
+        "from ism_addon import addon\n"
+        "addon.register()\n"
+        "render = bpy.context.scene.render\n"
+        "render.engine, render.resolution_x, render.resolution_y = 'ISM', 16, 16\n"
+        "bpy.context.scene.ism.render.samples = 1\n"
+        "bpy.ops.render.render()\n"
+        "import threading; assert any(thread.name == 'ISM renderer' for thread in threading.enumerate())\n"
+        f"{last}\n"
+        f"{'assert threading.active_count() == 1' if last else ''}\n"
+    )
+    assert result.returncode == 0, result.stderr
+
+
+def test_unknown_errors_are_not_swallowed():
+    """A fault of ours must be seen by scripts and in the console, not end as a black picture without a word."""
+    result = python(
+        "import bpy\n"
+        "from ism_addon import addon\n"
+        "from ism_addon.blender import extract\n"
+        "addon.register()\n"
+        "extract.scene = None\n"
+        "bpy.context.scene.render.engine = 'ISM'\n"
+        "bpy.ops.render.render()\n"
+    )
+    assert result.returncode == 1
+    assert "RuntimeError: Error: The picture could not be made" in result.stderr
+    assert "TypeError" in result.stderr
