@@ -34,8 +34,10 @@ class Geometry:
         self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
         # A mesh far from its own origin would lose digits in float32 products: it is moved to its centre.
         self.centres = np.array([centre_of(mesh.positions) for mesh in meshes]).reshape(-1, 3)
-        positions = joined([(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres)], (0, 3), "f4")
-        triangles = joined([m.triangles + first for m, first in zip(meshes, vertices)], (0, 3), "u4")
+        positions = joined(
+            [(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres, strict=True)], (0, 3), "f4"
+        )
+        triangles = joined([m.triangles + first for m, first in zip(meshes, vertices[:-1], strict=True)], (0, 3), "u4")
         uvs = [m.uvs if len(m.uvs) else np.zeros((len(m.triangles), 3, 2), np.float32) for m in meshes]
         normals = joined([snorm(mesh.normals) for mesh in meshes], (0, 2), "i2")
         self.vertices = gl.buffer(positions) if len(positions) else None
@@ -107,7 +109,7 @@ def joined(parts: list[np.ndarray], shape: tuple[int, ...], dtype: str) -> np.nd
 
 
 def padded(texels: np.ndarray) -> np.ndarray:
-    """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly, not texels."""
+    """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly."""
     return np.pad(texels, ((0, -len(texels) % WIDTH), (0, 0)))
 
 

@@ -64,7 +64,7 @@ def fill(
     due: np.ndarray,
     ends: np.ndarray,
 ) -> None:
-    """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each of its instances, before `ends` (I,)."""
+    """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each instance, before `ends` (I,)."""
     if not due.sum():
         return
     linear = matrices[:, :3, :3]
