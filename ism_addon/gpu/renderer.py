@@ -32,7 +32,7 @@ from .passes.ssao import SSAO
 from .passes.subsets import Subsets
 from .passes.surface_points import SurfacePoints
 from .passes.upload import Colours, Meshes, Place
-from .targets import Targets
+from .targets import DEPTH, Targets
 
 #: What the camera sees, and points for the scene and for its lights,
 BEFORE = (Meshes, Place, Colours, GBuffer, SurfacePoints, Subsets, LightPoints)
@@ -43,8 +43,13 @@ AFTER = (SSAO, Blur, Shade, Show, Accumulate)
 
 PASSES = (*BEFORE, *FOR_EACH_BATCH, *AFTER)
 
-#: What settings.show may name.
-SHOWABLE = tuple(name for kind in PASSES for name, target in kind.writes.items() if target.dtype != "depth")
+#: What settings.show may name: whatever is drawn before it is shown.
+SHOWABLE = tuple(
+    name
+    for kind in PASSES
+    for name, target in kind.writes.items()
+    if target.dtype != DEPTH and kind not in (Show, Accumulate)
+)
 
 
 @dataclass
@@ -88,12 +93,20 @@ class Renderer:
         for frame.batch in batches(int(points), settings.quality.map_size, self.device.texture_size):
             for kind in FOR_EACH_BATCH:
                 yield self.run(kind, frame, profile)
+        frame.batch = None
         for kind in AFTER:
             yield self.run(kind, frame, profile)
         self.device.gl.gc()
 
     def frame(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Frame:
-        """What the passes are told about this sample."""
+        """What the passes are told about this sample. Raises ValueError if there is no such target to show."""
+        if settings.show not in SHOWABLE:
+            raise ValueError(f"there is no target {settings.show} to show, only {', '.join(SHOWABLE)}")
+        limit = self.device.texture_size
+        if max(view.width, view.height) > limit:
+            raise ValueError(
+                f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
+            )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
         offset = pixel_offset(sample, view.filter_width)
@@ -132,7 +145,7 @@ class Renderer:
             tuple(frame.part(change) for change in kind.depends_on),
             tuple(setting(frame.settings, path) for path in kind.settings),
             tuple(self.revisions.get(name, 0) for name in kind.reads),
-            (frame.view.width, frame.view.height) if kind.writes else None,
+            (frame.view.width, frame.view.height) if any(t.divisor for t in kind.writes.values()) else None,
             frame.batch,
         )
 

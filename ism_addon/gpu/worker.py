@@ -191,7 +191,7 @@ class Studio:
             if not job.cancelled and next(self.running[job], job) is not job:
                 return
         except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
-            log.exception("drawing failed")
+            log.debug("drawing failed", exc_info=True)
             error = f"The picture could not be drawn: {reason}"
         self.end(job, error)
 
