@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import Batch, batches
+from ism_addon.gpu.atlas import EMPTY, Batch, batches
 from ism_addon.gpu.passes.pull_push import LEVELS, PullPush
-from ism_addon.gpu.passes.splat import EMPTY, Splat
+from ism_addon.gpu.passes.splat import Splat
 
 from .reference import pull_push
 from .studio import SMALL_SETTINGS, draw, light, look, prepared, quad, rubble, shadows, stage, with_quality
