@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light points: as many as asked for, on their lights, others each sample."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ism_addon.gpu.passes.light_points import light_tables, points_per_light
+from ism_addon.scene import LightShape
+
+from .studio import SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
+
+ORIGIN = np.zeros(3)
+
+
+def lamps():
+    """Three lights of 1, 2 and 9 parts of the power; a disk among them."""
+    large = light(LightShape.ELLIPSE, (1.0, 0.0, 3.0), (2.0, 0.0, 0.0), (0.0, -2.0, 0.0), radiance=1.0)
+    bright = light(position=(0.0, 5.0, 1.0), axis_u=(0.0, 0.0, 1.0), axis_v=(0.5, 0.0, 0.0), radiance=18.0 * np.pi / 2.0)
+    return both(both(light(radiance=np.pi / 2.0), large), bright)
+
+
+@settings(deadline=None, derandomize=True)
+@given(st.integers(1, 3000), st.lists(st.floats(0.0, 1e6), min_size=1, max_size=20))
+def test_never_fewer_than_asked_for_and_none_without(count, radiances):
+    lights = light(radiance=radiances[0])
+    for radiance in radiances[1:]:
+        lights = both(lights, light(radiance=radiance))
+    counts = points_per_light(lights, count)
+    assert counts.min() >= 1
+    if any(radiances):
+        assert counts.sum() == max(count, len(radiances))
+
+
+def test_points_are_shared_out_by_power():
+    counts = points_per_light(lamps(), 1200)
+    power = np.array([1.0, 2.0, 9.0])
+    assert counts == pytest.approx(1200 * power / power.sum(), abs=4)
+
+
+def test_the_rows_of_a_light_lead_to_its_points():
+    lights = lamps()
+    table, points, owners = light_tables(lights, 100, 3, ORIGIN)
+    assert table["point_count"].sum() == len(points) == len(owners) == 100
+    for index in range(3):
+        rows = slice(int(table["first_point"][index]), int(table["first_point"][index] + table["point_count"][index]))
+        assert (owners[rows] == index).all()
+        off = points["position"][rows] - lights.position[index]
+        axes = np.stack([lights.axis_u[index], lights.axis_v[index]])
+        across = off @ axes.T / (axes**2).sum(1)
+        assert np.abs(off @ lights.normal[index]).max() < 1e-6
+        assert np.abs(across).max() <= 0.5 + 1e-6
+        assert points["normal"][rows] == pytest.approx(np.tile(lights.normal[index], (len(off), 1)))
+
+
+def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
+    _, points, _ = light_tables(lamps(), 60, 0, ORIGIN)
+    tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
+    assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
+    assert np.abs((tangent * normal).sum(1)).max() < 1e-6
+    assert len(np.unique(np.round(tangent, 4), axis=0)) == 60
+
+
+def test_each_sample_has_other_points_and_together_they_fill_the_light():
+    lights = light()
+    samples = [light_tables(lights, 16, sample, ORIGIN)[1]["position"] for sample in range(64)]
+    assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
+    counts = np.histogram2d(*np.concatenate(samples)[:, :2].T, 8, ((-0.5, 0.5), (-0.5, 0.5)))[0]
+    assert counts.min() > 0.5 * 16
+    assert counts.max() < 1.5 * 16
+
+
+def test_two_equal_lights_have_different_points():
+    _, points, owners = light_tables(both(light(), light()), 32, 0, ORIGIN)
+    assert not np.allclose(points["position"][owners == 0], points["position"][owners == 1])
+
+
+def test_light_points_are_exact_far_away():
+    far = np.array([1e7, 0.0, -1e7])
+    here = light_tables(light(), 10, 0, ORIGIN)
+    there = light_tables(light(position=far + (0.0, 0.0, 2.0)), 10, 0, far)
+    assert there[1]["position"] == pytest.approx(here[1]["position"], abs=1e-6)
+
+
+def test_more_lights_than_light_points(device):
+    lights = light()
+    for k in range(9):
+        lights = both(lights, light(position=(0.3 * k, 0.0, 2.0)))
+    drawn = draw(device, stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights), look((3, -3, 2)), with_quality(SMALL_SETTINGS, light_points=4))
+    assert drawn.profile.counts["light_points"] == 10
+    assert drawn.color[..., :3].max() > 0.2

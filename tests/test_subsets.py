@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The points that a light's maps see: about as many as asked for, and together the area that they stand for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.cloud import make_cloud
+from ism_addon.gpu.passes.subsets import POINT, TURNS, chances, choose, solid_angles
+
+from .scenes.small import SMALL
+from .studio import SMALL_SETTINGS, both, draw, light, look, quad, rubble, stage, with_quality
+
+ORIGIN = np.zeros(3)
+
+
+@pytest.mark.parametrize("spread", [0.1, 1.0, 3.0])
+@pytest.mark.parametrize("part", [0.01, 0.3, 0.9])
+def test_chances_sum_to_the_count(spread, part):
+    weights = np.exp(spread * np.random.default_rng(0).normal(size=20_000)).astype(np.float32)
+    count = int(part * len(weights))
+    chance = chances(weights, count)
+    assert 0.0 <= chance.min()
+    assert chance.max() <= 1.0
+    assert chance.sum() == pytest.approx(count, rel=0.01)
+    free = chance < 1.0
+    assert chance[free] / weights[free] == pytest.approx((chance[free] / weights[free]).mean(), rel=1e-4)
+
+
+def test_chances_where_there_are_too_few_points_or_none_is_seen():
+    assert (chances(np.ones(10, np.float32), 100) == 1.0).all()
+    assert not chances(np.zeros(10, np.float32), 100).any()
+    assert len(chances(np.zeros(0, np.float32), 100)) == 0
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_subset_is_as_large_as_asked_for_and_stands_for_the_whole_area(name):
+    scene, _ = SMALL[name](8, 8)
+    cloud = make_cloud(scene, ORIGIN, 64_000)
+    weights = solid_angles(cloud, scene.lights, 0, ORIGIN)
+    seen = weights > 0.0
+    subsets = choose(cloud, weights, 4_000, 1.5)
+    assert len(subsets) == TURNS
+    for points in subsets:
+        assert len(points) == pytest.approx(4_000, rel=0.05)
+        standing_for = np.pi * (points["radius"].astype(float) / 1.5) ** 2
+        assert standing_for.sum() == pytest.approx(seen.sum() * cloud.area, rel=0.05)
+        # Everywhere, not just as a whole: in each of eight slices across the scene.
+        edges = np.quantile(cloud.positions[seen, 0], np.linspace(0.0, 1.0, 9))
+        ours = np.histogram(points["position"][:, 0], edges, weights=standing_for)[0]
+        theirs = np.histogram(cloud.positions[seen, 0], edges)[0] * cloud.area
+        assert ours == pytest.approx(theirs, rel=0.15)
+
+
+def test_discs_look_about_equally_large_from_the_light():
+    """A floor of 40 m under a light at 1 m: without the weighting their sizes would differ by a factor of 400."""
+    scene = stage([quad((-20, -20, 0), (40, 0, 0), (0, 40, 0))], light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)))
+    cloud = make_cloud(scene, ORIGIN, 64_000)
+    (points, *_) = choose(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
+    angle = points["radius"] / np.linalg.norm(points["position"] - (0.0, 0.0, 1.0), axis=1)
+    assert np.quantile(angle, 0.99) / np.quantile(angle, 0.01) < 10.0
+
+
+def test_subsets_stay_while_something_else_changes():
+    """The camera's anchor, or another light, leaves a light's subsets alone."""
+    scene = stage([rubble()], light(position=(0.0, 0.0, 2.0)))
+    cloud, moved = make_cloud(scene, ORIGIN, 8_000), make_cloud(scene, np.array([64.0, 0.0, 0.0]), 8_000)
+    other = both(scene.lights, light(position=(3.0, 0.0, 2.0)))
+    first = choose(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
+    second = choose(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
+    third = choose(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
+    for one, two, three in zip(first, second, third, strict=True):
+        assert np.array_equal(one, two)
+        here, there = (np.rint(1e3 * (p["position"] + shift)).astype(int) for p, shift in ((one, 0.0), (three, (64.0, 0.0, 0.0))))
+        same = set(map(tuple, here.tolist())) & set(map(tuple, there.tolist()))
+        assert len(same) > 0.9 * len(one)
+
+
+def test_each_lights_maps_see_its_own_subsets(device):
+    one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
+    floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
+    drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(SMALL_SETTINGS, surface_points=500))
+    table, buffer = drawn.renderer.tables["surface_points"]
+    points = np.frombuffer(buffer.read(), POINT)
+    assert [len(row) for row in table] == [TURNS, TURNS]
+    assert all(subset.count == 0 for subset in table[1])
+    assert sum(subset.count for subset in table[0]) == len(points)
+    assert drawn.profile.counts["surface_points"] == max(subset.count for subset in table[0])
+
+
+def test_behind_the_light_there_are_none():
+    lights = light(position=(0.0, 0.0, 0.0))
+    scene = stage([rubble(reach=3.0)], lights)
+    cloud = make_cloud(scene, ORIGIN, 4_000)
+    weights = solid_angles(cloud, lights, 0, ORIGIN)
+    behind = cloud.positions[:, 2] > 2.0 * np.sqrt(cloud.area)
+    assert behind.any()
+    assert not weights[behind].any()
+    assert weights[cloud.positions[:, 2] < 0.0].all()
+
+
+def test_a_light_that_casts_none_may_be_the_only_one(device):
+    scene = stage([rubble()], replace(light(), casts_shadow=np.array([False])))
+    assert draw(device, scene, look((3, -3, 2))).profile.rows["Subsets"].drawn == 0
