@@ -12,6 +12,7 @@ from tests.tools import extension, machine, project
 from tests.tools.environments import environments
 
 BUILD = project.ROOT / "build"
+BENCHMARKS = sorted(path.stem for path in (project.ROOT / "tests/benchmark").glob("[!_]*.py"))
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 
@@ -36,6 +37,11 @@ def test(chosen: list[str]) -> int:
     return int(bool(failed))
 
 
+def bench(name: str, output: Path, further: list[str]) -> int:
+    """Run one of tests/benchmark."""
+    return next(environments()).run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
+
+
 def pack(output: Path, platforms: list[str]) -> int:
     """Build the extension, a zip for each platform."""
     environment = next(environments())
@@ -50,6 +56,9 @@ def main() -> int:
     verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
     verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
+    verb = verbs.add_parser("bench", help="measure; further arguments go to the benchmark")
+    verb.add_argument("name", choices=BENCHMARKS)
+    verb.add_argument("--output", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
     verb = verbs.add_parser("extension", help="build and validate the extension's zips, one a platform")
     verb.add_argument("--output", type=Path, default=BUILD / "extension", help="folder of the zips (%(default)s)")
     verb.add_argument("--platform", action="append", default=[], choices=project.WHEELS, help="only this platform")
@@ -59,6 +68,9 @@ def main() -> int:
     if arguments.verb == "demo":
         machine.prepare()
         return demo(arguments.output, further)
+    if arguments.verb == "bench":
+        machine.prepare()
+        return bench(arguments.name, arguments.output, further)
     machine.prepare("git")
     if arguments.verb == "test":
         return test(further)

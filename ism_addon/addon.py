@@ -3,6 +3,8 @@
 
 import atexit
 
+import bpy
+
 from .blender import engine
 from .ui import borrowed, panels, properties
 
@@ -13,11 +15,22 @@ PARTS = (properties, panels, borrowed, engine)
 def register() -> None:
     for part in PARTS:
         part.register()
-    # A render engine that is still registered when Python ends crashes or hangs Blender.
-    atexit.register(unregister)
+    atexit.register(_at_exit)
 
 
 def unregister() -> None:
-    atexit.unregister(unregister)
+    atexit.unregister(_at_exit)
     for part in reversed(PARTS):
         part.unregister()
+
+
+def _at_exit() -> None:
+    """Python ends and nobody has unregistered.
+
+    The bpy module would crash or hang with a render engine that is still registered. Blender itself would crash if
+    it were unregistered now, because its types are gone: there, only the worker is left to be stopped.
+    """
+    if bpy.app.module:
+        unregister()
+    else:
+        engine.stop()

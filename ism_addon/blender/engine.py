@@ -10,7 +10,7 @@ from ..gpu.worker import shared
 from . import final, viewport
 from .final import statistics
 
-__all__ = ["ISMRenderEngine", "register", "statistics", "unregister"]
+__all__ = ["ISMRenderEngine", "register", "statistics", "stop", "unregister"]
 
 
 class ISMRenderEngine(bpy.types.RenderEngine):
@@ -54,17 +54,18 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
 
 @persistent
-def _before_load(*_args: Any) -> None:
+def stop(*_args: Any) -> None:
+    """End all drawing, and the worker's thread: before another file is loaded, and at the end."""
     shared.stop()
 
 
 def register() -> None:
     bpy.utils.register_class(ISMRenderEngine)
-    bpy.app.handlers.load_pre.append(_before_load)
+    bpy.app.handlers.load_pre.append(stop)
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_pre.remove(_before_load)
-    viewport.stop()
+    bpy.app.handlers.load_pre.remove(stop)
+    viewport.stop_looking()
     bpy.utils.unregister_class(ISMRenderEngine)
-    shared.stop()
+    stop()

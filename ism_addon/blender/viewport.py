@@ -96,7 +96,7 @@ def _look() -> float | None:
     return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
 
 
-def stop() -> None:
-    """Stop looking for pictures."""
+def stop_looking() -> None:
+    """End the timer."""
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)

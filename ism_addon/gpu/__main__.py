@@ -11,6 +11,7 @@ from .. import snapshot
 from ..scene import View
 from ..settings import SECTIONS, Control, Settings, controls
 from .png import display_from_linear, write_png
+from .profile import table
 from .worker import Job, Picture, Request, Worker
 
 
@@ -58,16 +59,6 @@ def resized(view: View, size: str) -> View:
     return replace(view, clip_from_view=clip_from_view, width=width, height=height)
 
 
-def profile_table(statistics: dict) -> str:
-    """A line a pass."""
-    lines = [f"{'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
-    for name, row in statistics["passes"].items():
-        lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
-    counts = ("light_points", "surface_points", "triangles", "bytes_uploaded", "samples")
-    lines.append(" · ".join(f"{statistics[name]:,} {name.replace('_', ' ')}" for name in counts))
-    return "\n".join(lines + [f"{statistics['seconds']:.3f} s"])
-
-
 def draw(request: Request) -> tuple[Picture | None, Job]:
     """Draw on a worker of our own, to the end."""
     worker = Worker()
@@ -95,7 +86,7 @@ def main() -> int:
         return 1
     write_png(options.output, display_from_linear(picture.color))
     if options.profile:
-        print(profile_table(job.statistics))
+        print(table(job.statistics))
     return 0
 
 

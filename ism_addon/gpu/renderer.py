@@ -6,7 +6,6 @@ Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and sc
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,6 +31,7 @@ from .passes.ssao import SSAO
 from .passes.subsets import Subsets
 from .passes.surface_points import SurfacePoints
 from .passes.upload import Colours, Meshes, Place
+from .profile import Profile
 from .targets import DEPTH, Targets
 
 #: What the camera sees, and points for the scene and for its lights,
@@ -50,26 +50,6 @@ SHOWABLE = tuple(
     for name, target in kind.writes.items()
     if target.dtype != DEPTH and kind not in (Show, Accumulate)
 )
-
-
-@dataclass
-class Row:
-    """A pass's row in the profile."""
-
-    drawn: int = 0
-    reused: int = 0
-    skipped: int = 0
-    ms: float = 0.0
-
-
-@dataclass
-class Profile:
-    """What a picture took so far."""
-
-    rows: dict[str, Row] = field(default_factory=lambda: {kind.__name__: Row() for kind in PASSES})
-    counts: dict[str, int] = field(
-        default_factory=lambda: {"bytes_uploaded": 0, "surface_points": 0, "light_points": 0}
-    )
 
 
 class Renderer:

@@ -10,17 +10,18 @@ import logging
 import threading
 import time
 from collections.abc import Hashable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scene import Scene, View
 from ..settings import Settings
+from .profile import Profile
 
 if TYPE_CHECKING:
     from .context import Device
-    from .renderer import Profile, Renderer
+    from .renderer import Renderer
 
 log = logging.getLogger(__name__)
 
@@ -220,8 +221,6 @@ class Studio:
 
 def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
-    from .renderer import Profile
-
     request, profile = job.request, Profile()
     start = shown = time.perf_counter()
     surfaces: tuple[np.ndarray, np.ndarray] | None = None
@@ -232,23 +231,12 @@ def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
         if surfaces is None:
             surfaces = renderer.depth_and_normal()
         job.samples_done = sample + 1
-        job.statistics = statistics(profile, request.scene, sample + 1, now - start)
+        job.statistics = profile.statistics(request.scene, sample + 1, now - start)
         if sample == 0 or sample + 1 == job.samples or now - shown > PICTURE_INTERVAL:
             job._picture = Picture(renderer.picture(sample + 1), *surfaces, sample + 1)
             shown = now
         job.tell()
         yield
-
-
-def statistics(profile: "Profile", scene: Scene, samples: int, seconds: float) -> dict:
-    """What a picture took, as users and scripts see it."""
-    return {
-        "passes": {name: asdict(row) for name, row in profile.rows.items()},
-        **profile.counts,
-        "triangles": scene.triangle_count,
-        "samples": samples,
-        "seconds": seconds,
-    }
 
 
 #: The worker that Blender's engine uses.

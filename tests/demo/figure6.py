@@ -17,6 +17,7 @@ import bpy
 
 from ism_addon import addon
 from ism_addon.blender.engine import statistics
+from ism_addon.gpu.profile import table
 from tests.scenes import atrium
 
 BAR = 30  # characters
@@ -79,7 +80,7 @@ def saved_atrium(path: Path) -> Path:
 
 def look(ism: bpy.types.PropertyGroup) -> None:
     """The ambient occlusion of a room of this size."""
-    ism.ssao.radius, ism.ssao.intensity, ism.ssao.attenuation = 0.8, 2.0, 0.5
+    ism.ssao.radius, ism.ssao.intensity, ism.ssao.attenuation = 1.5, 2.0, 0.5
 
 
 def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:
@@ -133,16 +134,6 @@ def quiet_stdout() -> Iterator[None]:
     finally:
         os.dup2(kept, 1)
         os.close(kept)
-
-
-def table(facts: dict) -> str:
-    """A line a pass: times drawn, reused and left out, and milliseconds."""
-    lines = [f"  {'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
-    for name, row in facts["passes"].items():
-        lines.append(f"  {name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
-    counts = ("samples", "light_points", "surface_points", "triangles", "bytes_uploaded")
-    lines.append("  " + " · ".join(f"{facts[name]:,} {name.replace('_', ' ')}" for name in counts))
-    return "\n".join([*lines, f"  {facts['seconds']:.1f} s"])
 
 
 if __name__ == "__main__":

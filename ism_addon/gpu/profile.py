@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a picture took: how often each pass was drawn, and how long that was."""
+
+from collections import defaultdict
+from dataclasses import asdict, dataclass, field
+
+from ..scene import Scene
+
+#: What is counted beside the passes.
+COUNTS = ("light_points", "surface_points", "bytes_uploaded")
+
+
+@dataclass
+class Row:
+    """A pass's row."""
+
+    drawn: int = 0
+    reused: int = 0
+    skipped: int = 0
+    ms: float = 0.0
+
+
+@dataclass
+class Profile:
+    """Of one picture, as far as it is drawn."""
+
+    rows: defaultdict[str, Row] = field(default_factory=lambda: defaultdict(Row))
+    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
+
+    def statistics(self, scene: Scene, samples: int, seconds: float) -> dict:
+        """The same as plain values, for scripts."""
+        return {
+            "passes": {name: asdict(row) for name, row in self.rows.items()},
+            **self.counts,
+            "triangles": scene.triangle_count,
+            "samples": samples,
+            "seconds": seconds,
+        }
+
+
+def table(statistics: dict) -> str:
+    """Statistics for people: a line a pass, and one of counts."""
+    lines = [f"{'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
+    for name, row in statistics["passes"].items():
+        lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
+    counted = (f"{statistics[name]:,} {name.replace('_', ' ')}" for name in ("samples", *COUNTS, "triangles"))
+    return "\n".join([*lines, " · ".join(counted), f"{statistics['seconds']:.2f} s"])
