@@ -109,7 +109,7 @@ def _told(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
 
 def _built(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
     """The value of a type that `_told` told of."""
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         return _built_object(kind, told, place, arrays)
     if get_origin(kind) is tuple:
         if not isinstance(told, list):

@@ -85,8 +85,8 @@ def border(render: bpy.types.RenderSettings) -> tuple[int, int, int, int]:
     width, height = full_size(render)
     if not render.use_border:
         return 0, width, 0, height
-    x = (np.float32([render.border_min_x, render.border_max_x]) * np.float32(width)).astype(int)
-    y = (np.float32([render.border_min_y, render.border_max_y]) * np.float32(height)).astype(int)
+    x = (np.array([render.border_min_x, render.border_max_x], np.float32) * np.float32(width)).astype(int)
+    y = (np.array([render.border_min_y, render.border_max_y], np.float32) * np.float32(height)).astype(int)
     return int(x[0]), max(int(x[1]), int(x[0]) + 1), int(y[0]), max(int(y[1]), int(y[0]) + 1)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from .. import radiometry
 from ..scene import Lights, LightShape
 from .findings import Findings
-from .reach import within
+from .reach import FARTHEST, within
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
 SHAPES = {
@@ -93,10 +93,10 @@ def _row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.nda
     axis_v = world_from_light[:3, 1] * (light.size_y if own_height else light.size)
     backwards = world_from_light[:3, 2]
     depth = np.linalg.norm(backwards)
-    area = np.linalg.norm(axis_u) * np.linalg.norm(axis_v)
+    area = float(np.linalg.norm(axis_u) * np.linalg.norm(axis_v))
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
-    if not (within(world_from_light).all() and within(area) and area > 0 and depth > 0):
+    if not (within(world_from_light).all() and 0 < area <= FARTHEST and depth > 0):
         return None
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0

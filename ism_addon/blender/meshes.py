@@ -71,7 +71,7 @@ def _read(
     collection: bpy.types.bpy_prop_collection, attribute: str, shape: tuple[int, ...] | int, dtype: type = np.float32
 ) -> np.ndarray:
     """An attribute of all items as an array of this shape."""
-    array = np.empty(shape, dtype)
+    array: np.ndarray = np.empty(shape, dtype)
     collection.foreach_get(attribute, array.reshape(-1))
     return array
 
