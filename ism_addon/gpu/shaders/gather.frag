@@ -30,7 +30,8 @@ float visibility(LightPoint light, int index, vec3 p, vec3 facet) {
     float distance = length(v);
     // A plane seen edge-on reaches from here to nowhere within a texel: there its own distance must do.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
-    ivec2 corner = ivec2(index % columns, index / columns) * side;
+    int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
+    ivec2 corner = ivec2(index - row * columns, row) * side;
     return texelFetch(maps, corner + texel, 0).x >= receiver ? 1.0 : 0.0;
 }
 
@@ -39,7 +40,8 @@ vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
     vec3 full = light.radiance * area_irradiance(light, p, n);
     if (!masked && light.spread_scale == 0.0) return batch.x == 0 ? full : vec3(0.0);
     float sent = 0.0, arrived = 0.0;
-    for (int k = light.first_point; k < light.first_point + light.point_count; ++k) {
+    int last = full == vec3(0.0) ? 0 : light.first_point + light.point_count;
+    for (int k = light.first_point; k < last; ++k) {
         LightPoint point = fetch_LightPoint(light_points, k);
         vec3 to = point.position - p;
         float square = dot(to, to);
