@@ -13,9 +13,10 @@ def is_known_space(image: bpy.types.Image) -> bool:
     return image.is_float or image.colorspace_settings.name in ("sRGB", *LINEAR)
 
 
-def texels(image: bpy.types.Image) -> np.ndarray | None:
+def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     """(H,W,4) uint8, sRGB-encoded, bottom row first; None where there is nothing to read.
 
+    On black, what is transparent is dark, as where Cycles is not asked for an image's alpha.
     A space that is not known is taken for sRGB. Light beyond 1 is cut off.
     """
     width, height = image.size
@@ -26,6 +27,8 @@ def texels(image: bpy.types.Image) -> np.ndarray | None:
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, -1)
     color, alpha = _color_and_alpha(pixels)
+    if on_black and _has_straight_alpha(image):
+        color = color * alpha[..., None]
     if image.is_float or image.colorspace_settings.name in LINEAR:
         color = encoded(color)
     stored = np.empty((height, width, 4), np.uint8)
@@ -45,6 +48,12 @@ def _color_and_alpha(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     channels = pixels.shape[2]
     alpha = pixels[..., -1] if channels in (2, 4) else np.ones(pixels.shape[:2], np.float32)
     return pixels[..., : 3 if channels >= 3 else 1], alpha
+
+
+def _has_straight_alpha(image: bpy.types.Image) -> bool:
+    """Whether the colour is still to be multiplied by the alpha; in floating point images it is already."""
+    is_data = image.colorspace_settings.is_data
+    return not image.is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
 
 
 def _bytes(values: np.ndarray) -> np.ndarray:

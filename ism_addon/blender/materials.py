@@ -22,7 +22,7 @@ class MaterialTable:
         self._findings = findings
         self._indices: dict[int, int] = {}
         self._rows: list[tuple[np.ndarray, int]] = []
-        self._image_indices: dict[tuple[int, bool], int] = {}
+        self._image_indices: dict[tuple[int, bool, bool], int] = {}
         self._images: list[Image] = []
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -80,13 +80,14 @@ class MaterialTable:
             self._findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
             return -1
         self._note_placement(material, node)
-        key = (image.as_pointer(), node.extension == "REPEAT")
+        repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
+        key = (image.as_pointer(), repeat, on_black)
         if key not in self._image_indices:
-            self._image_indices[key] = self._read(image, repeat=key[1])
+            self._image_indices[key] = self._read(image, repeat, on_black)
         return self._image_indices[key]
 
-    def _read(self, image: bpy.types.Image, repeat: bool) -> int:
-        texels = images.texels(image)
+    def _read(self, image: bpy.types.Image, repeat: bool, on_black: bool) -> int:
+        texels = images.texels(image, on_black)
         if texels is None:
             self._findings.note(
                 "Images that are missing or cannot be read are left out, and the base colour is drawn", image.name

@@ -29,7 +29,7 @@ def surface(add):
     return surface
 
 
-def picture(name="Picture", pixels=((1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (0.5, 0.5, 0.5, 0.5)), **how):
+def picture(name="Picture", pixels=((1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (0.5, 0.5, 0.5, 1)), **how):
     """A generated image, 2 × 2."""
     image = bpy.data.images.new(name, 2, 2, alpha=True, **how)
     image.pixels.foreach_set(np.float32(pixels).reshape(-1))
@@ -44,7 +44,7 @@ def texture(material, socket, image):
     return node
 
 
-STORED = [[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [128, 128, 128, 128]]]
+STORED = [[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [128, 128, 128, 255]]]
 
 
 @pytest.mark.parametrize(
@@ -229,6 +229,16 @@ def test_what_is_not_srgb_is_encoded(add):
     data = picture(pixels=grey, is_data=True)
     assert abs(int(images.texels(data)[0, 0, 0]) - encoded) <= 1
     assert images.texels(picture(pixels=grey))[0, 0, 0] == round(0.18 * 255)
+
+
+def test_transparency_is_dark_unless_the_alpha_is_used(surface, extracted):
+    material, node = surface()
+    image_node = texture(material, node.inputs["Base Color"], picture(pixels=[(1, 0.5, 0, 0.5)] * 4))
+    assert extracted().images[0].texels[0, 0].tolist() == [128, 64, 0, 128]
+    material.node_tree.links.new(image_node.outputs["Alpha"], node.inputs["Alpha"])
+    assert extracted().images[0].texels[0, 0].tolist() == [255, 128, 0, 128]
+    image_node.image.alpha_mode = "CHANNEL_PACKED"
+    assert images.texels(image_node.image, on_black=True)[0, 0].tolist() == [255, 128, 0, 128]
 
 
 def test_an_unknown_space_is_named(surface, extracted):
