@@ -31,14 +31,15 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
         for warning in scene.warnings:
             engine.report({"WARNING"}, warning)
     chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
-    layer = depsgraph.view_layer_eval.name
+    layer = depsgraph.view_layer_eval
+    surfaces = layer.use_pass_z or layer.use_pass_normal
     client = object()
     try:
-        for view_name in _view_names(engine, layer):
+        for view_name in _view_names(engine, layer.name):
             engine.active_view_set(view_name)
             view = camera.final_view(depsgraph, engine)
-            job = shared.start(Request(scene, view, chosen), client)
-            if not _render_view(engine, job, view, layer, view_name):
+            job = shared.start(Request(scene, view, chosen, surfaces), client)
+            if not _render_view(engine, job, view, layer.name, view_name):
                 break
     except camera.CameraError as error:
         _refuse(engine, str(error))

@@ -65,7 +65,7 @@ class Viewport:
         chosen = controls.read(scene, "viewport")
         asked = (self._scene, _fingerprint(view), chosen)
         if asked != self._asked:
-            self._job = shared.start(Request(self._scene, view, chosen), self._client)
+            self._job = shared.start(Request(self._scene, view, chosen, surfaces=False), self._client)
             self._asked = asked
 
     def _news(self) -> tuple:

@@ -2,7 +2,9 @@
 """The door without Blender: draw a snapshot. python -m ism_addon.gpu scene.npz -o out.png"""
 
 import argparse
+import math
 import sys
+from collections.abc import Callable
 from dataclasses import Field, replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +23,10 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument("snapshot", type=Path, help="an .npz that the add-on or ism_addon.snapshot wrote")
     line.add_argument("-o", "--output", type=Path, default=Path("out.png"), help="the PNG to write (%(default)s)")
     line.add_argument(
-        "--size", metavar="WIDTHxHEIGHT", help="instead of the snapshot's own; it keeps the field of view across"
+        "--size",
+        type=size,
+        metavar="WIDTHxHEIGHT",
+        help="instead of the snapshot's own; it keeps the field of view across",
     )
     line.add_argument("--show", default="color", metavar="TARGET", help="an intermediate target instead of the picture")
     line.add_argument("--profile", action="store_true", help="print what each pass took")
@@ -35,8 +40,28 @@ def parser() -> argparse.ArgumentParser:
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
     """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
-    kind: dict = {"action": argparse.BooleanOptionalAction} if member.type is bool else {"type": member.type}
+    kind: dict = {"action": argparse.BooleanOptionalAction} if member.type is bool else {"type": number(member, control)}
     group.add_argument(flag, dest=f"{section}.{member.name}", help=control.meaning.replace("%", "%%"), **kind)
+
+
+def number(member: Field, control: Control) -> Callable[[str], int | float]:
+    """What reads a setting from the command line, and refuses what its user could not have set in Blender."""
+
+    def number(text: str) -> int | float:
+        value = (int if member.type is int else float)(text)
+        if not (control.low or 0.0) <= value <= (control.high or math.inf):
+            raise argparse.ArgumentTypeError(f"{text} is not within {control.low} and {control.high}")
+        return value
+
+    return number
+
+
+def size(text: str) -> tuple[int, int]:
+    """Width and height of 1280x720."""
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise argparse.ArgumentTypeError(f"{text or 'nothing'} is not a size, such as 1280x720")
+    return int(width), int(height)
 
 
 def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
@@ -51,9 +76,8 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
     return replace(settings, show=options.show)
 
 
-def resized(view: View, size: str) -> View:
+def resized(view: View, width: int, height: int) -> View:
     """The view at another size, with square pixels and the same field of view across."""
-    width, height = (int(number) for number in size.lower().split("x"))
     clip_from_view = view.clip_from_view.copy()
     clip_from_view[1] *= (width / height) / (view.width / view.height)
     return replace(view, clip_from_view=clip_from_view, width=width, height=height)
@@ -74,7 +98,7 @@ def main() -> int:
     options = parser().parse_args()
     try:
         scene, view, settings = snapshot.load(options.snapshot)
-        request = Request(scene, resized(view, options.size) if options.size else view, chosen(settings, options))
+        request = Request(scene, resized(view, *options.size) if options.size else view, chosen(settings, options))
     except (OSError, ValueError) as reason:
         print(reason, file=sys.stderr)
         return 1
@@ -84,7 +108,11 @@ def main() -> int:
     if picture is None:
         print(job.error, file=sys.stderr)
         return 1
-    write_png(options.output, display_from_linear(picture.color))
+    try:
+        write_png(options.output, display_from_linear(picture.color))
+    except OSError as reason:
+        print(reason, file=sys.stderr)
+        return 1
     if options.profile:
         print(table(job.statistics))
     return 0

@@ -74,16 +74,16 @@ def upload_array(
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
     """Unit vectors (…,3) as points (…,2) of a square, as lib/octahedron.glsl does (Cigolle et al. 2014)."""
     p = directions[..., :2] / np.maximum(np.abs(directions).sum(-1, keepdims=True), 1e-20)
-    folded = (1.0 - np.abs(p[..., ::-1])) * np.where(p >= 0.0, 1.0, -1.0)
+    folded = np.copysign(1.0 - np.abs(p[..., ::-1]), p)
     return np.where(directions[..., 2:] >= 0.0, p, folded)
 
 
 def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
     """The inverse: (…,2) to unit vectors (…,3)."""
     z = 1.0 - np.abs(points).sum(-1, keepdims=True)
-    across = points - np.where(points >= 0.0, 1.0, -1.0) * np.maximum(-z, 0.0)
-    directions = np.concatenate([across, z], -1)
-    return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+    directions = np.concatenate([points - np.copysign(np.maximum(-z, 0.0), points), z], -1)
+    directions /= np.sqrt(np.einsum("...k,...k->...", directions, directions))[..., None]
+    return directions
 
 
 #: Where a mesh stands: the rows of its 3×4 matrix.

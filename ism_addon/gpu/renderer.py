@@ -91,7 +91,6 @@ class Renderer:
         anchor = anchor_of(camera, scene.extent)
         offset = pixel_offset(sample, view.filter_width)
         self.block.write(block.frame_block(view, anchor, offset))
-        self.block.bind_to_uniform_block(block.BINDING)
         return Frame(self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts)
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
@@ -110,6 +109,7 @@ class Renderer:
                 size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
                 self.targets.allocate(name, target, size)
         if needed:
+            self.block.bind_to_uniform_block(block.BINDING)  # another renderer may have drawn since the last pass
             step.draw(frame)
             self.device.wait()
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)

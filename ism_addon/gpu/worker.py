@@ -36,6 +36,7 @@ class Request:
     scene: Scene
     view: View
     settings: Settings
+    surfaces: bool = True  # whether depth and normals are wanted too
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +44,8 @@ class Picture:
     """The average of `samples` samples. Bottom row first."""
 
     color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
-    depth: np.ndarray  # (H,W) float32 m along the view's axis, 1e10 where nothing is
-    normal: np.ndarray  # (H,W,3) float32 world space
+    depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
+    normal: np.ndarray | None  # (H,W,3) float32 world space
     samples: int
 
 
@@ -96,18 +97,15 @@ class Worker:
         self._jobs: dict[Hashable, Job] = {}
         self._forgotten: set[Hashable] = set()
         self._thread: threading.Thread | None = None
-        self._stopping = False
 
     def start(self, request: Request, client: Hashable) -> Job:
         """Draw this instead of what the client asked for before."""
         job = Job(request, self._news)
         with self._news:
-            if client in self._jobs:
-                self._jobs[client].cancel()
+            self._drop(client)
             self._jobs[client] = job
             self._forgotten.discard(client)
             if self._thread is None:
-                self._stopping = False
                 self._thread = threading.Thread(target=self._run, name="ISM renderer", daemon=True)
                 self._thread.start()
             self._news.notify_all()
@@ -116,9 +114,7 @@ class Worker:
     def forget(self, client: Hashable) -> None:
         """Cancel the client's job and free what is kept for it."""
         with self._news:
-            job = self._jobs.pop(client, None)
-            if job is not None:
-                job.cancel()
+            self._drop(client)
             self._forgotten.add(client)
             self._news.notify_all()
 
@@ -126,17 +122,25 @@ class Worker:
         """End all jobs and the thread, and wait for it."""
         with self._news:
             thread, self._thread = self._thread, None
-            self._stopping = True
-            for job in self._jobs.values():
-                job.cancel()
-            self._jobs.clear()
+            for client in list(self._jobs):
+                self._drop(client)
             self._news.notify_all()
         if thread is not None:
             thread.join()
 
-    def _run(self) -> None:
-        from .context import NoOpenGL, open_device
+    def _drop(self, client: Hashable) -> None:
+        """End the client's job, even if the thread has not seen it yet. With the lock held."""
+        job = self._jobs.pop(client, None)
+        if job is not None:
+            job.cancel()
+            job.tell(finished=True)
 
+    def _run(self) -> None:
+        try:
+            from .context import NoOpenGL, open_device
+        except ImportError as reason:
+            self._refuse(f"moderngl, which comes with the extension, could not be loaded ({reason})")
+            return
         try:
             device = open_device()
         except NoOpenGL as reason:
@@ -146,7 +150,7 @@ class Worker:
         while True:
             with self._news:
                 self._news.wait_for(self._has_work)
-                if self._stopping:
+                if self._stopped():
                     break
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
                 forgotten, self._forgotten = self._forgotten, set()
@@ -156,11 +160,17 @@ class Worker:
         studio.close()
 
     def _has_work(self) -> bool:
-        return self._stopping or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
+        return self._stopped() or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
+
+    def _stopped(self) -> bool:
+        """Whether the calling thread is no longer the worker's own: stop() may be followed by another one at once."""
+        return self._thread is not threading.current_thread()
 
     def _refuse(self, reason: str) -> None:
         """Answer everyone who asked with `reason`; the next request tries again."""
         with self._news:
+            if self._stopped():
+                return
             self._thread = None
             jobs = list(self._jobs.values())
             self._jobs.clear()
@@ -223,12 +233,12 @@ def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile = job.request, Profile()
     start = shown = time.perf_counter()
-    surfaces: tuple[np.ndarray, np.ndarray] | None = None
+    surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
     for sample in range(job.samples):
         for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
             yield
         now = time.perf_counter()
-        if surfaces is None:
+        if sample == 0 and request.surfaces:
             surfaces = renderer.depth_and_normal()
         job.samples_done = sample + 1
         job.statistics = profile.statistics(request.scene, sample + 1, now - start)
