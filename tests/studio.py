@@ -39,7 +39,8 @@ class Drawn:
 
 def draw(device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None) -> Drawn:
     """All samples of a picture, here and now."""
-    from ism_addon.gpu.renderer import Profile, Renderer
+    from ism_addon.gpu.profile import Profile
+    from ism_addon.gpu.renderer import Renderer
 
     renderer, profile = renderer or Renderer(device), Profile()
     for sample in range(settings.quality.samples):
@@ -162,7 +163,8 @@ def shadows(**changes: object) -> Settings:
 
 def prepared(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
     """A renderer that has drawn nothing, and the frame of its first sample: for tests that feed one pass by hand."""
-    from ism_addon.gpu.renderer import Profile, Renderer
+    from ism_addon.gpu.profile import Profile
+    from ism_addon.gpu.renderer import Renderer
 
     renderer = Renderer(device)
     return renderer, renderer.frame(scene, look((0.0, -4.0, 3.0), size=size), settings, 0, Profile())

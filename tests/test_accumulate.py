@@ -12,7 +12,8 @@ from .studio import SMALL_SETTINGS, draw, from_above, look, quad, rubble, stage,
 
 
 def test_the_picture_is_the_mean_of_its_samples(device):
-    from ism_addon.gpu.renderer import Profile, Renderer
+    from ism_addon.gpu.profile import Profile
+    from ism_addon.gpu.renderer import Renderer
 
     scene, view = box_over_plane(24, 16)
     view = replace(view, filter_width=1.5)

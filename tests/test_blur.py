@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.blur import Blur
-from ism_addon.gpu.renderer import Profile
+from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 
 from .studio import SMALL_SETTINGS, draw, from_above, look, quad, stage

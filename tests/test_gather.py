@@ -12,7 +12,7 @@ from ism_addon.gpu.passes.gbuffer import GBuffer
 from ism_addon.gpu.passes.light_points import LightPoints, points_per_light
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
-from ism_addon.gpu.renderer import Profile
+from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.atlas import batches
 from ism_addon.scene import LightShape
 

@@ -142,7 +142,7 @@ def test_two_renders_are_bit_identical(device, scene_and_view):
 
 def test_an_interrupted_picture_leaves_no_trace(device, scene_and_view):
     """A request that was dropped in the middle of a sample, and another one drawn after it."""
-    from ism_addon.gpu.renderer import Profile
+    from ism_addon.gpu.profile import Profile
 
     scene, view = scene_and_view
     settings = with_quality(SETTINGS, samples=2)

@@ -8,7 +8,7 @@ import pytest
 
 from ism_addon.gpu.cloud import make_cloud
 from ism_addon.gpu.passes.surface_points import SurfacePoints
-from ism_addon.gpu.renderer import Profile
+from ism_addon.gpu.profile import Profile
 from ism_addon.sampling import triangle_areas
 
 from . import reference
