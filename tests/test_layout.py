@@ -27,6 +27,7 @@ def run(device, declarations: str, expression: str, count: int, uniforms: dict) 
     for unit, (name, texture) in enumerate(uniforms.items()):
         texture.use(unit)
         program[name].value = unit
+    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
     buffer = device.gl.buffer(reserve=16 * count)
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)
     return np.frombuffer(buffer.read(), "f4").reshape(count, 4)
