@@ -13,6 +13,7 @@ from ism_addon.gpu.layout import (
     octahedron_from_directions,
     upload_array,
 )
+from ism_addon.gpu.program import FOLDER
 
 ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4")
 
@@ -28,6 +29,7 @@ def run(device, declarations: str, expression: str, count: int, uniforms: dict) 
         texture.use(unit)
         program[name].value = unit
     device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
+    device.gl.simple_framebuffer((1, 1)).use()  # whatever an earlier test drew into may be gone
     buffer = device.gl.buffer(reserve=16 * count)
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)
     return np.frombuffer(buffer.read(), "f4").reshape(count, 4)
@@ -78,8 +80,6 @@ def test_directions_survive_the_octahedron():
 def test_python_and_glsl_fold_directions_alike(device):
     random = np.random.default_rng(1).normal(size=(1000, 3)).astype("f4")
     directions = random / np.linalg.norm(random, axis=1)[:, None]
-    from ism_addon.gpu.program import FOLDER
-
     library = (FOLDER / "lib" / "octahedron.glsl").read_text()
     told = run(
         device,

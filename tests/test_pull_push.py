@@ -10,7 +10,7 @@ from ism_addon.gpu.atlas import EMPTY, Batch, batches
 from ism_addon.gpu.passes.pull_push import LEVELS, PullPush
 from ism_addon.gpu.passes.splat import Splat
 
-from .reference import pull_push
+from .reference_maps import pull_push
 from .studio import SMALL_SETTINGS, draw, light, look, prepared, quad, rubble, shadows, stage, with_quality
 
 SIDE = 64

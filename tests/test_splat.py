@@ -10,7 +10,7 @@ from ism_addon.gpu.atlas import EMPTY, batches
 from ism_addon.gpu.passes.light_points import light_tables
 from ism_addon.gpu.passes.subsets import POINT
 
-from .reference import disc_map, map_directions
+from .reference_maps import disc_map, map_directions
 from .studio import draw, light, look, quad, rubble, shadows, stage, with_quality
 
 #: Texels whose direction passes a disc's rim more closely than float32 can tell. Measured: none to one in a thousand.
