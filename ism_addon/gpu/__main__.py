@@ -40,7 +40,8 @@ def parser() -> argparse.ArgumentParser:
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
     """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
-    kind: dict = {"action": argparse.BooleanOptionalAction} if member.type is bool else {"type": number(member, control)}
+    switch = member.type is bool
+    kind: dict = {"action": argparse.BooleanOptionalAction} if switch else {"type": number(member, control)}
     group.add_argument(flag, dest=f"{section}.{member.name}", help=control.meaning.replace("%", "%%"), **kind)
 
 
