@@ -35,7 +35,9 @@ def crossings(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray
     for a, b in ((0, 1), (1, 2), (2, 0)):
         start, end = triangles[:, a], triangles[:, b]
         sides.append(directions @ np.cross(start, end).T + moments @ (end - start).T)
-    inside = (np.minimum(np.minimum(*sides[:2]), sides[2]) >= 0.0) | (np.maximum(np.maximum(*sides[:2]), sides[2]) <= 0.0)
+    inside = (np.minimum(np.minimum(*sides[:2]), sides[2]) >= 0.0) | (
+        np.maximum(np.maximum(*sides[:2]), sides[2]) <= 0.0
+    )
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
         along = ((normals * triangles[:, 0]).sum(1) - origins @ normals.T) / (directions @ normals.T)
@@ -54,7 +56,7 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
 
 
 def sees(points: np.ndarray, light_point: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
-    """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of the way's ends."""
+    """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of both ends."""
     seen = np.ones(len(points), bool)
     for first in range(0, len(points) if len(triangles) else 0, CHUNK):
         rows = slice(first, first + CHUNK)
@@ -76,7 +78,9 @@ def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, fl
     if lights.shape[light] == LightShape.ELLIPSE:
         u, v = 0.5 * np.sqrt(a) * np.cos(2 * np.pi * b), 0.5 * np.sqrt(a) * np.sin(2 * np.pi * b)
         area *= np.pi / 4.0
-    return lights.position[light] + np.outer(u, lights.axis_u[light]) + np.outer(v, lights.axis_v[light]), area / side**2
+    return lights.position[light] + np.outer(u, lights.axis_u[light]) + np.outer(
+        v, lights.axis_v[light]
+    ), area / side**2
 
 
 def spread_factor(spread: float, cosine: np.ndarray) -> np.ndarray:
@@ -138,7 +142,9 @@ class Surface:
 
 def view_rays(view: View) -> tuple[np.ndarray, np.ndarray]:
     """Origins (N,3) on the near plane and directions (N,3) to the far one, of the pixels' centres, bottom row first."""
-    x, y = np.meshgrid(2 * (np.arange(view.width) + 0.5) / view.width - 1, 2 * (np.arange(view.height) + 0.5) / view.height - 1)
+    x, y = np.meshgrid(
+        2 * (np.arange(view.width) + 0.5) / view.width - 1, 2 * (np.arange(view.height) + 0.5) / view.height - 1
+    )
     view_from_clip, world_from_view = np.linalg.inv(view.clip_from_view), np.linalg.inv(view.view_from_world)
     ends = []
     for z in (-1.0, 1.0):
@@ -217,12 +223,18 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
 
 
 def open_part(
-    points: np.ndarray, normals: np.ndarray, triangles: np.ndarray, camera: np.ndarray, radius: float, cone_angle: float, attenuation: float
+    points: np.ndarray,
+    normals: np.ndarray,
+    triangles: np.ndarray,
+    camera: np.ndarray,
+    radius: float,
+    cone_angle: float,
+    attenuation: float,
 ) -> np.ndarray:
     """(N,): 1 less the mean, over places in a cone about the normal, of what hides them from the camera (3,).
 
     Places are spread by the cosine within the cone and evenly in the square of their distance up to the radius r.
-    What hides one counts 1 / (1 + attenuation (d / r)²) if it is no farther than r, d being its distance from the point.
+    What hides one counts 1 / (1 + attenuation (d / r)²) if its distance d from the point is no more than r.
     """
     a, b, c = (grid.ravel() for grid in np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (8, 16, 8)]))
     sine = np.sin(cone_angle / 2.0) * np.sqrt(a)

@@ -26,7 +26,7 @@ def disc_map(centres: np.ndarray, normals: np.ndarray, radii: np.ndarray, side: 
 
 
 def pull_push(depth: np.ndarray, empty: float, threshold: float, levels: int) -> np.ndarray:
-    """(side,side) a shadow map with its holes filled (Marroquim et al. 2007), with coverages as passes/pull_push.py says."""
+    """(side,side) a shadow map with its holes filled (Marroquim et al. 2007), by coverages as passes/pull_push says."""
     pulled = [(depth, np.where(depth < empty, 1.0, 0.0))]
     for _ in range(levels):
         depths, covers = (blocks_of_four(part) for part in pulled[-1])

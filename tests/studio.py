@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from ism_addon.settings import Quality, Settings, Shadow, SSAO
+from ism_addon.settings import SSAO, Quality, Settings, Shadow
 
 from .scenes.small import basis, mesh, perspective
 
 #: One sample, few points: for tests that ask about something else.
-SMALL_SETTINGS = Settings(quality=Quality(samples=1, light_points=8, map_size=32, surface_points=2048), ssao=SSAO(enabled=False))
+SMALL_SETTINGS = Settings(
+    quality=Quality(samples=1, light_points=8, map_size=32, surface_points=2048), ssao=SSAO(enabled=False)
+)
 
 
 @dataclass

@@ -43,7 +43,9 @@ def test_edges_become_as_smooth_as_the_filter(device):
     truth = filtered_edge(15.3 - (np.arange(32) + 0.5), 1.5)
     errors = []
     for samples in (1, 8, 64):
-        alpha = draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=samples)).color[..., 3]
+        alpha = draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=samples)).color[
+            ..., 3
+        ]
         errors.append(np.abs(alpha - truth).max())
     assert errors[0] > 0.15
     assert errors[1] < 0.12

@@ -124,7 +124,12 @@ def test_the_profile_has_a_line_a_pass(call, scene_file, tmp_path, device):
 
 def test_flags_change_settings(call, scene_file, tmp_path, device):
     out = tmp_path / "out.png"
-    assert call(scene_file, "-o", out, "--no-ssao-enabled", "--shadow-bias", "2", "--light-points", "5", "--samples", "2")[0] == 0
+    assert (
+        call(scene_file, "-o", out, "--no-ssao-enabled", "--shadow-bias", "2", "--light-points", "5", "--samples", "2")[
+            0
+        ]
+        == 0
+    )
     changed = replace(
         SETTINGS,
         ssao=SSAO(enabled=False),
@@ -147,7 +152,10 @@ def test_a_size_that_is_none(call, scene_file, tmp_path, size):
     assert error
 
 
-@pytest.mark.parametrize("value", [("--samples", "0"), ("--light-points", "-3"), ("--map-size", "0"), ("--samples", "x"), ("--ssao-radius", "nan")])
+@pytest.mark.parametrize(
+    "value",
+    [("--samples", "0"), ("--light-points", "-3"), ("--map-size", "0"), ("--samples", "x"), ("--ssao-radius", "nan")],
+)
 def test_settings_out_of_their_range(call, scene_file, tmp_path, value):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", *value)
     assert status != 0
@@ -183,7 +191,9 @@ def test_the_scenes_warnings_are_told(call, tmp_path):
 
 
 def test_display_values_are_srgb_with_straight_alpha(tmp_path):
-    color = np.array([[[0.0, 0.0, 0.0, 0.0], [0.25, 0.5, 1.0, 1.0], [0.125, 0.25, 0.5, 0.5], [9.0, -1.0, 0.002, 1.0]]], np.float32)
+    color = np.array(
+        [[[0.0, 0.0, 0.0, 0.0], [0.25, 0.5, 1.0, 1.0], [0.125, 0.25, 0.5, 0.5], [9.0, -1.0, 0.002, 1.0]]], np.float32
+    )
     told = display_from_linear(color)
     assert told[0, 0].tolist() == [0, 0, 0, 0]
     assert told[0, 1].tolist() == [137, 188, 255, 255]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.atlas import batches
 from ism_addon.gpu.layout import octahedron_from_directions
 from ism_addon.gpu.passes.gather import Gather
 from ism_addon.gpu.passes.gbuffer import GBuffer
@@ -13,7 +14,6 @@ from ism_addon.gpu.passes.light_points import LightPoints, points_per_light
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.atlas import batches
 from ism_addon.scene import LightShape
 
 from .reference import irradiance
@@ -23,11 +23,15 @@ SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
 
 
-def gathered(device, lights, points: np.ndarray, normals: np.ndarray, light_points: int = 64, sample: int = 0) -> np.ndarray:
+def gathered(
+    device, lights, points: np.ndarray, normals: np.ndarray, light_points: int = 64, sample: int = 0
+) -> np.ndarray:
     """(N,3) irradiance of receivers (N,3) that nothing hides."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
-    settings = with_quality(replace(SMALL_SETTINGS, shadow=replace(SMALL_SETTINGS.shadow, enabled=False)), light_points=light_points)
+    settings = with_quality(
+        replace(SMALL_SETTINGS, shadow=replace(SMALL_SETTINGS.shadow, enabled=False)), light_points=light_points
+    )
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample
     renderer.run(LightPoints, frame, Profile())
@@ -105,7 +109,9 @@ def test_a_spread_narrows_the_light(device, shape, spread):
     """A spread is weighed by the light points: within 2 % of the brightest receiver."""
     lights = tilted_light(shape, spread=spread)
     normal, across = lights.normal[0], unit(lights.axis_u[0])
-    points = np.array([lights.position[0] + d * normal + d * s * across for d in (1.0, 3.0, 20.0) for s in (0.0, 0.2, 0.6, 1.5)])
+    points = np.array(
+        [lights.position[0] + d * normal + d * s * across for d in (1.0, 3.0, 20.0) for s in (0.0, 0.2, 0.6, 1.5)]
+    )
     normals = np.tile(-normal, (len(points), 1))
     ours = np.mean([gathered(device, lights, points, normals, 256, sample) for sample in range(4)], 0)[:, 0]
     truth = np.array([irradiance(p, n, lights, 0) for p, n in zip(points, normals, strict=True)])

@@ -26,7 +26,10 @@ def gbuffer(device, scene, view):
     """Targets by name, pixels in rows: (N,components)."""
     drawn = draw(device, scene, view)
     anchor = drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, drawn.profile).anchor
-    found = {name: drawn.target(name).reshape(view.width * view.height, -1) for name in ("depth", "position", "normal", "albedo", "triangle")}
+    found = {
+        name: drawn.target(name).reshape(view.width * view.height, -1)
+        for name in ("depth", "position", "normal", "albedo", "triangle")
+    }
     found["world"] = found["position"][:, :3] + anchor
     found["smooth"] = directions_from_octahedron(found["normal"][:, :2])
     found["facet"] = directions_from_octahedron(found["normal"][:, 2:])
@@ -54,7 +57,9 @@ def objects(matrices=None, mesh_ids=None):
     return stage(meshes, matrices=matrices, mesh_ids=mesh_ids)
 
 
-@pytest.mark.parametrize("position", [(3.0, -3.0, 2.0), (0.1, 0.2, 6.0), (-2.0, 0.5, -3.0)], ids=["front", "above", "below"])
+@pytest.mark.parametrize(
+    "position", [(3.0, -3.0, 2.0), (0.1, 0.2, 6.0), (-2.0, 0.5, -3.0)], ids=["front", "above", "below"]
+)
 def test_positions_normals_and_depths(device, position):
     compare(device, objects(), look(position, size=(64, 48)))
 
@@ -72,7 +77,13 @@ def test_a_shifted_camera_with_pixels_that_are_not_square(device):
 
 
 def test_mirrored_sheared_and_repeated_instances(device):
-    matrices = [placed(), placed(MIRROR, (1.5, 0.0, 0.0)), placed(SHEAR, (-1.5, 0.5, 0.3)), placed(-0.6 * np.eye(3), (0.0, 2.0, 0.5)), placed()]
+    matrices = [
+        placed(),
+        placed(MIRROR, (1.5, 0.0, 0.0)),
+        placed(SHEAR, (-1.5, 0.5, 0.3)),
+        placed(-0.6 * np.eye(3), (0.0, 2.0, 0.5)),
+        placed(),
+    ]
     compare(device, objects(matrices, [1, 1, 1, 1, 2]), look((3.0, -5.0, 3.0), size=(80, 60)))
 
 
@@ -165,13 +176,22 @@ def test_halved_images_keep_the_mean(shape):
 def test_several_images_and_plain_colours_side_by_side(device):
     """Materials 0 and 2 have images, 1 a colour: each triangle takes its own."""
     images = (pattern(3, 5), Image(np.full((2, 2, 4), (200, 30, 90, 255), np.uint8)))
-    meshes = [replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32)) for k, x in enumerate((-1.5, -0.5, 0.5))]
+    meshes = [
+        replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
+        for k, x in enumerate((-1.5, -0.5, 0.5))
+    ]
     scene = stage(meshes)
-    materials = replace(scene.materials, base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32), image=np.array([0, -1, 1], np.int32))
+    materials = replace(
+        scene.materials,
+        base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32),
+        image=np.array([0, -1, 1], np.int32),
+    )
     ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
     albedo = ours["albedo"][:, :3].reshape(10, 30, 3)
     assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
-    assert albedo[:, 21:] == pytest.approx(np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3)
+    assert albedo[:, 21:] == pytest.approx(
+        np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3
+    )
     assert albedo[:, :9].std() > 0.01
 
 

@@ -17,7 +17,9 @@ ORIGIN = np.zeros(3)
 def lamps():
     """Three lights of 1, 2 and 9 parts of the power; a disk among them."""
     large = light(LightShape.ELLIPSE, (1.0, 0.0, 3.0), (2.0, 0.0, 0.0), (0.0, -2.0, 0.0), radiance=1.0)
-    bright = light(position=(0.0, 5.0, 1.0), axis_u=(0.0, 0.0, 1.0), axis_v=(0.5, 0.0, 0.0), radiance=18.0 * np.pi / 2.0)
+    bright = light(
+        position=(0.0, 5.0, 1.0), axis_u=(0.0, 0.0, 1.0), axis_v=(0.5, 0.0, 0.0), radiance=18.0 * np.pi / 2.0
+    )
     return both(both(light(radiance=np.pi / 2.0), large), bright)
 
 
@@ -87,6 +89,11 @@ def test_more_lights_than_light_points(device):
     lights = light()
     for k in range(9):
         lights = both(lights, light(position=(0.3 * k, 0.0, 2.0)))
-    drawn = draw(device, stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights), look((3, -3, 2)), with_quality(SMALL_SETTINGS, light_points=4))
+    drawn = draw(
+        device,
+        stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
+        look((3, -3, 2)),
+        with_quality(SMALL_SETTINGS, light_points=4),
+    )
     assert drawn.profile.counts["light_points"] == 10
     assert drawn.color[..., :3].max() > 0.2

@@ -16,7 +16,9 @@ from .studio import SMALL_SETTINGS, both, draw, light, look, placed, quad, rubbl
 #: error over the mean. Measured: 0.020, 0.023 and 0.069, of which up to 0.03 is the pillars' reference itself.
 BOUNDS = {"box over plane": (8, 0.03), "sphere in corner": (7, 0.035), "pillar field": (12, 0.10)}
 
-SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=4, light_points=64, map_size=128, surface_points=16384))
+SETTINGS = Settings(
+    ssao=SSAO(enabled=False), quality=Quality(samples=4, light_points=64, map_size=128, surface_points=16384)
+)
 
 #: Ways to break the method that must show: each takes every scene over its bound.
 BROKEN = {
@@ -116,7 +118,9 @@ def test_an_unshadowed_light_among_others(device):
     together = draw(device, stage(floor_and_plate(), both(one, other)), look((3, -3, 3)), settings).color
     apart = [draw(device, stage(floor_and_plate(), lamp), look((3, -3, 3)), settings).color for lamp in (one, other)]
     assert reference.nrmse(together[..., :3], apart[0][..., :3] + apart[1][..., :3]) < 0.15
-    bright = draw(device, stage(floor_and_plate(), replace(one, casts_shadow=np.array([True]))), look((3, -3, 3)), settings).color
+    bright = draw(
+        device, stage(floor_and_plate(), replace(one, casts_shadow=np.array([True]))), look((3, -3, 3)), settings
+    ).color
     assert (apart[0] - bright)[..., :3].max() > 0.01
 
 
@@ -168,7 +172,9 @@ def test_no_pixel_is_nan_or_negative(device, name):
     assert color.min() >= 0.0
 
 
-@pytest.mark.parametrize("quality", [{"light_points": 1}, {"surface_points": 1}, {"map_size": 8}, {"light_points": 3, "map_size": 1000}])
+@pytest.mark.parametrize(
+    "quality", [{"light_points": 1}, {"surface_points": 1}, {"map_size": 8}, {"light_points": 3, "map_size": 1000}]
+)
 def test_the_least_quality_still_gives_a_picture(device, quality):
     scene, view = SMALL["sphere in corner"](24, 16)
     color = draw(device, scene, view, with_quality(SMALL_SETTINGS, **quality)).color

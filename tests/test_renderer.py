@@ -59,8 +59,7 @@ def test_a_moved_light_keeps_what_the_camera_sees(again, scene_and_view):
     assert again(replace(scene, lights=lights)) == {"LightPoints", "Subsets"} | SHADOWS | AFTER
 
 
-def test_a_moved_camera_keeps_the_shadow_maps(again, scene_and_view):
-    _, view = scene_and_view
+def test_a_moved_camera_keeps_the_shadow_maps(again):
     moved = look((3.0, -3.4, 2.6), (0.0, 0.0, 0.3), (24, 16))
     assert again(view=moved) == {"GBuffer", "Gather", "SSAO", "Blur"} | AFTER
 

@@ -158,7 +158,9 @@ def test_points_on_a_light_integrate_better_than_random_ones(shape, count):
 
 def test_disk_keeps_areas_and_has_no_pole():
     points = disk(np.random.default_rng(3).random((100_000, 2)))
-    assert np.histogram(np.linalg.norm(points, axis=1) * 2.0, 2, (0.0, np.sqrt(0.5)))[0].sum() == pytest.approx(50_000, rel=0.02)
+    assert np.histogram(np.linalg.norm(points, axis=1) * 2.0, 2, (0.0, np.sqrt(0.5)))[0].sum() == pytest.approx(
+        50_000, rel=0.02
+    )
     assert np.isfinite(disk(np.array([[0.5, 0.5]]))).all()
 
 

@@ -14,7 +14,9 @@ from .studio import SMALL_SETTINGS, draw, from_above, light, look, quad, stage
 
 
 def lit_floor(**more):
-    return stage([quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], light(radiance=5.0), world=0.3, base_color=(0.8, 0.4, 0.1), **more)
+    return stage(
+        [quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], light(radiance=5.0), world=0.3, base_color=(0.8, 0.4, 0.1), **more
+    )
 
 
 def test_albedo_times_what_arrives(device):

@@ -22,7 +22,9 @@ def test_anchor_space_is_near_the_camera_and_loses_nothing(offset):
     from_anchor = view_from_anchor(view, anchor)
     point = camera + (-1.0, 0.5, 0.25)
     exact = view[:3, :3] @ (point - camera)
-    assert from_anchor[:3, :3] @ (point - anchor) + from_anchor[:3, 3] == pytest.approx(exact, abs=1e-6 if offset > 1e6 else 1e-9)
+    assert from_anchor[:3, :3] @ (point - anchor) + from_anchor[:3, 3] == pytest.approx(
+        exact, abs=1e-6 if offset > 1e6 else 1e-9
+    )
 
 
 def test_the_anchor_stays_while_the_camera_moves_about():
@@ -46,7 +48,9 @@ def test_jitter_brings_a_pixels_neighbourhood_to_its_centre():
 
 def test_orthonormal_bases_have_no_pole():
     random = np.random.default_rng(0).normal(size=(1000, 3))
-    normals = np.concatenate([random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3), [[0.0, 0.0, -0.0 - 1.0]]])
+    normals = np.concatenate(
+        [random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3), [[0.0, 0.0, -0.0 - 1.0]]]
+    )
     u, v = orthonormal(normals)
     for one, other, product in ((u, u, 1.0), (v, v, 1.0), (u, v, 0.0), (u, normals, 0.0), (v, normals, 0.0)):
         assert np.abs((one * other).sum(1) - product).max() < 1e-12

@@ -38,8 +38,8 @@ def half_resolution_surface(scene, view):
 def hidden_before_a_wall(distance: np.ndarray, radius: float) -> np.ndarray:
     """The hidden part of the hemisphere's places, `distance` m before an endless wall at a right angle.
 
-    The component c along the wall's normal has the density 2/pi sqrt(1-c²); a place at the distance s is within the wall
-    if c s > distance, and s² is even up to radius².
+    The component c along the wall's normal has the density 2/pi sqrt(1-c²); a place at the distance s is within the
+    wall if c s > distance, and s² is even up to radius².
     """
     c = (np.arange(20_000) + 0.5) / 20_000
     part = np.maximum(1.0 - (distance[:, None] / (radius * c)) ** 2, 0.0)
@@ -47,7 +47,10 @@ def hidden_before_a_wall(distance: np.ndarray, radius: float) -> np.ndarray:
 
 
 def test_an_open_plane_is_open(device):
-    scene, view = stage([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0), look((0.0, -4.0, 1.0), size=(64, 48))
+    scene, view = (
+        stage([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0),
+        look((0.0, -4.0, 1.0), size=(64, 48)),
+    )
     for ssao in (FULL, SSAO(), replace(FULL, radius=5.0)):
         assert (mean_occlusion(device, scene, view, ssao, 4) == 1.0).all()
 
@@ -74,11 +77,19 @@ def test_a_corner_against_the_closed_form(device):
     assert ours[distance > 0.6] == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("ssao", [FULL, SSAO(), replace(FULL, cone_angle=1.5, attenuation=4.0), replace(FULL, radius=0.9)])
+@pytest.mark.parametrize(
+    "ssao", [FULL, SSAO(), replace(FULL, cone_angle=1.5, attenuation=4.0), replace(FULL, radius=0.9)]
+)
 def test_a_box_on_a_floor_against_rays(device, ssao):
     floor = quad((-6, -6, 0), (12, 0, 0), (0, 12, 0))
-    boxes = [subdivided_box((-0.5, -0.4, 0.0), (0.5, 0.4, 0.8), 1), subdivided_box((0.7, -0.9, 0.0), (1.0, 0.9, 0.5), 1)]
-    scene, view = stage([floor, *boxes], world=1.0), look((2.5, -4.0, 3.0), (0.2, 0.0, 0.2), (64, 48), math.radians(40.0))
+    boxes = [
+        subdivided_box((-0.5, -0.4, 0.0), (0.5, 0.4, 0.8), 1),
+        subdivided_box((0.7, -0.9, 0.0), (1.0, 0.9, 0.5), 1),
+    ]
+    scene, view = (
+        stage([floor, *boxes], world=1.0),
+        look((2.5, -4.0, 3.0), (0.2, 0.0, 0.2), (64, 48), math.radians(40.0)),
+    )
     ours = mean_occlusion(device, scene, view, ssao, 32)
     surface, rows = half_resolution_surface(scene, view)
     inner = np.zeros(rows.shape, bool)
@@ -86,7 +97,13 @@ def test_a_box_on_a_floor_against_rays(device, ssao):
     chosen = rows[inner]
     triangles = reference.world_triangles(scene, scene.instances.visible)
     truth = reference.open_part(
-        surface.position[chosen], surface.facet[chosen], triangles, np.array([2.5, -4.0, 3.0]), ssao.radius, ssao.cone_angle, ssao.attenuation
+        surface.position[chosen],
+        surface.facet[chosen],
+        triangles,
+        np.array([2.5, -4.0, 3.0]),
+        ssao.radius,
+        ssao.cone_angle,
+        ssao.attenuation,
     )
     off = ours[inner] - truth
     assert truth.min() < 0.9

@@ -21,7 +21,7 @@ def test_chances_sum_to_the_count(spread, part):
     weights = np.exp(spread * np.random.default_rng(0).normal(size=20_000)).astype(np.float32)
     count = int(part * len(weights))
     chance = chances(weights, count)
-    assert 0.0 <= chance.min()
+    assert chance.min() >= 0.0
     assert chance.max() <= 1.0
     assert chance.sum() == pytest.approx(count, rel=0.01)
     free = chance < 1.0
@@ -55,7 +55,10 @@ def test_a_subset_is_as_large_as_asked_for_and_stands_for_the_whole_area(name):
 
 def test_discs_look_about_equally_large_from_the_light():
     """A floor of 40 m under a light at 1 m: without the weighting their sizes would differ by a factor of 400."""
-    scene = stage([quad((-20, -20, 0), (40, 0, 0), (0, 40, 0))], light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)))
+    scene = stage(
+        [quad((-20, -20, 0), (40, 0, 0), (0, 40, 0))],
+        light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)),
+    )
     cloud = make_cloud(scene, ORIGIN, 64_000)
     (points, *_) = choose(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
     angle = points["radius"] / np.linalg.norm(points["position"] - (0.0, 0.0, 1.0), axis=1)
@@ -72,7 +75,9 @@ def test_subsets_stay_while_something_else_changes():
     third = choose(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
     for one, two, three in zip(first, second, third, strict=True):
         assert np.array_equal(one, two)
-        here, there = (np.rint(1e3 * (p["position"] + shift)).astype(int) for p, shift in ((one, 0.0), (three, (64.0, 0.0, 0.0))))
+        here, there = (
+            np.rint(1e3 * (p["position"] + shift)).astype(int) for p, shift in ((one, 0.0), (three, (64.0, 0.0, 0.0)))
+        )
         same = set(map(tuple, here.tolist())) & set(map(tuple, there.tolist()))
         assert len(same) > 0.9 * len(one)
 
@@ -80,7 +85,9 @@ def test_subsets_stay_while_something_else_changes():
 def test_each_lights_maps_see_its_own_subsets(device):
     one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
-    drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(SMALL_SETTINGS, surface_points=500))
+    drawn = draw(
+        device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(SMALL_SETTINGS, surface_points=500)
+    )
     table, buffer = drawn.renderer.tables["surface_points"]
     points = np.frombuffer(buffer.read(), POINT)
     assert [len(row) for row in table] == [TURNS, TURNS]

@@ -21,14 +21,22 @@ TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 def dealt(scene, count: int) -> list[np.ndarray]:
     """The points of each instance, (n,3)."""
-    areas = [triangle_areas(reference.world_triangles(scene, np.arange(len(scene.instances.mesh)) == k)).sum() for k in range(len(scene.instances.mesh))]
+    areas = [
+        triangle_areas(reference.world_triangles(scene, np.arange(len(scene.instances.mesh)) == k)).sum()
+        for k in range(len(scene.instances.mesh))
+    ]
     ends = np.rint(np.cumsum(areas) / np.sum(areas) * count).astype(int)
     return np.split(make_cloud(scene, ORIGIN, count).positions, ends[:-1])
 
 
 def test_triangles_of_all_instances_are_hit_by_area():
     meshes = [rubble(12, seed=1), quad((-1, -1, 0), (2, 0, 0), (0, 3, 0))]
-    matrices = [placed(), placed(3.0 * TURN, (4.0, 0, 0)), placed(SHEAR, (0, 5.0, 0)), placed(np.diag([-1.0, 1, 1]), (0, 0, 3.0))]
+    matrices = [
+        placed(),
+        placed(3.0 * TURN, (4.0, 0, 0)),
+        placed(SHEAR, (0, 5.0, 0)),
+        placed(np.diag([-1.0, 1, 1]), (0, 0, 3.0)),
+    ]
     scene = stage(meshes, light(), matrices, [1, 0, 0, 1])
     triangles = reference.world_triangles(scene, np.ones(4, bool))
     cloud = make_cloud(scene, ORIGIN, 40_000)
@@ -84,7 +92,12 @@ def test_more_points_are_the_same_points_and_some_more():
 
 
 def test_instances_have_the_points_that_copies_of_the_mesh_would_have():
-    matrices = [placed(), placed(2.0 * TURN, (5.0, 0, 0)), placed(SHEAR, (0, 5.0, 0)), placed(0.5 * np.eye(3), (0, 0, 5.0))]
+    matrices = [
+        placed(),
+        placed(2.0 * TURN, (5.0, 0, 0)),
+        placed(SHEAR, (0, 5.0, 0)),
+        placed(0.5 * np.eye(3), (0, 0, 5.0)),
+    ]
     shared = make_cloud(stage([rubble()], light(), matrices, [0, 0, 0, 0]), ORIGIN, 4000)
     apart = make_cloud(stage([rubble()] * 4, light(), matrices), ORIGIN, 4000)
     assert np.array_equal(shared.positions, apart.positions)

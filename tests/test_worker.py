@@ -80,7 +80,15 @@ def test_statistics_are_plain_numbers(worker):
     job = worker.start(request(), "client")
     assert ended(job)
     told = job.statistics
-    assert set(told) == {"passes", "light_points", "surface_points", "triangles", "bytes_uploaded", "samples", "seconds"}
+    assert set(told) == {
+        "passes",
+        "light_points",
+        "surface_points",
+        "triangles",
+        "bytes_uploaded",
+        "samples",
+        "seconds",
+    }
     assert told["triangles"] == 12 * 8**2 + 12 * 3**2
     assert told["light_points"] == 8
     assert told["samples"] == 1
@@ -225,7 +233,12 @@ def complaint(head: str, **environment: str) -> str:
         "print(job.error)\n"
     )
     run = subprocess.run(
-        [sys.executable, "-c", script], cwd=ROOT, env={**os.environ, **environment}, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", script],
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
     assert run.returncode == 0, run.stderr
     assert "Traceback" not in run.stderr
