@@ -43,11 +43,11 @@ def test_points_are_shared_out_by_power():
 
 def test_the_rows_of_a_light_lead_to_its_points():
     lights = lamps()
-    table, points, owners = light_tables(lights, 100, 3, ORIGIN)
-    assert table["point_count"].sum() == len(points) == len(owners) == 100
+    table, _, points = light_tables(lights, 100, 3, ORIGIN)
+    assert table["point_count"].sum() == len(points) == 100
     for index in range(3):
         rows = slice(int(table["first_point"][index]), int(table["first_point"][index] + table["point_count"][index]))
-        assert (owners[rows] == index).all()
+        assert (points["light"][rows] == index).all()
         off = points["position"][rows] - lights.position[index]
         axes = np.stack([lights.axis_u[index], lights.axis_v[index]])
         across = off @ axes.T / (axes**2).sum(1)
@@ -57,7 +57,7 @@ def test_the_rows_of_a_light_lead_to_its_points():
 
 
 def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
-    _, points, _ = light_tables(lamps(), 60, 0, ORIGIN)
+    _, _, points = light_tables(lamps(), 60, 0, ORIGIN)
     tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
     assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
     assert np.abs((tangent * normal).sum(1)).max() < 1e-6
@@ -66,7 +66,7 @@ def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
 
 def test_each_sample_has_other_points_and_together_they_fill_the_light():
     lights = light()
-    samples = [light_tables(lights, 16, sample, ORIGIN)[1]["position"] for sample in range(64)]
+    samples = [light_tables(lights, 16, sample, ORIGIN)[2]["position"] for sample in range(64)]
     assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
     counts = np.histogram2d(*np.concatenate(samples)[:, :2].T, 8, ((-0.5, 0.5), (-0.5, 0.5)))[0]
     assert counts.min() > 0.5 * 16
@@ -74,15 +74,16 @@ def test_each_sample_has_other_points_and_together_they_fill_the_light():
 
 
 def test_two_equal_lights_have_different_points():
-    _, points, owners = light_tables(both(light(), light()), 32, 0, ORIGIN)
-    assert not np.allclose(points["position"][owners == 0], points["position"][owners == 1])
+    _, _, points = light_tables(both(light(), light()), 32, 0, ORIGIN)
+    assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
 def test_light_points_are_exact_far_away():
     far = np.array([1e7, 0.0, -1e7])
     here = light_tables(light(), 10, 0, ORIGIN)
     there = light_tables(light(position=far + (0.0, 0.0, 2.0)), 10, 0, far)
-    assert there[1]["position"] == pytest.approx(here[1]["position"], abs=1e-6)
+    assert there[2]["position"] == pytest.approx(here[2]["position"], abs=1e-6)
+    assert there[1]["place"] == pytest.approx(here[1]["place"], abs=1e-6)
 
 
 def test_more_lights_than_light_points(device):

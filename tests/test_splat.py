@@ -29,12 +29,13 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     """(S,side,side) of the same points and the same light points, by numpy."""
     tables = drawn.renderer.tables
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
-    _, points, owners = light_tables(scene.lights, settings.quality.light_points, 0, anchor)
+    _, _, points = light_tables(scene.lights, settings.quality.light_points, 0, anchor)
     subsets, buffer = tables["surface_points"]
     discs = np.frombuffer(buffer.read(), POINT)
     found = []
-    for index, (point, owner) in enumerate(zip(points, owners, strict=True)):
-        subset = subsets[owner][index % len(subsets[owner])]
+    for index, point in enumerate(points):
+        turns = subsets[point["light"]]
+        subset = turns[index % len(turns)]
         seen = discs[subset.first : subset.first + subset.count]
         normal, tangent = point["normal"].astype(float), point["tangent"].astype(float)
         to_map = np.stack([tangent, np.cross(normal, tangent), normal])

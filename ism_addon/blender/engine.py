@@ -19,7 +19,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     bl_idname = "ISM"
     bl_label = "ISM"
     bl_use_preview = True
-    bl_use_eevee_viewport = False
+    bl_use_eevee_viewport = True  # for Material Preview, which is empty otherwise
     bl_use_shading_nodes_custom = False  # else Blender hides its own material nodes
 
     _viewport: viewport.Viewport | None = None

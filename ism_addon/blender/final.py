@@ -100,5 +100,6 @@ def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> 
 
 
 def _refuse(engine: bpy.types.RenderEngine, sentence: str) -> None:
-    # error_set would say it a second time, and by itself lets Blender write an empty file without an error.
+    if not bpy.app.background:  # where it would be a second report
+        engine.error_set(sentence)
     engine.report({"ERROR"}, sentence)

@@ -92,7 +92,8 @@ INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 #: A Lambertian surface; a width of 0 means that there is no image.
 MATERIAL = Record("Material", color="vec3", first_line="int", width="int", height="int", repeat="int", levels="int")
 
-#: An area light in anchor space, and which light points stand for it.
+#: An area light in anchor space, and which light points stand for it. Its own space has the tangent for x and the
+#: normal for z, from its position.
 LIGHT = Record(
     "Light",
     position="vec3",
@@ -103,10 +104,11 @@ LIGHT = Record(
     point_count="int",
     normal="vec3",
     casts_shadow="int",
-    radiance="vec3",
+    tangent="vec3",
     spread_tangent="float",
+    radiance="vec3",
     spread_scale="float",
 )
 
-#: A virtual point light in anchor space, with two axes of the hemisphere that its shadow map covers.
-LIGHT_POINT = Record("LightPoint", position="vec3", tangent="vec3", normal="vec3")
+#: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
+LIGHT_POINT = Record("LightPoint", place="vec2", turn="vec2")

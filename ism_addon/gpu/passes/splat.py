@@ -10,10 +10,10 @@ largest point (llvmpipe: 255 texels) is cut to that: only one that nearly touche
 """
 
 import moderngl
+import numpy as np
 
 from ..atlas import EMPTY
 from ..context import Device
-from ..layout import LIGHT_POINT
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
@@ -22,13 +22,13 @@ from . import Frame, Pass
 class Splat(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
-    reads = ("surface_points", "light_points", "light_of_point")
+    reads = ("surface_points", "maps")
     writes = {"splats": Target(1, "f4", neutral=(EMPTY,), divisor=0)}
     settings = ("quality.map_size",)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.discs = compile_program(device, "splat.vert", "splat.frag", records=(LIGHT_POINT,), empty=EMPTY)
+        self.discs = compile_program(device, "splat.vert", "splat.frag", empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows
@@ -44,15 +44,17 @@ class Splat(Pass):
         atlas.use()
         gl.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         gl.blend_equation = moderngl.MIN
-        bind(self.discs, light_points=frame.tables["light_points"], side=batch.side)
+        bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
         for index in range(batch.count):
-            point, corner = batch.first + index, batch.corner(index)
-            turns = subsets[frame.tables["light_of_point"][point]]
-            subset = turns[(point + frame.sample) % len(turns)]
+            point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
+            turns = subsets[point["light"]]
+            subset = turns[(batch.first + index + frame.sample) % len(turns)]
             if subset.count:
                 atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
-                bind(self.discs, light_point=point, corner=corner)
+                tangent, normal = point["tangent"], point["normal"]
+                axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
+                bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
                 discs.render(moderngl.POINTS, vertices=subset.count, first=subset.first)
         atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
         gl.blend_equation = moderngl.FUNC_ADD

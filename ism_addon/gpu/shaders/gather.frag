@@ -16,17 +16,16 @@ uniform bool shadows;
 uniform float bias;
 out vec4 irradiance;
 
-// 1 where the light point number `index` of the batch sees the receiver p with the plane normal `facet`.
-float visibility(LightPoint light, int index, vec3 p, vec3 facet) {
-    mat3 map_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
-    vec3 v = map_from_anchor * (p - light.position);
-    vec3 n = map_from_anchor * facet;
+// 1 where the light point whose map is number `index` sees the receiver: v from the light point, n its plane's normal,
+// both in the light's space.
+float visibility(vec2 turn, int index, vec3 v, vec3 n) {
+    mat2 map_from_light = mat2(turn.x, -turn.y, turn.y, turn.x);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
     v += n * (bias * texel_angle * length(v));
-    vec2 square = square_from_hemisphere(vec3(v.xy, max(v.z, 0.0)));
+    vec2 square = square_from_hemisphere(vec3(map_from_light * v.xy, max(v.z, 0.0)));
     ivec2 texel = clamp(ivec2((0.5 * square + 0.5) * float(side)), ivec2(0), ivec2(side - 1));
     vec3 centre = hemisphere_from_square((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0);
-    float plane = dot(n, v) / dot(n, centre);
+    float plane = dot(n, v) / dot(vec3(map_from_light * n.xy, n.z), centre);
     float distance = length(v);
     // A plane seen edge-on reaches from here to nowhere within a texel: there its own distance must do.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
@@ -39,19 +38,22 @@ vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
     bool masked = shadows && light.casts_shadow != 0;
     vec3 full = light.radiance * area_irradiance(light, p, n);
     if (!masked && light.spread_scale == 0.0) return batch.x == 0 ? full : vec3(0.0);
+    mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
+    p = light_from_anchor * (p - light.position);
+    n = light_from_anchor * n;
+    facet = light_from_anchor * facet;
     float sent = 0.0, arrived = 0.0;
     int last = full == vec3(0.0) ? 0 : light.first_point + light.point_count;
     for (int k = light.first_point; k < last; ++k) {
         LightPoint point = fetch_LightPoint(light_points, k);
-        vec3 to = point.position - p;
-        float square = dot(to, to);
-        float receiver = max(dot(n, to), 0.0), sender = max(-dot(light.normal, to), 0.0);
-        float weight = receiver * sender / max(square * square, 1e-30);
+        vec3 v = vec3(p.xy - point.place, p.z);
+        float square = dot(v, v);
+        float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);
         sent += weight;
         int index = k - batch.x;
         if (masked ? index >= 0 && index < batch.y : batch.x == 0) {
-            weight *= spread(light, sender * inversesqrt(max(square, 1e-30)));
-            arrived += masked ? weight * visibility(point, index, p, facet) : weight;
+            weight *= spread(light, p.z * inversesqrt(max(square, 1e-30)));
+            arrived += masked ? weight * visibility(point.turn, index, v, facet) : weight;
         }
     }
     return sent > 0.0 ? full * (arrived / sent) : vec3(0.0);

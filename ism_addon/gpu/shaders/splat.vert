@@ -1,7 +1,7 @@
 // A surface point becomes the square of the map that its disc can touch. Map space: z along the light's normal. m
 #include "lib/octahedron.glsl"
-uniform sampler2D light_points;
-uniform int light_point;
+uniform vec3 light_point;
+uniform mat3 map_from_anchor;
 uniform int side;
 in vec3 position;
 in vec3 normal;
@@ -27,9 +27,7 @@ float stretch(vec3 d, float angle) {
 }
 
 void main() {
-    LightPoint light = fetch_LightPoint(light_points, light_point);
-    mat3 map_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
-    vec3 c = map_from_anchor * (position - light.position);
+    vec3 c = map_from_anchor * (position - light_point);
     float distance = length(c), angle = radius / distance;
     disc_centre = c;
     disc_normal = map_from_anchor * normal;
