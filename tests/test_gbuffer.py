@@ -90,7 +90,7 @@ def test_mirrored_sheared_and_repeated_instances(device):
 @pytest.mark.parametrize("offset", [1e4, 1e6])
 def test_far_from_the_worlds_origin(device, offset):
     """Everything, the camera too, stands far away: what is seen stays the same, to a tenth of a millimetre."""
-    far = np.array([offset, -offset, 0.5 * offset])
+    far = np.array([offset, -offset, 0.5 * offset]) + (0.123, 0.456, 0.789)
     scene = objects([placed(offset=far)] * 3)
     view = look(far + (3.0, -3.0, 2.0), far, size=(48, 36))
     compare(device, scene, view)

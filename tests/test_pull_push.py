@@ -114,6 +114,9 @@ def test_maps_do_not_flow_into_their_neighbours(device):
     ours = filled(device, np.array([full, empty, empty, full]))
     assert (ours[[1, 2]] >= EMPTY).all()
     assert (ours[[0, 3]] == 3.0).all()
+    depths = np.array([3.0, 3.02, 3.04, 2.98])  # so alike that they would be taken for one surface
+    ours = filled(device, np.array([with_holes(np.full((SIDE, SIDE), depth), 0.3) for depth in depths]))
+    assert np.isclose(np.where(ours < EMPTY, ours, depths[:, None, None]), depths[:, None, None], rtol=1e-6).all()
 
 
 def test_left_out_when_holes_stay_open(device):

@@ -107,9 +107,8 @@ def test_a_box_on_a_floor_against_rays(device, ssao):
     )
     off = ours[inner] - truth
     assert truth.min() < 0.9
-    assert abs(off.mean()) < 0.01
-    assert np.sqrt((off**2).mean()) < 0.04
-    assert np.sqrt((off**2).mean()) < 0.4 * np.sqrt(((1.0 - truth) ** 2).mean())
+    assert abs(off.mean()) < 0.002
+    assert np.sqrt((off**2).mean()) < 0.14 * np.sqrt(((1.0 - truth) ** 2).mean())  # measured: up to 0.115
 
 
 def test_the_sliders_do_what_they_say(device):
