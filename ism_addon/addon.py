@@ -2,18 +2,12 @@
 """What registers with Blender, and in which order."""
 
 import atexit
-from importlib.machinery import ExtensionFileLoader
-
-import bpy
 
 from .blender import engine
 from .ui import borrowed, panels, properties
 
 #: In this order; the engine last, when all that it reads is there.
 PARTS = (properties, panels, borrowed, engine)
-
-#: Python has imported Blender, rather than Blender Python.
-IS_BPY_MODULE = isinstance(bpy.__spec__.loader, ExtensionFileLoader)
 
 
 def register() -> None:
@@ -34,7 +28,7 @@ def _at_exit() -> None:
     The bpy module would crash or hang with a render engine that is still registered. Blender itself would crash if
     it were unregistered now, because its types are gone: there, only the worker is left to be stopped.
     """
-    if IS_BPY_MODULE:
+    if engine.IS_BPY_MODULE:
         unregister()
     else:
         engine.stop()

@@ -12,5 +12,8 @@ camera     the final render's and the viewport's View
 reach      how large a number may be
 findings   what had to be left out, in sentences
 engine     the render engine
+final      the final render: samples into Blender's passes
+viewport   a 3D viewport: the latest picture, and the next one asked for
 present    a picture into the viewport
+controls   what the user has turned: scene.ism to Settings
 """

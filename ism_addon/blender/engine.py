@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine, as Blender calls it. `final` and `viewport` do what it is asked for."""
 
+from importlib.machinery import ExtensionFileLoader
 from typing import Any
 
 import bpy
@@ -10,7 +11,10 @@ from ..gpu.worker import shared
 from . import final, viewport
 from .final import statistics
 
-__all__ = ["ISMRenderEngine", "register", "statistics", "stop", "unregister"]
+__all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
+
+#: Python has imported Blender, rather than Blender Python.
+IS_BPY_MODULE = isinstance(bpy.__spec__.loader, ExtensionFileLoader)
 
 
 class ISMRenderEngine(bpy.types.RenderEngine):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on's coming and going: what it leaves in Blender, and how Python ends with it."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,9 +15,11 @@ from ism_addon.ui import borrowed, panels
 ROOT = Path(__file__).parents[2]
 
 
-def python(script):
+def python(script, **environment):
     """Run a script in a fresh interpreter, from the checkout."""
-    return subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    everything = {**os.environ, **environment}
+    command = [sys.executable, "-c", script]
+    return subprocess.run(command, cwd=ROOT, env=everything, capture_output=True, text=True, timeout=60)
 
 
 @pytest.fixture
@@ -145,3 +148,22 @@ def test_unknown_errors_are_not_swallowed():
     assert result.returncode == 1
     assert "RuntimeError: Error: The picture could not be made" in result.stderr
     assert "TypeError" in result.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="takes the drivers away as it is done on Linux")
+def test_no_opengl_is_one_sentence():
+    result = python(
+        "import bpy\n"
+        "from ism_addon import addon\n"
+        "addon.register()\n"
+        "bpy.context.scene.render.engine = 'ISM'\n"
+        "try:\n"
+        "    bpy.ops.render.render()\n"
+        "except RuntimeError as error:\n"
+        "    print('SAID', str(error).strip())\n",
+        __EGL_VENDOR_LIBRARY_FILENAMES="/nonexistent",
+    )
+    assert result.returncode == 0, result.stderr
+    (said,) = [line for line in result.stdout.splitlines() if line.startswith("SAID")]
+    assert "OpenGL" in said
+    assert "Traceback" not in result.stderr
