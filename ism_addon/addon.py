@@ -2,6 +2,7 @@
 """What registers with Blender, and in which order."""
 
 import atexit
+from types import ModuleType
 
 from .blender import engine
 from .ui import borrowed, panels, properties
@@ -9,17 +10,21 @@ from .ui import borrowed, panels, properties
 #: In this order; the engine last, when all that it reads is there.
 PARTS = (properties, panels, borrowed, engine)
 
+_registered: list[ModuleType] = []
+
 
 def register() -> None:
     for part in PARTS:
         part.register()
+        _registered.append(part)
     atexit.register(_at_exit)
 
 
 def unregister() -> None:
+    """Undo register. Blender may ask for it once more at its end: then nothing is left to do."""
     atexit.unregister(_at_exit)
-    for part in reversed(PARTS):
-        part.unregister()
+    while _registered:
+        _registered.pop().unregister()
 
 
 def _at_exit() -> None:
