@@ -6,7 +6,8 @@ cuts out a disc with the triangle's normal. Their squares come from a geometry s
 to 2 times as fast on llvmpipe. A map covers its light point's whole hemisphere, here by the upper half of an
 octahedron, which wastes no texel. As that bends planes, each fragment meets the disc's plane itself. All maps lie in
 one atlas; the nearest distance wins by blending with the minimum, which keeps metres. A disc wider than the driver's
-largest point (llvmpipe: 255 texels) is cut to that: only one that nearly touches the light point is.
+largest point (llvmpipe: 255 texels) is cut to that. Maps of half as many texels are spared; in larger ones it meets
+the discs close to the light.
 """
 
 import moderngl
