@@ -6,6 +6,7 @@ scene       what a picture is made of, as arrays
 snapshot    scene, view and settings to one .npz and back
 spaces      matrices between spaces, and the naming rule
 radiometry  Blender's watts and metres to radiance and irradiance
+color       linear light and sRGB
 sampling    points on triangles, on lights and in pixels
 gpu         the method, pass by pass, without Blender (python -m ism_addon.gpu)
 blender     reads Blender's data, runs the engine, shows the picture

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.buffers import linear_from_srgb, mip_chain
+from ism_addon.color import linear_from_srgb
+from ism_addon.gpu.buffers import mip_chain
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.scene import Image, View
 

@@ -20,7 +20,7 @@ SHADERS = [
     path for path in sorted((ADDON / "gpu" / "shaders").iterdir()) if path.is_file() and path.stem != "full_screen"
 ]
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
-PURE = ("settings", "scene", "spaces", "radiometry", "sampling", "snapshot")
+PURE = ("color", "settings", "scene", "spaces", "radiometry", "sampling", "snapshot")
 
 
 @dataclass(frozen=True)

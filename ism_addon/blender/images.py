@@ -4,6 +4,8 @@
 import bpy
 import numpy as np
 
+from ..color import srgb_from_linear
+
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
@@ -38,9 +40,9 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
 
 
 def encoded(linear: np.ndarray) -> np.ndarray:
-    """Linear values to the sRGB curve (IEC 61966-2-1), within 0 to 1; what is no number is 0."""
+    """Linear values to sRGB's, within 0 to 1; what is no number is 0."""
     linear = np.clip(np.nan_to_num(linear, nan=0.0), 0.0, 1.0)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return srgb_from_linear(linear)
 
 
 def _color_and_alpha(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from ..color import linear_from_srgb, srgb_from_linear
 from ..scene import Image, Instances, Materials, Mesh
 from .layout import INSTANCE, MATERIAL, WIDTH, octahedron_from_directions, upload_array
 
@@ -118,16 +119,6 @@ def centre_of(positions: np.ndarray) -> np.ndarray:
     if not len(positions):
         return np.zeros(3)
     return (positions.min(0).astype(np.float64) + positions.max(0)) / 2.0
-
-
-def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
-    """sRGB's decoding of values in [0,1] (IEC 61966-2-1)."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
-def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
-    """sRGB's encoding of values in [0,1]."""
-    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055)
 
 
 def mip_chain(texels: np.ndarray) -> list[np.ndarray]:

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ..color import srgb_from_linear
+
 
 def display_from_linear(color: np.ndarray) -> np.ndarray:
     """(H,W,4) uint8 sRGB with straight alpha, of linear light with premultiplied alpha: Blender's "Standard" view."""
     alpha = np.clip(color[..., 3:], 0.0, 1.0)
     linear = np.clip(color[..., :3] / np.where(alpha > 0.0, alpha, 1.0), 0.0, 1.0)
-    encoded = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    return np.rint(np.concatenate([encoded, alpha], -1) * 255.0).astype(np.uint8)
+    return np.rint(np.concatenate([srgb_from_linear(linear), alpha], -1) * 255.0).astype(np.uint8)
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:

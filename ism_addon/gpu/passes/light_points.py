@@ -7,15 +7,13 @@ light; a light's radiance and area are exact (see gather), its points only say h
 
 import numpy as np
 
+from ...color import LUMINANCE
 from ...radiometry import light_areas, spread_terms
 from ...sampling import additive_sequence, points_on_light, shares
 from ...scene import Change, Lights
 from ...spaces import orthonormal
 from ..layout import LIGHT, LIGHT_POINT
 from . import Frame, Pass
-
-#: Rec.709 luminance.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def points_per_light(lights: Lights, count: int) -> np.ndarray:
