@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The README's table of settings is made from settings.py: python -m tests.test_readme prints it anew."""
+
+from dataclasses import Field
+
+from ism_addon.settings import SECTIONS, VIEWPORT, Control, controls
+from tests.tools.project import ROOT
+
+HOMES = {"shadow": "scene.ism.shadow", "ssao": "scene.ism.ssao", "quality": "scene.ism.render and .viewport"}
+
+
+def table() -> str:
+    """A row a setting: where scripts find it, its default, and what it does."""
+    lines = []
+    for name, section in SECTIONS.items():
+        lines += [f"| `{HOMES[name]}` | default | |", "|---|---|---|"]
+        lines += [row(section, member, control) for member, control in controls(section)]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def row(section: type, member: Field, control: Control) -> str:
+    """One setting. Angles are stored in radians and shown in degrees."""
+    value = member.default
+    if control.unit == "ANGLE":
+        shown = f"{value:.4g} rad"
+    elif section is type(VIEWPORT) and getattr(VIEWPORT, member.name) != value:
+        shown = f"{value}, viewport {getattr(VIEWPORT, member.name)}"
+    else:
+        shown = {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else value
+    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {control.meaning}. |"
+
+
+def test_the_readme_has_every_setting_as_it_is():
+    assert table() in (ROOT / "README.md").read_text()
+
+
+if __name__ == "__main__":
+    print(table())
