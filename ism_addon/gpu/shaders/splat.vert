@@ -11,19 +11,15 @@ flat out vec3 disc_normal;
 flat out float disc_radius;
 
 // How far the map's coordinate can move, at most, when a direction moves by a unit of angle. Two octants meet where
-// x or y is 0: there the steeper one counts.
+// x or y is 0: within `angle` of there the steeper one counts.
 float stretch(vec3 d, float angle) {
-    vec3 a = abs(d);
-    vec2 q = (d.xy * mat2(1.0, 1.0, 1.0, -1.0)) / (a.x + a.y + a.z);
-    float steepest = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        vec2 flip = vec2((k & 1) == 0 ? 1.0 : -1.0, (k & 2) == 0 ? 1.0 : -1.0);
-        if (any(lessThan(flip * d.xy, vec2(-angle)))) continue;
-        vec3 sides = vec3(flip, 1.0);
-        vec3 u = vec3(1.0, 1.0, 0.0) - q.x * sides, v = vec3(1.0, -1.0, 0.0) - q.y * sides;
-        steepest = max(steepest, max(dot(u, u), dot(v, v)));
-    }
-    return sqrt(steepest) / (a.x + a.y + a.z);
+    float sum = abs(d.x) + abs(d.y) + abs(d.z);
+    vec2 q = vec2(d.x + d.y, d.x - d.y) / sum; // square_from_hemisphere
+    bvec2 meet = lessThan(abs(d.xy), vec2(angle));
+    vec2 side = vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    vec2 u = mix(1.0 - q.x * side, 1.0 + abs(q.xx), meet);
+    vec2 v = mix(1.0 + q.y * vec2(-side.x, side.y), 1.0 + abs(q.yy), meet);
+    return sqrt(max(dot(u, u) + q.x * q.x, dot(v, v) + q.y * q.y)) / sum;
 }
 
 void main() {
