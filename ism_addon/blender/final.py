@@ -62,8 +62,8 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     shown, shown_at = None, time.monotonic()
     try:
         while not job.finished and not engine.test_break():
-            job.wait(WAIT)
-            _tell_progress(engine, job, view_name)
+            if job.wait(WAIT):
+                _tell_progress(engine, job, view_name)
             picture = job.picture()
             if picture is not shown and time.monotonic() - shown_at > SHOW_EVERY:
                 _fill(passes, view_name, picture)
