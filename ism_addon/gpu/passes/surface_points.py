@@ -10,7 +10,7 @@ from ..cloud import make_cloud
 from . import Frame, Pass
 
 #: Points in the cloud for each that a map sees, and the most points in the cloud, whatever a map sees.
-CHOICE = 8
+CHOICE = 16
 MOST_POINTS = 1 << 20
 
 
