@@ -29,7 +29,23 @@ TEXTURED: dict[str, tuple[Callable[[], np.ndarray], tuple[float, float]]] = {
 }
 
 #: name: linear colour.
-PLAIN = {"Marble": (0.64, 0.61, 0.56), "Terracotta": (0.42, 0.17, 0.085), "Bronze": (0.16, 0.105, 0.055)}
+PLAIN = {
+    "Marble": (0.64, 0.61, 0.56),
+    "Terracotta": (0.42, 0.17, 0.085),
+    "Bronze": (0.16, 0.105, 0.055),
+    "Paper": (0.72, 0.70, 0.66),
+    "Clay": (0.55, 0.24, 0.16),
+    "Ochre": (0.68, 0.45, 0.14),
+    "Teal": (0.10, 0.36, 0.36),
+    "Plum": (0.34, 0.13, 0.27),
+    "Leaf": (0.20, 0.40, 0.10),
+    "Grass": (0.28, 0.45, 0.12),
+    "Earth": (0.30, 0.22, 0.15),
+    "Iron": (0.22, 0.23, 0.25),
+    "Bark": (0.34, 0.25, 0.18),
+    "Concrete": (0.52, 0.51, 0.49),
+    "Sandstone": (0.60, 0.44, 0.30),
+}
 
 
 class Materials:

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A night market: stalls with awnings, crates and fruit under twenty small lights of all sizes and spreads."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from mathutils import Matrix
+
+from . import scenery
+from .architecture import urn
+from .atrium import Mason
+from .scenery import COOL, WARM, WHITE, Lamp, Point
+from .shapes import Shape, box, grid, join
+from .solids import ball, tube
+
+STALLS = ((-2.1, 1.2, 0.25), (0.3, 2.0, -0.1), (2.5, 1.1, -0.4))  # x and y m, turned by rad
+SHAPES = ("SQUARE", "DISK", "RECTANGLE", "ELLIPSE")
+CAMERAS = (((0.3, -2.9, 1.6), (0.1, 1.0, 0.8), 27.0), ((-1.7, -3.2, 1.9), (0.3, 1.1, 0.8), 26.0))
+COUNT = 20
+
+
+def build(path: Path, variant: int = 0) -> None:
+    """Write the scene to a .blend; what was open is replaced."""
+    scenery.start()
+    mason, random = Mason(), np.random.default_rng(500 + variant)
+    mason.set("Street", [(box((-7.0, -6.0, -0.2), (7.0, 6.0, 0.0)), "Concrete")])
+    mason.set("House", [(box((-7.0, 3.6, 0.0), (7.0, 4.0, 5.0)), "Paper")])
+    goods = {
+        "Fruit": ball(1.0, 10),
+        "Loaf": ball(1.0, 8, 3.0),
+        "Jar": urn(2.0).moved(z=-1.0),
+    }
+    for number, (x, y, turn) in enumerate(STALLS):
+        place = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(turn, 4, "Z")
+        mason.set("Stall", [(stall(), "Bark")], [place])
+        color = ("Clay", "Teal", "Plum")[number]
+        mason.set(f"Awning, {color}", [(awning(), color)], [place])
+        lay_out(mason, goods, place, random)
+    for _ in range(9):
+        x, y = random.uniform((-2.6, -1.7), (2.6, 0.4))
+        size = random.uniform(0.6, 1.3)
+        place = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(random.uniform(0.0, 3.0), 4, "Z")
+        mason.set("Crate", [(crate(), "Ochre")], [place @ Matrix.Scale(size, 4)])
+    scenery.light(lamps(random))
+    scenery.look(*CAMERAS[variant])
+    scenery.save(path)
+
+
+def lamps(random: np.random.Generator) -> list[Lamp]:
+    """Two under each awning, the others on strings over the street; 3 to 40 cm wide, spread 40° to 180°."""
+    spots: list[Point] = []
+    for x, y, turn in STALLS:
+        for along in (-0.45, 0.5):
+            spots.append((x + along * math.cos(turn), y - 0.15 + along * math.sin(turn), 1.72))
+    while len(spots) < COUNT:
+        x, y = random.uniform((-3.6, -2.4), (3.6, 2.6))
+        spots.append((float(x), float(y), float(random.uniform(2.4, 3.3))))
+    found = []
+    for number, (x, y, z) in enumerate(spots):
+        size = 0.03 * (0.4 / 0.03) ** random.random()
+        aside = random.uniform(-0.5, 0.5, 2)
+        spread = (180.0, 180.0, 120.0, 70.0, 40.0)[number % 5]
+        watts = (9.0 if z < 2.0 else 20.0) * (0.45 if spread < 90.0 else 1.0)
+        color = (WARM, WARM, WHITE, COOL)[number % 4]
+        place, target = (x, y, z), (x + aside[0], y + aside[1], 0.0)
+        found.append(Lamp(SHAPES[number % 4], place, target, watts, (size, 0.5 * size), color, spread))
+    return found
+
+
+def stall() -> Shape:
+    """A table on legs, and four poles."""
+    parts = [box((-0.9, -0.4, 0.78), (0.9, 0.4, 0.82))]
+    for x in (-0.85, 0.85):
+        for y in (-0.36, 0.36):
+            parts.append(box((x - 0.03, y - 0.03, 0.0), (x + 0.03, y + 0.03, 0.79)))
+            pole = np.array([(x, 1.2 * y, 0.0), (x, 1.2 * y, 1.0), (x, 1.2 * y, 2.0 if y > 0.0 else 1.8)])
+            parts.append(tube(pole, 0.014, 8))
+    return join(parts)
+
+
+def awning() -> Shape:
+    """A scalloped cloth over a stall."""
+    u, v = np.meshgrid(np.linspace(-1.0, 1.0, 61), np.linspace(-1.0, 1.0, 25), indexing="ij")
+    hem = np.clip((-v - 0.72) / 0.28, 0.0, 1.0)
+    z = 1.9 + 0.1 * v + 0.015 * np.cos(10.0 * np.pi * u) - hem**2 * (0.16 + 0.06 * np.abs(np.cos(5.0 * np.pi * u)))
+    return grid(np.stack([u, 0.62 * v, z], axis=-1), np.stack([u, v], axis=-1))
+
+
+def crate() -> Shape:
+    """A box of slats, open at the top."""
+    parts = [box((-0.2, -0.15, 0.0), (0.2, 0.15, 0.015))]
+    for z in (0.02, 0.09, 0.16):
+        parts += [box((-0.2, y - 0.006, z), (0.2, y + 0.006, z + 0.05)) for y in (-0.144, 0.144)]
+        parts += [box((x - 0.006, -0.138, z), (x + 0.006, 0.138, z + 0.05)) for x in (-0.194, 0.194)]
+    return join(parts)
+
+
+def lay_out(mason: Mason, goods: dict[str, Shape], table: Matrix, random: np.random.Generator) -> None:
+    """Heaps of goods on a stall."""
+    for column in range(9):
+        name = list(goods)[random.integers(len(goods))]
+        color = ("Clay", "Ochre", "Leaf", "Plum", "Terracotta")[random.integers(5)]
+        for row in range(5):
+            radius = random.uniform(0.055, 0.085)
+            x, y = -0.76 + 0.19 * column + random.uniform(-0.02, 0.02), -0.32 + 0.155 * row
+            place = table @ Matrix.Translation((x, y, 0.82 + (0.8 if name == "Loaf" else 1.0) * radius))
+            flat = Matrix.Diagonal((1.0, 1.0, 0.8 if name == "Loaf" else 1.0, 1.0))
+            turn = Matrix.Rotation(random.uniform(0.0, 6.3), 4, "Z")
+            mason.set(f"{name}, {color}", [(goods[name], color)], [place @ turn @ flat @ Matrix.Scale(radius, 4)])

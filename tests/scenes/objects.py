@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many small objects: balls, rings, knots, blocks, bottles and gems of few facets, strewn before a curved backdrop."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from mathutils import Matrix
+
+from . import scenery
+from .architecture import urn
+from .atrium import Mason
+from .scenery import COOL, WARM, Lamp
+from .shapes import Shape, grid, lathe
+from .solids import ball, knot, lowest
+
+COUNT, REACH = 190, 3.2  # objects, and m that they are strewn about
+
+LAMPS = (
+    (
+        Lamp("DISK", (-3.4, -2.2, 3.6), (0.0, 0.4, 0.2), 198.0, (0.5, 0.5), WARM),
+        Lamp("RECTANGLE", (3.6, 0.6, 2.4), (0.2, 0.3, 0.2), 156.0, (2.6, 0.25), COOL),
+        Lamp("SQUARE", (0.4, 2.6, 4.2), (0.0, 0.0, 0.0), 144.0, (1.6, 1.6), spread=120.0),
+    ),
+    (
+        Lamp("ELLIPSE", (3.0, -3.0, 3.0), (0.0, 0.2, 0.2), 180.0, (0.9, 0.3), WARM),
+        Lamp("SQUARE", (-3.8, 0.2, 2.0), (0.0, 0.3, 0.2), 144.0, (0.35, 0.35), COOL),
+        Lamp("RECTANGLE", (-0.4, 1.8, 4.0), (0.0, 0.2, 0.0), 180.0, (2.2, 1.0)),
+    ),
+)
+CAMERAS = (((1.1, -5.6, 2.3), (0.0, 0.0, 0.3), 40.0), ((-2.4, -4.6, 1.5), (0.1, 0.3, 0.35), 36.0))
+COLORS = ("Marble", "Clay", "Ochre", "Teal", "Plum", "Leaf")
+
+
+def build(path: Path, variant: int = 0) -> None:
+    """Write the scene to a .blend; what was open is replaced."""
+    scenery.start()
+    mason = Mason()
+    mason.set("Backdrop", [(backdrop(), "Paper")])
+    strew(mason, np.random.default_rng(100 + variant))
+    scenery.light(LAMPS[variant])
+    scenery.look(*CAMERAS[variant])
+    scenery.save(path)
+
+
+def backdrop() -> Shape:
+    """A floor that bends up into a wall."""
+    bend = np.linspace(0.0, 0.5 * math.pi, 17)
+    y = np.concatenate([[-9.0], np.linspace(-5.0, 3.0, 9), 4.0 + 1.5 * np.sin(bend), [5.5]])
+    z = np.concatenate([np.zeros(10), 1.5 * (1.0 - np.cos(bend)), [7.0]])
+    x = np.linspace(-9.0, 9.0, 25)
+    columns = np.broadcast_to(x, (len(y), len(x)))
+    rows = [np.broadcast_to(line[:, None], columns.shape) for line in (y, z)]
+    return grid(np.stack([columns, *rows], axis=-1), np.stack([columns, rows[0]], axis=-1))
+
+
+def forms() -> dict[str, Shape]:
+    """Solids about as large as a ball of radius 1, from 40 to 8,000 triangles."""
+    bottle = np.array([(0.004, -1.0), (0.5, -1.0), (0.55, -0.92), (0.55, 0.1), (0.2, 0.5), (0.2, 0.95), (0.004, 0.96)])
+    cone = np.array([(0.004, -0.8), (0.8, -0.8), (0.8, -0.74), (0.05, 0.95), (0.004, 0.97)])
+    return {
+        "Ball": ball(1.0, 18),
+        "Gem": ball(1.0, 3),
+        "Block": ball(0.8, 14, 7.0),
+        "Ring": knot(1, 0, 0.75, 0.25, 64, 24),
+        "Wire ring": knot(1, 0, 0.95, 0.035, 72, 8),
+        "Trefoil": knot(2, 3, 0.66, 0.16, 200, 14),
+        "Star knot": knot(2, 5, 0.66, 0.085, 320, 12),
+        "Bottle": lathe(bottle, 28),
+        "Cone": lathe(cone, 12),
+        "Jar": urn(1.6).moved(z=-0.8),
+    }
+
+
+def strew(mason: Mason, random: np.random.Generator) -> None:
+    """Set objects of all sizes on the floor, some of them tumbled, large ones first so that small ones fill the gaps."""
+    shapes = forms()
+    names = list(shapes)
+    radii = np.sort(0.07 + 0.42 * random.random(COUNT) ** 3.0)[::-1]
+    taken = np.zeros((0, 3))
+    for radius in radii:
+        for _ in range(60):
+            spot = random.uniform((-REACH, -0.75 * REACH), (REACH, 0.75 * REACH))
+            apart = np.linalg.norm(taken[:, :2] - spot, axis=1) - taken[:, 2] - radius
+            if not len(taken) or apart.min() > -0.15 * radius:
+                break
+        else:
+            continue
+        taken = np.vstack([taken, [*spot, radius]])
+        name, color = names[random.integers(len(names))], COLORS[random.integers(len(COLORS))]
+        tumble = Matrix.Rotation(random.uniform(0.0, math.pi), 3, random.normal(size=3))
+        upright = Matrix.Rotation(random.uniform(0.0, 2.0 * math.pi), 3, "Z")
+        rotation = tumble if name in ("Gem", "Block", "Trefoil", "Star knot", "Wire ring") else upright
+        height = -radius * lowest(shapes[name], np.array(rotation))
+        place = Matrix.Translation((*spot, height)) @ rotation.to_4x4() @ Matrix.Scale(radius, 4)
+        mason.set(f"{name}, {color}", [(shapes[name], color)], [place])

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the benchmark's scenes share: a black world, lamps and a camera by a few words, meshes of one colour.
+
+Materials are Lambertian and all light comes from area lights, so Cycles without bounces is the truth.
+"""
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .atrium_light import aim
+
+Point = tuple[float, float, float]
+
+WHITE: Point = (1.0, 1.0, 1.0)
+WARM: Point = (1.0, 0.72, 0.46)
+COOL: Point = (0.62, 0.78, 1.0)
+SIZE = 640, 360  # px
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """An area light that shines from a position on a target and is not seen itself."""
+
+    shape: str  # Blender's name of it
+    position: Point  # m
+    target: Point  # m
+    watts: float
+    size: tuple[float, float]  # m
+    color: Point = WHITE
+    spread: float = 180.0  # degrees
+
+
+def start() -> None:
+    """An empty file with a black world."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    darken()
+
+
+def darken() -> None:
+    """Let no light come from the world of the open file."""
+    world = bpy.data.worlds.new("Night")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    bpy.context.scene.world = world
+
+
+def light(lamps: Sequence[Lamp]) -> None:
+    """Hang the lamps."""
+    for number, lamp in enumerate(lamps, 1):
+        data = bpy.data.lights.new(f"Lamp {number}", "AREA")
+        data.shape, data.energy, data.color = lamp.shape, lamp.watts, lamp.color
+        data.size, data.size_y = lamp.size
+        data.spread = math.radians(lamp.spread)
+        place = bpy.data.objects.new(data.name, data)
+        place.location, place.rotation_euler = lamp.position, aim(lamp.position, lamp.target)
+        place.visible_camera = False
+        bpy.context.scene.collection.objects.link(place)
+
+
+def look(position: Point, target: Point, lens: float) -> None:
+    """The camera, its lens in millimetres, and a plain view transform that is the same in every Blender."""
+    scene = bpy.context.scene
+    data = bpy.data.cameras.new("Camera")
+    data.lens, data.clip_start, data.clip_end = lens, 0.01, 500.0
+    scene.camera = bpy.data.objects.new("Camera", data)
+    scene.camera.location, scene.camera.rotation_euler = position, aim(position, target)
+    scene.collection.objects.link(scene.camera)
+    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+
+
+def save(path: Path) -> None:
+    """Write the open file; pictures of it have the benchmark's size."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.resolution_percentage = 100
+    with suppress(TypeError):  # the add-on is not registered: Blender's default engine stays
+        scene.render.engine = "ISM"
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
+
+
+def large_mesh(name: str, positions: np.ndarray, quads: np.ndarray, material: bpy.types.Material) -> bpy.types.Mesh:
+    """A smooth mesh of positions (V,3) and quads (F,4), copied as arrays because it has a million triangles."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
+    mesh.loops.add(quads.size)
+    mesh.loops.foreach_set("vertex_index", quads.astype(np.int32).ravel())
+    mesh.polygons.add(len(quads))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, quads.size, 4, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mesh.materials.append(material)
+    mesh.shade_smooth()
+    return mesh
