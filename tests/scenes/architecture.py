@@ -48,7 +48,8 @@ def at(line: np.ndarray, y: float) -> np.ndarray:
 def archivolt(radius: float, width: float, thickness: float, steps: int = 28) -> Shape:
     """The moulded ring of stones around an arch, standing out on both sides of a wall along x; centre at the origin."""
     half = 0.5 * thickness
-    profile = np.array([(0.0, -half), (0.35, -half), (0.4, -half - 0.02), (0.85, -half - 0.02), (1.0, -half + 0.06)])
+    # A centimetre before the wall: of two faces in one plane, chance decides which shades the other.
+    profile = np.array([(0.0, -0.01), (0.35, -0.01), (0.4, -0.02), (0.85, -0.02), (1.0, 0.06)]) - (0.0, half)
     profile = np.concatenate([profile, profile[::-1] * (1.0, -1.0)])
     profile = profile[::-1] * (width, 1.0) + (radius - 0.02, 0.0)
     angles = np.linspace(0.0, np.pi, steps + 1)
