@@ -12,7 +12,11 @@ from tests.tools import extension, machine, project
 from tests.tools.environments import environments
 
 BUILD = project.ROOT / "build"
-BENCHMARKS = sorted(path.stem for path in (project.ROOT / "tests/benchmark").glob("[!_]*.py"))
+BENCHMARKS = sorted(
+    path.stem
+    for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
+    if path.suffix == ".py" or (path / "__main__.py").is_file()
+)
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 
@@ -39,7 +43,9 @@ def test(chosen: list[str]) -> int:
 
 def bench(name: str, output: Path, further: list[str]) -> int:
     """Run one of tests/benchmark."""
-    return next(environments()).run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
+    environment = next(environments())
+    environment.add(*project.PACKAGES["bench"])
+    return environment.run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
 
 
 def pack(output: Path, platforms: list[str]) -> int:

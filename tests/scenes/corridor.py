@@ -58,7 +58,8 @@ def colonnade(mason: Mason) -> None:
     shaft, ends = pillar(2.2, 0.13, 0.36, flutes=12)
     spots = [Matrix.Translation((s * (HALF - INSET), BAY * bay, 0.0)) for s in (-1, 1) for bay in range(BAYS + 1)]
     mason.set("Pillar", [(shaft, "Marble"), (ends, "Paper")], spots)
-    mason.set("Block", [(pier(HEIGHT - 2.2, 0.15), "Paper")], [spot @ Matrix.Translation((0, 0, 2.2)) for spot in spots])
+    above = [spot @ Matrix.Translation((0.0, 0.0, 2.2)) for spot in spots]
+    mason.set("Block", [(pier(HEIGHT - 2.2, 0.15), "Paper")], above)
     vault = groin_vault(HALF, 0.5 * BAY, 2.35, 0.5)
     places = [Matrix.Translation((0.0, BAY * (bay + 0.5), 0.0)) for bay in range(-1, BAYS)]
     mason.set("Vault", [(vault, "Paper")], places)

@@ -10,31 +10,45 @@ import numpy as np
 PIXEL_CENTRES = 0.01  # px, the narrowest filter that Cycles has
 
 
-def direct_light(samples: int, filter_width: float = PIXEL_CENTRES, bounces: int = 0, seed: int = 0) -> np.ndarray:
+def direct_light(
+    samples: int, filter_width: float = PIXEL_CENTRES, bounces: int = 0, seed: int = 0, light_tree: bool = False
+) -> np.ndarray:
     """Render the open file with Cycles on the processor: (H,W,4) float32 scene-linear, premultiplied, bottom row first.
 
     `filter_width` is the Blackman-Harris pixel filter's in pixels. The world's light counts as the scene has it.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "truth.exr"
-        render_exr(path, samples, filter_width, bounces, seed)
-        image = bpy.data.images.load(str(path))
-        image.colorspace_settings.name = "Non-Color"
-        width, height = image.size
-        pixels = np.empty(width * height * 4, np.float32)
-        image.pixels.foreach_get(pixels)
-        bpy.data.images.remove(image)
+        render_exr(path, samples, filter_width, bounces, seed, light_tree)
+        return picture_in(path)
+
+
+def picture_in(path: Path) -> np.ndarray:
+    """An image file's pixels as they are: (H,W,4) float32, bottom row first."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    pixels = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
     return pixels.reshape(height, width, 4)
 
 
-def render_exr(path: Path, samples: int, filter_width: float = PIXEL_CENTRES, bounces: int = 0, seed: int = 0) -> None:
+def render_exr(
+    path: Path,
+    samples: int,
+    filter_width: float = PIXEL_CENTRES,
+    bounces: int = 0,
+    seed: int = 0,
+    light_tree: bool = False,
+) -> None:
     """The same picture, written as a 32-bit OpenEXR file; the scene keeps Cycles' settings."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device = "CPU"
-    cycles.samples, cycles.seed = samples, seed
-    cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_light_tree = False
+    cycles.samples, cycles.seed, cycles.use_light_tree = samples, seed, light_tree
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.max_bounces = cycles.diffuse_bounces = bounces
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", filter_width

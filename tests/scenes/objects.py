@@ -73,7 +73,7 @@ def forms() -> dict[str, Shape]:
 
 
 def strew(mason: Mason, random: np.random.Generator) -> None:
-    """Set objects of all sizes on the floor, some of them tumbled, large ones first so that small ones fill the gaps."""
+    """Set objects of all sizes on the floor, some of them tumbled, large ones first; small ones fill the gaps."""
     shapes = forms()
     names = list(shapes)
     radii = np.sort(0.07 + 0.42 * random.random(COUNT) ** 3.0)[::-1]

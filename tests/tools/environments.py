@@ -2,6 +2,7 @@
 """Where our code can run with Blender around it: a virtual environment with bpy, or the `blender` on the PATH."""
 
 import hashlib
+import itertools
 import os
 import re
 import shutil
@@ -28,6 +29,14 @@ class Environment:
     python: Path  # an interpreter whose pip is the pinned one
     module: tuple[str, ...]  # runs a Python module when its name follows
     extension: tuple[str, ...]  # Blender's tool, when a verb follows
+    target: tuple[str, ...] = ()  # pip's arguments, where packages go elsewhere than to the interpreter
+
+    def add(self, *requirements: str) -> None:
+        """Install further packages, once."""
+        stamp = self.python.parents[1] / "further.txt"
+        if not stamp.exists() or stamp.read_text() != "\n".join(requirements):
+            pip.run(self.python, "install", *self.target, *requirements)
+            stamp.write_text("\n".join(requirements))
 
     def run(self, module: str, *arguments: str) -> int:
         """`python -m module arguments` in the project's root: its exit status."""
@@ -44,7 +53,8 @@ def environments() -> Iterator[Environment]:
 
 def _with_bpy(version: str) -> Environment:
     folder = FOLDER / f"bpy-{version}"
-    python = _set_up(folder, f"bpy=={version}", *(name for group in project.PACKAGES.values() for name in group))
+    groups = (project.PACKAGES[group] for group in ("gpu", "bpy", "test"))
+    python = _set_up(folder, f"bpy=={version}", *itertools.chain(*groups))
     tools = folder.glob("[Ll]ib/**/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
     return Environment(f"bpy {version}", python, (str(python), "-m"), (str(python), str(next(tools))))
 
@@ -58,10 +68,10 @@ def _with_blender() -> Environment:
         sys.exit(f"Python {PYTHON} has no bpy, and the blender on the PATH is too old. {ADVICE}")
     name = "blender-" + ".".join(map(str, version))
     packages = FOLDER / name / "for-blender"
-    target = ["--target", str(packages), "--only-binary=:all:", "--python-version", python_version]
+    target = ("--target", str(packages), "--only-binary=:all:", "--python-version", python_version)
     python = _set_up(FOLDER / name, *target, *project.PACKAGES["gpu"], *project.PACKAGES["test"])
     start = (program, "--background", "--factory-startup", "--python-exit-code", "1", "--python", str(INSIDE_BLENDER))
-    return Environment(name, python, (*start, "--", str(packages)), (program, "--command", "extension"))
+    return Environment(name, python, (*start, "--", str(packages)), (program, "--command", "extension"), target)
 
 
 def _ask_blender(program: str) -> tuple[tuple[int, ...], str]:

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error against time on six scenes, every engine in its turn: `dev.py bench error`.
+
+Out come error.md, error.json, error.png and a plot for each scene. It reports; it judges nothing.
+"""
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from ism_addon.gpu.context import Device, open_device
+
+from . import plot, record, report
+from .cycles import Cycles
+from .eevee import Eevee
+from .engines import Engine
+from .ism import VARIANTS, Ism
+from .race import Result, race
+from .stage import SCENES, Stage, set_up
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured."""
+
+    scenes: tuple[str, ...]
+    size: tuple[int, int]  # px
+    truth: int  # samples of each half
+    cycles: tuple[int, ...]  # samples
+    eevee: tuple[int, ...]  # samples
+    seconds: float  # that ours accumulates
+    rounds: int
+
+
+WHOLE = Effort(tuple(SCENES), (640, 360), 512, (1, 2, 4, 8, 16, 64), (1, 4, 16), 22.0, 3)
+QUICK = Effort(("objects", "thin"), (320, 180), 64, (1, 4, 16), (1, 4), 4.0, 1)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="tests.benchmark.error", description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, required=True, help="folder of the records, the plots and the truth")
+    parser.add_argument("--quick", action="store_true", help="small pictures of two scenes, one round: a rough look")
+    parser.add_argument("--scenes", help=f"some of {','.join(SCENES)}")
+    parser.add_argument("--rounds", type=int, help=f"turns of each engine; medians are taken ({WHOLE.rounds})")
+    parser.add_argument("--tuning", action="store_true", help="the scenes' other forms, on which parameters are chosen")
+    parser.add_argument("--blender", default="blender", help="the program that draws EEVEE (%(default)s)")
+    options = parser.parse_args()
+    effort = QUICK if options.quick else WHOLE
+    scenes = tuple(options.scenes.split(",")) if options.scenes else effort.scenes
+    if unknown := [name for name in scenes if name not in SCENES]:
+        parser.error(f"no such scene: {', '.join(unknown)}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    device = open_device()
+    results = {}
+    for name in scenes:
+        stage = set_up(name, int(options.tuning), effort.size, effort.truth, options.output)
+        found = race(stage, engines(stage, effort, device, options.blender), options.rounds or effort.rounds)
+        print(report.scene(name, found), flush=True)
+        results[name] = found
+    write(results, effort, device, options)
+    return 0
+
+
+def engines(stage: Stage, effort: Effort, device: Device, blender: str) -> list[Engine]:
+    """All that take part, in the order of the first round."""
+    ours = [Ism(name, settings, device, stage, effort.seconds) for name, settings in VARIANTS.items()]
+    cycles = [Cycles(stage, effort.cycles, denoise) for denoise in (False, True)]
+    return [*ours, *cycles, Eevee(stage, effort.eevee, blender)]
+
+
+def write(results: dict[str, Result], effort: Effort, device: Device, options: argparse.Namespace) -> None:
+    """The summary, the tables, the record and the plots."""
+    summary = report.summary(results, list(VARIANTS))
+    print(summary)
+    tables = "\n\n".join(report.scene(name, result) for name, result in results.items())
+    (options.output / "error.md").write_text(f"{summary}\n\n{tables}\n", "utf-8")
+    record.write(options.output / "error.json", results, list(VARIANTS), effort, device, options.tuning)
+    for path in plot.draw(results, options.output):
+        print(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

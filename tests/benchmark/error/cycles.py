@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles on the processor: direct light, fixed samples, with or without OpenImageDenoise as Blender sets it.
+
+Persistent data keeps the scene and its BVH from render to render; that none is built again is watched.
+"""
+
+import re
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+
+from tests.demo.figure6 import quiet_stdout
+from tests.scenes.cycles import picture_in
+
+from .engines import Shot
+from .stage import SCENES, Stage
+
+
+class Cycles:
+    """Counted: from the moment that sampling starts until the picture is done. Not counted: sync and BVH."""
+
+    def __init__(self, stage: Stage, samples: tuple[int, ...], denoise: bool):
+        self.name = "Cycles + OIDN" if denoise else "Cycles"
+        self.stage, self.samples, self.denoise = stage, samples, denoise
+
+    def start(self) -> dict[str, float]:
+        """Read the scene and build the BVH."""
+        prepare(SCENES[self.stage.name].light_tree)
+        whole, _, _ = render(1, self.denoise, seed=0)
+        counted, _, megabytes = render(1, self.denoise, seed=0)
+        return {"done once s": whole - counted, "memory MB": megabytes}
+
+    def shots(self, round: int) -> Iterator[Shot]:
+        """A picture of each number of samples, each from the beginning, as users do."""
+        for samples in self.samples:
+            _, seconds, _ = render(samples, self.denoise, seed=1 + round)
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "picture.exr"
+                bpy.data.images["Render Result"].save_render(str(path))
+                yield Shot(samples, seconds, picture_in(path)[..., :3])
+
+    def close(self) -> None:
+        bpy.context.scene.render.use_persistent_data = False
+
+
+def prepare(light_tree: bool) -> None:
+    """Set the open file to direct light on the processor; everything else stays as Blender has it."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.use_persistent_data = True
+    scene.cycles.device, scene.cycles.max_bounces = "CPU", 0
+    scene.cycles.use_adaptive_sampling, scene.cycles.use_light_tree = False, light_tree
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_depth, settings.color_mode = "OPEN_EXR", "32", "RGBA"
+
+
+def render(samples: int, denoise: bool, seed: int) -> tuple[float, float, float]:
+    """Seconds of the whole call, seconds of sampling and denoising alone, and megabytes at the peak."""
+    cycles = bpy.context.scene.cycles
+    cycles.samples, cycles.use_denoising, cycles.seed = samples, denoise, seed
+    told: list[tuple[float, str]] = []
+    listener = lambda line, *_: told.append((time.perf_counter(), line))  # noqa: E731 - handlers are told apart
+    bpy.app.handlers.render_stats.append(listener)
+    start = time.perf_counter()
+    try:
+        with quiet_stdout():
+            bpy.ops.render.render()
+    finally:
+        bpy.app.handlers.render_stats.remove(listener)
+    whole = time.perf_counter() - start
+    sampling = next(at for at, line in told if "| Sample 0/" in line)
+    done = next(at for at, line in reversed(told) if line.endswith("| Finished"))
+    megabytes = max(float(peak) for _, line in told for peak in re.findall(r"Peak:([\d.]+)M", line))
+    return whole, done - sampling, megabytes
