@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames a second and milliseconds a pass, without Blender: python -m tests.benchmark.gpu --output FOLDER [SNAPSHOT …]
+
+The two cases are those of published figures: the report's (Beck-Norén & Valter 2013: 105 light points at 1280×720,
+25 frames a second, GTX 560 Ti) and Linke's (2017: 1,024 maps of 64² at 1920×1080, at most 2,048 points in each,
+8.7 ms, GTX 980). A frame is one sample, all that belongs to it drawn anew; the GPU is waited for after each pass.
+"""
+
+import argparse
+import itertools
+import json
+import platform
+import sys
+import time
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from ism_addon import snapshot
+from ism_addon.gpu.__main__ import resized
+from ism_addon.gpu.context import Device, open_device
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.scene import Scene, View
+from ism_addon.settings import Quality, Settings
+from tests.scenes.small import pillar_field
+from tests.tools import project
+
+WARM_UP = 2  # frames
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a published figure was measured at."""
+
+    width: int
+    height: int
+    quality: Quality
+
+
+CASES = {
+    "1280×720, 105 light points": Case(1280, 720, Quality(light_points=105)),
+    "1920×1080, 1024 light points": Case(1920, 1080, Quality(light_points=1024, map_size=64, surface_points=2048)),
+}
+#: By name: the look of the shadows.
+METHODS = {"classic": Settings()}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="tests.benchmark.gpu", description=__doc__.splitlines()[0])
+    parser.add_argument("snapshots", nargs="*", type=Path, help="scenes that were saved; else a field of pillars")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the record, gpu.json")
+    parser.add_argument("--seconds", type=float, default=3.0, help="that each case is drawn for (%(default)s)")
+    options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
+    device = open_device()
+    print(device.name)
+    cases = []
+    for scene_name, (scene, view) in scenes(options.snapshots).items():
+        for method, case_name in itertools.product(METHODS, CASES):
+            what = {"scene": scene_name, "triangles": scene.triangle_count, "method": method, "case": case_name}
+            settings = replace(METHODS[method], quality=CASES[case_name].quality)
+            cases.append(what | measure(device, scene, view, settings, CASES[case_name], options.seconds))
+            tell(cases[-1])
+    record = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "system": platform.platform(),
+        "opengl": f"{device.name}, {device.gl.info['GL_VERSION']}",
+        "commit": project.commit(),
+        "cases": cases,
+    }
+    (options.output / "gpu.json").write_text(json.dumps(record, indent=1), "utf-8")
+    return 0
+
+
+def scenes(paths: list[Path]) -> dict[str, tuple[Scene, View]]:
+    """By name: what to draw, from where."""
+    if not paths:
+        return {"pillar field": pillar_field()}
+    return {path.stem: snapshot.load(path)[:2] for path in paths}
+
+
+def measure(device: Device, scene: Scene, view: View, settings: Settings, case: Case, seconds: float) -> dict:
+    """Draw frames for some seconds: how many there were a second, and milliseconds of a frame and of each pass."""
+    renderer, profile = Renderer(device), Profile()
+    view = resized(view, case.width, case.height)
+    frames, times = 0, []
+    while frames < WARM_UP or sum(times) < seconds:
+        if frames == WARM_UP:
+            profile, times = Profile(), []
+        start = time.perf_counter()
+        for _ in renderer.sample(scene, turned(view, 0.001 * frames), settings, frames, profile):
+            pass
+        times.append(time.perf_counter() - start)
+        frames += 1
+    renderer.release()
+    passes = {name: row.ms / len(times) for name, row in profile.rows.items() if row.drawn}
+    return {
+        "frames": len(times),
+        "frames a second": len(times) / sum(times),
+        "ms": 1e3 * float(np.median(times)),
+        "passes ms": passes,
+    }
+
+
+def turned(view: View, angle: float) -> View:
+    """The view from a camera turned a little to the side, rad."""
+    turn = np.eye(4)
+    turn[[0, 0, 2, 2], [0, 2, 0, 2]] = np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)
+    return replace(view, view_from_world=turn @ view.view_from_world)
+
+
+def tell(case: dict) -> None:
+    """Print one case."""
+    print(f"\n{case['scene']} ({case['triangles']:,} triangles), {case['method']}, {case['case']}")
+    print(f"{case['frames a second']:.1f} frames/s, {case['ms']:.2f} ms a frame (median of {case['frames']})")
+    for name, ms in case["passes ms"].items():
+        print(f"  {name:<16}{ms:9.3f} ms", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
