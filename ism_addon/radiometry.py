@@ -4,12 +4,24 @@
 An area light is a one-sided Lambertian emitter. It sends L·cosθ in every direction, so a patch of area A
 emits A · ∫ L cosθ dω = A·π·L watts: a light of P watts has the radiance L = P / (π A).
 
-A polygon of radiance L that is wholly above a receiver's horizon gives the irradiance
+A polygon of radiance L above a receiver's horizon gives, by Stokes' theorem, the irradiance
 E = L/2 · Σ_edges angle(v_i, v_i+1) · n·(v_i × v_i+1)/|v_i × v_i+1|   (Lambert 1760; Arvo 1994),
 v_i the directions to its corners, n the receiver's normal. What is below the horizon is clipped away.
 
-A spread below 180° weighs the radiance towards the angle a off the light's normal by
-(tan(s/2) - tan a)⁺ / (tan(s/2) - s/2), as Blender's Cycles does; the divisor keeps the watts.
+An ellipse with the semi-axes u, v about c is seen under a cone whose axes are the eigenvectors of
+S = u uᵀ + v vᵀ - c cᵀ: with the eigenvalues m a², m b², -m it is x²/a² + y²/b² ≤ z². By symmetry its vector
+irradiance lies on z, and ∫∫ dx dy / (1 + x² + y²)² over that ellipse is π a b / √((1 + a²)(1 + b²)):
+E = L π (n·z) |det(u, v, c)| / √(m q'(m)),  q(x) = det(S + x) = (x + m a²)(x + m b²)(x - m), det S = -det(u, v, c)².
+No term cancels where the light is small. Cut by the horizon, Lambert's integral runs along the rim,
+(a cos t, b sin t, 1), where it is an arc tangent, and back along the horizon, where it is an angle.
+
+A spread s below 180° weighs the radiance towards the angle θ off the light's normal by
+(T - tan θ)⁺ / (T - s/2), T = tan(s/2), as Blender's Cycles does (a softbox's grid); the divisor keeps the watts:
+2 ∫ (T - tan θ) cosθ sinθ dθ from 0 to s/2 is T - s/2. In polar coordinates r, φ about the receiver's foot on the
+light's plane, in units of its height, n = (n_φ, n_z) in the light's space, that is E = L / (T - s/2) ·
+∫∫ (n_z + n_φ r) (T - r)⁺ r / (1 + r²)² dr dφ. The integral over r is elementary, the other one is done by Gauss's
+points: along a polygon's edges inside the cone, by Green's theorem, or over the angles under which the foot sees an
+ellipse.
 """
 
 import numpy as np
@@ -19,8 +31,8 @@ from .scene import Lights, LightShape
 #: Corners of the polygon of equal area that stands for an ellipse in the edge sum.
 ELLIPSE_CORNERS = 16
 
-#: Spreads are no narrower than this, as in Cycles.
-MIN_SPREAD = np.radians(1.0)
+#: Spreads are no narrower than this: Cycles' light without any is parallel, and this one nearly so.
+MIN_SPREAD = np.radians(0.1)
 
 
 def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
@@ -36,7 +48,7 @@ def light_areas(lights: Lights) -> np.ndarray:
 
 def spread_terms(spread: np.ndarray) -> np.ndarray:
     """(…,2): tan(s/2) and 1/(tan(s/2) - s/2) of Blender's spreads s (…,) rad; (0, 0) where s is 180°."""
-    half = np.maximum(spread, MIN_SPREAD) / 2.0
+    half = np.maximum(np.asarray(spread, np.float64), MIN_SPREAD) / 2.0
     wide = half >= np.pi / 2.0 - 1e-6
     tangent = np.tan(np.where(wide, 0.5, half))
     terms = np.stack([tangent, 1.0 / (tangent - np.where(wide, 0.4, half))], -1)
