@@ -54,7 +54,7 @@ def test_unshadowed_light_is_that_of_cycles(device, lamp_over_plane, shape, spre
     settings = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=1, light_points=256))
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass
-    ours, theirs = renderer.picture(1)[..., :3], direct_light(128)[..., :3]
+    ours, theirs = renderer.picture()[..., :3], direct_light(128)[..., :3]
     renderer.release()
     blocks = np.median(
         [np.reshape(p, (SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3)).mean((1, 3)) for p in (ours, theirs)], -1

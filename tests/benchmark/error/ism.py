@@ -45,7 +45,7 @@ class Ism:
             spent += self._draw(self.stage.view, sample, self.profile)
             sample += 1
             if sample == due or spent >= self.seconds:
-                yield Shot(sample, spent, self.renderer.picture(sample)[..., :3])
+                yield Shot(sample, spent, self.renderer.picture()[..., :3])
                 due = 2 * sample
 
     def close(self) -> None:
