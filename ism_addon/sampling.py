@@ -2,6 +2,7 @@
 """Points on triangles, on lights and in pixels: low-discrepancy, and the same for the same input."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -92,15 +93,50 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
     return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
 
 
-def pixel_offset(sample: int, width: float) -> np.ndarray:
-    """(2,) px from the pixel's centre, spread like the Blackman-Harris filter of `width` px.
+def sobol(index: int) -> np.ndarray:
+    """(2,) in [0,1): member `index` of Sobol's sequence; each 2^k neighbours from a multiple of it fill all cells alike."""
+    bits = np.zeros(2, np.int64)
+    reverse = steps = 1 << 31
+    while index:
+        if index & 1:
+            bits ^= (reverse, steps)
+        index, reverse, steps = index >> 1, reverse >> 1, steps ^ (steps >> 1)
+    return bits / 2.0**32
 
-    The first is the centre itself, so that a single sample shows what is there.
+
+@dataclass(frozen=True)
+class SubPixel:
+    """Where a sample lies in its pixel, on a grid `factor` times as fine as the pixels."""
+
+    factor: int
+    grid: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
+    texel: np.ndarray  # (2,) int: the fine pixel, from the pixel's first; it may lie outside the pixel
+    offset: np.ndarray  # (2,) px: the place, from the pixel's centre
+
+
+def sub_pixel(sample: int, reach: float, factor: int) -> SubPixel:
+    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides; factor² of them share one grid.
+
+    The first is the pixel's centre. The grid goes through a place that the filter chooses, and each sample is one of the
+    grid's places by the filter's odds: so all together follow the filter, whatever the grid.
     """
-    if sample == 0:
-        return np.zeros(2)
-    t = np.linspace(-0.5, 0.5, 257)
-    k = 2.0 * np.pi * (t + 0.5)
-    density = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
-    cumulative = np.cumsum(density) - 0.5 * density
-    return width * np.interp(additive_sequence(sample, 1, 2)[0], cumulative / density.sum(), t)
+    group, member = divmod(sample, factor * factor)
+    shift = np.mod(additive_sequence(group, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    t = np.linspace(-1.0, 1.0, 257)
+    cumulative = np.cumsum(blackman_harris(t)) - 0.5 * blackman_harris(t)
+    through = reach * np.interp(shift[:2] * cumulative[-1], cumulative, t)
+    phase = np.mod((through + 0.5) * factor - 0.5, 1.0)
+    fine = np.arange(-factor, 2 * factor)
+    offsets = (fine[:, None] + 0.5 + phase) / factor - 0.5
+    odds = np.cumsum(blackman_harris(offsets / reach), 0)
+    place = np.mod(sobol(member) + (0.5 if factor > 1 else 0.0), 1.0) + shift[2:] / factor**2
+    chosen = np.array([np.searchsorted(odds[:, axis], place[axis] * odds[-1, axis], side="right") for axis in range(2)])
+    chosen = np.minimum(chosen, len(fine) - 1)
+    return SubPixel(factor, phase / factor, fine[chosen], offsets[chosen, (0, 1)])
+
+
+def blackman_harris(t: np.ndarray) -> np.ndarray:
+    """The filter's weight at t, from -1 to 1 and nothing beyond (Harris 1978)."""
+    k = np.pi * (t + 1.0)
+    weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
+    return np.where(np.abs(t) < 1.0, weight, 0.0)

@@ -129,7 +129,7 @@ class View(Arrays):
     view_from_world: np.ndarray  # (4,4) float64, rigid; the view looks along -z
     width: int  # px
     height: int  # px
-    filter_width: float = 1.5  # px, width of the Blackman-Harris pixel filter
+    filter_width: float = 1.5  # px that the Blackman-Harris pixel filter reaches to all sides
     transparent: bool = False  # leave the background empty instead of showing the world
 
     def __post_init__(self) -> None:

@@ -8,6 +8,7 @@ are made from these fields. A section is a frozen dataclass, so two settings com
 import math
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields
+from enum import StrEnum
 from typing import Any
 
 
@@ -28,12 +29,30 @@ def setting(default: Any, label: str, meaning: str, **control: Any) -> Any:
     return field(default=default, metadata={"control": Control(label, meaning, **control)})
 
 
+class Method(StrEnum):
+    """How it is found out what part of a light reaches a surface. Each member's text is for its user."""
+
+    FITTED = "FITTED", "Fitted", "Shadow rays, as many as the picture needs where it needs them: exact in the end"
+    CLASSIC = "CLASSIC", "Classic", "Imperfect shadow maps, one for each light point, as in the report of 2013"
+
+    def __new__(cls, value: str, label: str, meaning: str) -> "Method":
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.label, member.meaning = label, meaning
+        return member
+
+
 @dataclass(frozen=True)
 class Shadow:
     """Look of the shadows."""
 
     enabled: bool = setting(
         True, "Shadows", "Draw the lights' shadows. Off, every light reaches every surface that faces it"
+    )
+    method: Method = setting(
+        Method.FITTED,
+        "Method",
+        "How shadows are found: by rays, fitted to what the picture needs, or by imperfect shadow maps",
     )
     splat_size: float = setting(
         1.15,

@@ -16,7 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from .scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from .settings import SECTIONS, Settings, controls
+from .settings import SECTIONS, Method, Settings, controls
 
 VERSION = 1
 
@@ -192,6 +192,8 @@ def _check_ranges(settings: Settings) -> None:
     for name, section in SECTIONS.items():
         for member, control in controls(section):
             value = getattr(getattr(settings, name), member.name)
+            if isinstance(value, Method):
+                continue
             low = -np.inf if control.low is None else control.low
             high = np.inf if control.high is None else control.high
             if not np.float32(low) <= np.float32(value) <= np.float32(high):

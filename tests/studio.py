@@ -29,7 +29,7 @@ class Drawn:
     @property
     def color(self) -> np.ndarray:
         """(H,W,4), bottom row first."""
-        return self.renderer.picture(self.samples)
+        return self.renderer.picture()
 
     def target(self, name: str) -> np.ndarray:
         """(H,W,components) of any target, bottom row first."""

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..sampling import SubPixel
 from ..scene import View
 from ..spaces import jittered, view_from_anchor
 
@@ -42,9 +43,10 @@ def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarra
     return (np.zeros((3, 3)), across + along) if perspective else (across, along)
 
 
-def frame_block(view: View, anchor: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """One row of DTYPE; `offset` (2,) px moves the picture's samples off the pixels' centres."""
-    clip_from_view = jittered(view.clip_from_view, offset, view.width, view.height)
+def frame_block(view: View, anchor: np.ndarray, place: SubPixel) -> np.ndarray:
+    """One row of DTYPE: rays through the sample's place, and the projection onto the fine grid that it is on."""
+    clip_from_view = jittered(view.clip_from_view, place.offset, view.width, view.height)
+    fine = jittered(view.clip_from_view, place.grid, view.width, view.height)
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     origins, directions = rays(clip_from_view, view.width, view.height)
     to_anchor = from_anchor[:3, :3]  # rigid: rows of vectors times this is its inverse times columns
@@ -52,7 +54,7 @@ def frame_block(view: View, anchor: np.ndarray, offset: np.ndarray) -> np.ndarra
     origins[0] -= from_anchor[:3, :3].T @ from_anchor[:3, 3]
     directions = directions @ to_anchor
     block = np.zeros((), DTYPE)
-    block["clip_from_anchor"] = (clip_from_view @ from_anchor).T.ravel()
+    block["clip_from_anchor"] = (fine @ from_anchor).T.ravel()
     block["view_from_anchor"] = from_anchor.T.ravel()
     for name, rows in (("ray_origin", origins), ("ray_direction", directions)):
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):

@@ -61,6 +61,9 @@ class Placement:
     def __init__(self, gl: moderngl.Context, geometry: Geometry, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
         order = shown[np.argsort(instances.mesh[shown], kind="stable")]
+        #: Where in the table an instance is; -1 for one that is not seen.
+        self.rows = np.full(len(instances.mesh), -1)
+        self.rows[order] = np.arange(len(order))
         mesh = instances.mesh[order]
         matrices = instances.world_from_object[order]
         offsets = np.einsum("nij,nj->ni", matrices[:, :3, :3], geometry.centres[mesh]) + matrices[:, :3, 3] - anchor

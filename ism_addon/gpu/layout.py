@@ -89,6 +89,20 @@ def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
 #: Where a mesh stands: the rows of its 3×4 matrix.
 INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 
+#: What casts a shadow: the 3×4 matrix into its mesh's space, that mesh's tree, and who it is in the G-buffer.
+CASTER = Record(
+    "Caster",
+    row0="vec4",
+    row1="vec4",
+    row2="vec4",
+    first_node="int",
+    leaves="int",
+    first_triangle="int",
+    per_leaf="int",
+    instance="int",
+    first_own="int",
+)
+
 #: A Lambertian surface; a width of 0 means that there is no image.
 MATERIAL = Record("Material", color="vec3", first_line="int", width="int", height="int", repeat="int", levels="int")
 

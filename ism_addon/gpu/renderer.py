@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..sampling import pixel_offset
+from ..sampling import sub_pixel
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
@@ -23,33 +23,49 @@ from .passes.blur import Blur
 from .passes.gather import Gather
 from .passes.gbuffer import FAR_AWAY, GBuffer
 from .passes.light_points import LightPoints, points_per_light
+from .passes.predict import Predict
 from .passes.pull_push import PullPush
+from .passes.resolve import Resolve
+from .passes.scout import Scout
 from .passes.shade import Shade
 from .passes.show import Show
+from .passes.sift import Sift
 from .passes.splat import Splat
 from .passes.ssao import SSAO
 from .passes.subsets import Subsets
 from .passes.surface_points import SurfacePoints
+from .passes.trace import Trace
+from .passes.trees import InstanceTree, MeshTrees
 from .passes.upload import Colours, Meshes, Place
 from .profile import Profile
 from .targets import DEPTH, Targets
 
-#: What the camera sees, and points for the scene and for its lights,
-BEFORE = (Meshes, Place, Colours, GBuffer, SurfacePoints, Subsets, LightPoints)
-#: for as many light points as an atlas holds: an imperfect shadow map each, filled, and the light they let through,
+#: What the camera sees, in the parts of the picture that the sample is spent on, and the lights;
+BEFORE = (Meshes, Place, Colours, Sift, GBuffer, LightPoints)
+#: what of them arrives, by a few rays that predict it and more that say how wrong that is;
+FITTED = (MeshTrees, InstanceTree, Scout, Predict, Trace)
+#: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
+#: filled, and the light they let through,
+CLASSIC = (SurfacePoints, Subsets)
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
-#: the creases too small for the maps, and all of it put together; again with other points, and averaged.
+#: the creases too small for either, and all of it put together; again with other points, and summed.
 AFTER = (SSAO, Blur, Shade, Show, Accumulate)
+#: Whenever the picture is wanted: the sums as one.
+AT_LAST = Resolve
 
-PASSES = (*BEFORE, *FOR_EACH_BATCH, *AFTER)
+PASSES = (*BEFORE, *FITTED, *CLASSIC, *FOR_EACH_BATCH, *AFTER, AT_LAST)
 
 #: What settings.show may name: whatever is drawn before it is shown.
 SHOWABLE = tuple(
     name
     for kind in PASSES
     for name, target in kind.writes.items()
-    if target.dtype != DEPTH and kind not in (Show, Accumulate)
+    if target.dtype != DEPTH and name != "triangles" and kind not in (Sift, Show, Accumulate, Resolve)
 )
+
+
+#: Pixels of the largest picture of triangles' numbers, 12 bytes each.
+MOST_FINE_PIXELS = 1 << 24
 
 
 class Renderer:
@@ -67,7 +83,7 @@ class Renderer:
     def sample(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Iterator[str]:
         """Draw one sample, and yield the name of each pass when the GPU is done with it."""
         frame = self.frame(scene, view, settings, sample, profile)
-        for kind in BEFORE:
+        for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
         points = points_per_light(scene.lights, settings.quality.light_points).sum()
         for frame.batch in batches(int(points), settings.quality.map_size, self.device.texture_size):
@@ -76,6 +92,7 @@ class Renderer:
         frame.batch = None
         for kind in AFTER:
             yield self.run(kind, frame, profile)
+        self.last = frame, profile
         self.device.gl.gc()
 
     def frame(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Frame:
@@ -89,9 +106,11 @@ class Renderer:
             )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
-        offset = pixel_offset(sample, view.filter_width)
-        self.block.write(block.frame_block(view, anchor, offset))
-        return Frame(self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts)
+        place = sub_pixel(sample, view.filter_width, fineness(view, settings.quality.samples, limit))
+        self.block.write(block.frame_block(view, anchor, place))
+        return Frame(
+            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, place
+        )
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
         """Draw one pass if the picture needs it and something that it depends on is new."""
@@ -129,12 +148,12 @@ class Renderer:
             frame.batch,
         )
 
-    def picture(self, samples: int) -> np.ndarray:
-        """(H,W,4): the average of the samples so far, alpha premultiplied, bottom row first."""
-        width, height = self.targets["sum"].size
+    def picture(self) -> np.ndarray:
+        """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first."""
+        self.run(AT_LAST, *self.last)
+        width, height = self.targets["resolved"].size
         color = np.empty((height, width, 4), np.float32)
-        self.targets["sum"].read_into(color)
-        color /= samples
+        self.targets["resolved"].read_into(color)
         return color
 
     def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
@@ -160,3 +179,12 @@ def setting(settings: Settings, path: str) -> object:
     for name in path.split("."):
         value = getattr(value, name)
     return value
+
+
+def fineness(view: View, samples: int, limit: int) -> int:
+    """How many times finer than the pixels the triangles are drawn, so that several samples share one drawing."""
+    for factor in (4, 2):
+        fits = max(view.width, view.height) * factor <= limit
+        if factor * factor <= samples and fits and view.width * view.height * factor * factor <= MOST_FINE_PIXELS:
+            return factor
+    return 1

@@ -243,7 +243,7 @@ def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
         job.samples_done = sample + 1
         job.statistics = profile.statistics(request.scene, sample + 1, now - start)
         if sample == 0 or sample + 1 == job.samples or now - shown > PICTURE_INTERVAL:
-            job._picture = Picture(renderer.picture(sample + 1), *surfaces, sample + 1)
+            job._picture = Picture(renderer.picture(), *surfaces, sample + 1)
             shown = now
         job.tell()
         yield

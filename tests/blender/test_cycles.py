@@ -58,7 +58,7 @@ def test_unshadowed_light_is_that_of_cycles(device, lamp_over_plane, shape, spre
     )
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass
-    ours, theirs = renderer.picture(1)[..., :3], direct_light(SAMPLES[spread])[..., :3]
+    ours, theirs = renderer.picture()[..., :3], direct_light(SAMPLES[spread])[..., :3]
     renderer.release()
     blocks = np.median(
         [np.reshape(p, (SIDE // BLOCK, BLOCK, SIDE // BLOCK, BLOCK, 3)).mean((1, 3)) for p in (ours, theirs)], -1

@@ -10,13 +10,18 @@ from typing import Any, ClassVar
 import moderngl
 import numpy as np
 
+from ...sampling import SubPixel
 from ...scene import Change, Scene, View
-from ...settings import Settings
+from ...settings import Method, Settings
 from ..atlas import Batch
 from ..context import Device
 from ..layout import Record
-from ..program import compile_program
+from ..program import bind, compile_program
 from ..targets import Target, Targets
+
+
+#: Pixels along a block: what takes part in a sample, or does not.
+BLOCK = 8
 
 
 @dataclass
@@ -32,16 +37,32 @@ class Frame:
     targets: Targets
     tables: dict[str, Any]  # what passes make that is no target, by name
     counts: dict[str, int]
+    place: SubPixel  # where in the pixels the sample lies
     batch: Batch | None = None  # the light points whose maps are in the atlas
 
     @property
     def casts_shadows(self) -> bool:
-        """Whether a shadow map can hold anything that matters."""
+        """Whether anything can stand in a light's way."""
         return bool(
             self.settings.shadow.enabled
             and self.scene.lights.casts_shadow.any()
             and self.scene.instances.casts_shadow.any()
         )
+
+    @property
+    def fitted(self) -> bool:
+        """Whether light and shadow come from Trace; else they come from the shadow maps."""
+        return self.settings.shadow.method == Method.FITTED
+
+    @property
+    def traces(self) -> bool:
+        """Whether shadow rays can find anything."""
+        return self.casts_shadows and self.fitted
+
+    @property
+    def splats(self) -> bool:
+        """Whether shadow maps can hold anything that matters."""
+        return self.casts_shadows and not self.fitted
 
     @property
     def occludes(self) -> bool:
@@ -91,6 +112,22 @@ class Pass:
     def draw(self, frame: Frame) -> None:
         """Make what the pass writes."""
         raise NotImplementedError
+
+    def in_blocks(self, *records: Record, **constants: int | float) -> moderngl.Program:
+        """The program of the file named like this pass, for draw_blocks."""
+        name = type(self).__module__.rsplit(".", 1)[-1]
+        return compile_program(self.device, "blocks.vert", f"{name}.frag", records=records, block=BLOCK, **constants)
+
+    def draw_blocks(self, frame: Frame, target: moderngl.Framebuffer, program: moderngl.Program) -> None:
+        """Draw the pixels that take part in this sample, see sift."""
+        buffer, count = frame.tables["blocks"]
+        columns, rows = -(-frame.view.width // BLOCK), -(-frame.view.height // BLOCK)
+        target.viewport = 0, 0, columns * BLOCK, rows * BLOCK
+        target.use()
+        self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
+        bind(program, blocks=(columns, rows))
+        self.device.gl.vertex_array(program, [(buffer, "2f", "block")]).render(moderngl.POINTS, vertices=count)
+        target.viewport = 0, 0, frame.view.width, frame.view.height
 
     def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass."""

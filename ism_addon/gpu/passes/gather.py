@@ -9,7 +9,6 @@ the texel's centre, where the disc was measured too. Matrices come from a table,
 
 import moderngl
 
-from ...radiometry import ELLIPSE_CORNERS, ellipse_polygon_scale
 from ...scene import Change
 from ..atlas import EMPTY
 from ..context import Device
@@ -24,21 +23,15 @@ class Gather(Pass):
 
     reads = ("position", "normal", "lights", "light_points", "splats", "shadow_maps")
     writes = {"irradiance": Target(4, "f4")}
-    settings = ("shadow.enabled", "shadow.bias", "shadow.fill_holes")
+    settings = ("shadow.enabled", "shadow.method", "shadow.bias", "shadow.fill_holes")
     depends_on = (Change.LIGHTS,)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen(
-            LIGHT,
-            LIGHT_POINT,
-            empty=EMPTY,
-            ellipse_corners=ELLIPSE_CORNERS,
-            ellipse_scale=ellipse_polygon_scale(ELLIPSE_CORNERS),
-        )
+        self.pixels = self.full_screen(LIGHT, LIGHT_POINT, empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0
+        return len(frame.scene.lights.shape) > 0 and not frame.fitted
 
     def draw(self, frame: Frame) -> None:
         gl, batch, shadow = frame.device.gl, frame.batch, frame.settings.shadow

@@ -23,39 +23,49 @@ class GBuffer(Pass):
     """Depth along the view's axis, position, normals and albedo of each pixel's nearest surface."""
 
     writes = {
+        "triangles": Target(2, "u4", divisor=0),  # on a finer grid than the pixels'; several samples share it
+        "z": Target(1, DEPTH, divisor=0),
         "triangle": Target(2, "u4"),
-        "z": Target(1, DEPTH),
         "depth": Target(1, "f4", neutral=(FAR_AWAY,)),
         "position": Target(4, "f4"),
         "normal": Target(4, "f4"),  # octahedral: shading normal in xy, the triangle's own in zw
-        "albedo": Target(4, "f2"),
+        "albedo": Target(4, "f2"),  # in alpha: how far the curved surface stands out over the triangle
     }
-    reads = ("geometry", "placement", "surfaces")
+    reads = ("geometry", "placement", "surfaces", "blocks")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     def __init__(self, device: Device):
         super().__init__(device)
         self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", records=(INSTANCE,))
-        self.surface = self.full_screen(INSTANCE, MATERIAL, far_away=FAR_AWAY)
+        self.surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY)
+        self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
-        self.draw_triangles(frame)
-        frame.targets.into("depth", "position", "normal", "albedo").use()
-        frame.device.gl.disable(moderngl.DEPTH_TEST)
+        grid = frame.sample // frame.place.factor**2, frame.place.factor
+        drawn = *grid, frame.part(Change.VIEW), frame.tables["geometry"], frame.tables["placement"]
+        if drawn != self.drawn:
+            self.draw_triangles(frame)
+            self.drawn = drawn
+        frame.device.gl.enable_only(moderngl.NOTHING)
         bind(
-            self.surface.program,
-            triangle_ids=frame.targets["triangle"],
+            self.surface,
+            triangles_seen=frame.targets["triangles"],
+            fine=(*frame.place.texel, frame.place.factor),
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels,
             **frame.tables["geometry"].textures,
         )
-        self.surface.render(moderngl.TRIANGLES, vertices=3)
+        target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
+        self.draw_blocks(frame, target, self.surface)
 
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
         gl = frame.device.gl
-        target = frame.targets.into("triangle", "z")
+        size = frame.view.width * frame.place.factor, frame.view.height * frame.place.factor
+        for name in ("triangles", "z"):
+            frame.targets.allocate(name, self.writes[name], size)
+        target = frame.targets.into("triangles", "z")
         target.clear(depth=1.0)
         geometry = frame.tables["geometry"]
         if geometry.indices is None:

@@ -16,28 +16,32 @@ from . import Frame, Pass
 
 
 class Shade(Pass):
-    """The picture of one sample, alpha premultiplied."""
+    """The picture of one sample, alpha premultiplied, and what corrects it."""
 
-    reads = ("position", "normal", "depth", "albedo", "irradiance", "smooth_occlusion")
-    writes = {"color": Target(4, "f4")}
+    reads = (
+        *("blocks", "position", "normal", "depth", "albedo"),
+        *("irradiance", "predicted", "correction", "smooth_occlusion"),
+    )
+    writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4")}
     depends_on = (Change.WORLD, Change.VIEW)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen()
+        self.pixels = self.in_blocks()
 
     def draw(self, frame: Frame) -> None:
-        frame.device.gl.enable_only(moderngl.NOTHING)
-        frame.targets.into("color").use()
+        self.device.gl.enable_only(moderngl.NOTHING)
         bind(
-            self.pixels.program,
+            self.pixels,
             position=frame.targets["position"],
             normals=frame.targets["normal"],
             depth=frame.targets["depth"],
             albedo=frame.targets["albedo"],
             irradiance=frame.targets["irradiance"],
+            predicted=frame.targets["predicted"],
+            correction=frame.targets["correction"],
             occlusion=frame.targets["smooth_occlusion"],
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        self.pixels.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_blocks(frame, frame.targets.into("color", "color_correction"), self.pixels)

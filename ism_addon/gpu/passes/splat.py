@@ -25,14 +25,17 @@ class Splat(Pass):
 
     reads = ("surface_points", "maps")
     writes = {"splats": Target(1, "f4", neutral=(EMPTY,), divisor=0)}
-    settings = ("quality.map_size",)
+    settings = (
+        "shadow.method",
+        "quality.map_size",
+    )
 
     def __init__(self, device: Device):
         super().__init__(device)
         self.discs = compile_program(device, "splat.vert", "splat.frag", empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.casts_shadows
+        return frame.splats
 
     def draw(self, frame: Frame) -> None:
         gl, batch = frame.device.gl, frame.batch

@@ -79,11 +79,11 @@ class Subsets(Pass):
 
     reads = ("cloud",)
     makes = ("surface_points",)
-    settings = ("quality.surface_points", "shadow.splat_size")
+    settings = ("shadow.method", "quality.surface_points", "shadow.splat_size")
     depends_on = (Change.LIGHTS,)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.casts_shadows
+        return frame.splats
 
     def draw(self, frame: Frame) -> None:
         cloud, lights = frame.tables["cloud"], frame.scene.lights

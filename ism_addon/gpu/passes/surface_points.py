@@ -18,11 +18,14 @@ class SurfacePoints(Pass):
     """The cloud that stands for the scene."""
 
     makes = ("cloud",)
-    settings = ("quality.surface_points",)
+    settings = (
+        "shadow.method",
+        "quality.surface_points",
+    )
     depends_on = (Change.MESHES, Change.INSTANCES)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.casts_shadows
+        return frame.splats
 
     def draw(self, frame: Frame) -> None:
         seen = frame.settings.quality.surface_points

@@ -1,6 +1,5 @@
 // Irradiance: a light's exact value times the part of its light points that see the pixel, weighted by what they send.
 #include "lib/octahedron.glsl"
-#include "lib/irradiance.glsl"
 #include "lib/spread.glsl"
 
 uniform sampler2D position;
@@ -36,8 +35,8 @@ float visibility(vec2 turn, int index, vec3 v, vec3 n) {
 
 vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
     bool masked = shadows && light.casts_shadow != 0;
-    vec3 full = light.radiance * area_irradiance(light, p, n);
-    if (!masked && light.spread_scale == 0.0) return batch.x == 0 ? full : vec3(0.0);
+    vec3 full = light.radiance * unshadowed_irradiance(light, p, n);
+    if (!masked) return batch.x == 0 ? full : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
     p = light_from_anchor * (p - light.position);
     n = light_from_anchor * n;
@@ -49,14 +48,12 @@ vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
         vec3 v = vec3(p.xy - point.place, p.z);
         float square = dot(v, v);
         float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);
+        weight *= spread(light, p.z * inversesqrt(max(square, 1e-30)));
         sent += weight;
         int index = k - batch.x;
-        if (masked ? index >= 0 && index < batch.y : batch.x == 0) {
-            weight *= spread(light, p.z * inversesqrt(max(square, 1e-30)));
-            arrived += masked ? weight * visibility(point.turn, index, v, facet) : weight;
-        }
+        if (index >= 0 && index < batch.y) arrived += weight * visibility(point.turn, index, v, facet);
     }
-    return sent > 0.0 ? full * (arrived / sent) : vec3(0.0);
+    return sent > 0.0 ? full * (arrived / sent) : batch.x == 0 ? full : vec3(0.0);
 }
 
 void main() {

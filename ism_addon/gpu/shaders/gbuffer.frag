@@ -3,8 +3,10 @@
 #include "lib/octahedron.glsl"
 #include "lib/ray.glsl"
 #include "lib/image.glsl"
+#include "lib/rise.glsl"
 
-uniform usampler2D triangle_ids;
+uniform usampler2D triangles_seen;
+uniform ivec3 fine; // this sample's fine pixel, from the pixel's first, and how many there are along a pixel
 uniform sampler2D instances;
 uniform sampler2D material_table;
 uniform sampler2D positions;
@@ -16,6 +18,7 @@ layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
 layout(location = 2) out vec4 normal;
 layout(location = 3) out vec4 albedo;
+layout(location = 4) out uvec2 triangle_seen;
 
 // Barycentric coordinates of where a ray meets the plane of the triangle a, a + u, a + v, whose normal is n.
 vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
@@ -26,7 +29,9 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
 }
 
 void main() {
-    uvec2 id = texelFetch(triangle_ids, ivec2(gl_FragCoord.xy), 0).xy;
+    ivec2 at = ivec2(gl_FragCoord.xy) * fine.z + fine.xy;
+    uvec2 id = texelFetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1), 0).xy;
+    triangle_seen = id;
     if (id.x == 0u) {
         depth = FAR_AWAY;
         position = normal = albedo = vec4(0.0);
@@ -55,20 +60,24 @@ void main() {
     // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     vec3 smooth_normal = vec3(0.0);
+    vec3 corner_normals[3];
     vec2 uv[3];
     for (int k = 0; k < 3; ++k) {
         int corner = 3 * triangle + k;
         vec2 octahedra = vec2(texelFetch(normals, element(corner), 0).xy) / 32767.0;
-        smooth_normal += b[k] * direction_from_octahedron(octahedra);
+        corner_normals[k] = direction_from_octahedron(octahedra);
+        smooth_normal += b[k] * corner_normals[k];
         uv[k] = texelFetch(uvs, element(corner), 0).xy;
     }
     smooth_normal = normalize(cofactor * smooth_normal);
     facet = normalize(facet);
     float side = dot(facet, ray.direction) > 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; ++k) corner_normals[k] = side * normalize(cofactor * corner_normals[k]);
+    float rise = height_over_triangle(b, vec3[3](a, a + u, a + v), corner_normals);
     normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
 
     Material material = fetch_Material(material_table, int(texelFetch(materials, element(triangle), 0).x));
-    albedo = vec4(material.color, 1.0);
+    albedo = vec4(material.color, rise);
     if (material.width > 0) {
         vec3 bx = barycentric(view_ray(gl_FragCoord.xy + vec2(1.0, 0.0)), a, u, v, cross(u, v));
         vec3 by = barycentric(view_ray(gl_FragCoord.xy + vec2(0.0, 1.0)), a, u, v, cross(u, v));

@@ -1,12 +1,16 @@
 // Composition in linear light.
 #include "lib/half.glsl"
+#include "lib/luminance.glsl"
 #include "lib/surface.glsl"
 uniform sampler2D albedo;
-uniform sampler2D irradiance;
+uniform sampler2D irradiance; // by shadow maps
+uniform sampler2D predicted;  // or by rays
+uniform sampler2D correction; // and what they find wrong
 uniform sampler2D occlusion;
 uniform vec3 world;
 uniform float background;
-out vec4 color;
+layout(location = 0) out vec4 color;
+layout(location = 1) out vec4 color_correction; // in alpha, the square of its luminance
 
 // Bilinear between the four nearest half-resolution pixels, as far as they show the surface that is here.
 float open_part(ivec2 at, Surface here) {
@@ -26,15 +30,23 @@ float open_part(ivec2 at, Surface here) {
     return sum / weights;
 }
 
+// Of a target that is 1 × 1 where nobody draws it.
+vec3 at_pixel(sampler2D target, ivec2 at) { return texelFetch(target, min(at, textureSize(target, 0) - 1), 0).rgb; }
+
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Surface here = surface_at(at);
+    color_correction = vec4(0.0);
     if (!here.seen) {
         color = background * vec4(world, 1.0);
         return;
     }
     // A Lambertian surface sends its albedo's part of what arrives, spread over pi; from a world of one radiance
     // arrives pi times that.
-    vec3 arriving = texelFetch(irradiance, min(at, textureSize(irradiance, 0) - 1), 0).rgb / 3.141592653589793;
-    color = vec4(texelFetch(albedo, at, 0).rgb * (arriving + world * open_part(at, here)), 1.0);
+    vec3 part = texelFetch(albedo, at, 0).rgb, sent = part / 3.141592653589793;
+    vec3 arriving = at_pixel(irradiance, at) + at_pixel(predicted, at);
+    color = vec4(sent * arriving + part * world * open_part(at, here), 1.0);
+    color_correction.rgb = sent * at_pixel(correction, at);
+    float bright = luminance(color_correction.rgb);
+    color_correction.a = bright * bright;
 }

@@ -43,7 +43,7 @@ class Ism:
             spent += self._draw(self.stage.view, sample)
             sample += 1
             if sample == due or spent >= self.seconds:
-                yield Shot(sample, spent, self.renderer.picture(sample)[..., :3])
+                yield Shot(sample, spent, self.renderer.picture()[..., :3])
                 due = 2 * sample
 
     def close(self) -> None:

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture of all samples so far: the mean of what was predicted, and of the corrections what stands out of noise.
+
+A correction is believed by the part that is left when the noise of its neighbourhood is taken from their mean square
+(James & Stein 1961): nothing of one ray a pixel, all of it in the end, so nothing of the prediction's error remains.
+"""
+
+import moderngl
+
+from ...scene import Change
+from ..context import Device
+from ..program import bind
+from ..targets import Target
+from . import BLOCK, Frame, Pass
+
+
+class Resolve(Pass):
+    """The sums as one picture."""
+
+    reads = ("sum", "sum_correction", "counts")
+    writes = {"resolved": Target(4, "f4")}
+    depends_on = (Change.SAMPLE,)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.pixels = self.full_screen(block=BLOCK)
+
+    def draw(self, frame: Frame) -> None:
+        self.device.gl.enable_only(moderngl.NOTHING)
+        frame.targets.into("resolved").use()
+        bind(
+            self.pixels.program,
+            sum=frame.targets["sum"],
+            sum_correction=frame.targets["sum_correction"],
+            counts=frame.tables["counts"],
+        )
+        self.pixels.render(moderngl.TRIANGLES, vertices=3)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which parts of the picture a sample is spent on: those that samples still change, and as much as they do.
+
+After the first few samples, blocks of pixels take part with a chance in proportion to the standard deviation of their
+samples: for a given number of pixels drawn that leaves the least error (Neyman 1934). A block is averaged over the
+samples that it took part in.
+"""
+
+import moderngl
+import numpy as np
+
+from ...sampling import additive_sequence
+from ...scene import Change
+from ..context import Device
+from ..program import bind
+from ..targets import Target
+from . import BLOCK, Frame, Pass
+
+#: Samples that every block takes part in.
+SAMPLES_FOR_ALL = 4
+
+#: The least chance of a block after them, and the part of the blocks that still take part for sure.
+LEAST_CHANCE = 0.125
+FOR_SURE = 0.1
+
+
+class Sift(Pass):
+    """The blocks that take part in this sample, and in how many each did so far."""
+
+    writes = {"noise": Target(2, "f4", divisor=BLOCK)}
+    makes = ("blocks", "counts")
+    settings = ("shadow.method",)
+    depends_on = (Change.VIEW, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.means = self.full_screen(block=BLOCK)
+
+    def draw(self, frame: Frame) -> None:
+        if frame.sample == 0:
+            self.start(frame)
+        elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
+            noise, frame.tables["brightness"] = self.so_far(frame)
+            if frame.fitted and frame.sample >= SAMPLES_FOR_ALL:
+                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), np.finfo(np.float32).tiny)
+                self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0)
+        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
+        takes_part = np.mod(self.phase + turn, 1.0) < self.chance
+        self.counts += takes_part
+        frame.tables["counts"].write(self.counts)
+        blocks = np.argwhere(takes_part)[:, ::-1].astype(np.float32)
+        if len(blocks):
+            self.buffer.write(blocks.tobytes())
+        frame.tables["blocks"] = self.buffer, len(blocks)
+
+    def start(self, frame: Frame) -> None:
+        """All blocks, none drawn yet."""
+        gl, (width, height) = self.device.gl, frame.targets["noise"].size
+        self.counts = np.zeros((height, width), np.float32)
+        self.chance = np.ones((height, width), np.float32)
+        self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
+        self.buffer = gl.buffer(reserve=8 * width * height)
+        frame.tables["counts"] = Target(1, "f4").create(gl, (width, height))
+
+    def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
+        """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""
+        self.device.gl.enable_only(moderngl.NOTHING)
+        target = frame.targets.into("noise")
+        target.use()
+        bind(
+            self.means.program,
+            sum=frame.targets["sum"],
+            sum_correction=frame.targets["sum_correction"],
+            squares=frame.targets["squares"],
+            counts=frame.tables["counts"],
+        )
+        self.means.render(moderngl.TRIANGLES, vertices=3)
+        self.device.wait()
+        found = np.empty((*self.counts.shape, 2), np.float32)
+        frame.targets["noise"].read_into(found)
+        return np.sqrt(found[..., 0]), float(found[..., 1].mean())

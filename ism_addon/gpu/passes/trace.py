@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Irradiance by each light: what is predicted of it, and by shadow rays how far that is wrong.
+
+With E the irradiance that nothing hides, exact, and p the predicted part of it, a ray to a point of the light that would
+send w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is right
+about a light all seen or all hidden, none on average elsewhere (a control variate). It is the ratio estimator of Heitz,
+Hill & McGuire 2018 in another form, whose samples can be added up. Rays are traced with a chance in proportion to how
+much they may change the picture, and weigh more the rarer they are.
+"""
+
+import moderngl
+import numpy as np
+
+from ...sampling import additive_sequence, sobol
+from ...scene import Change, LightShape
+from ..context import Device
+from ..layout import CASTER, LIGHT
+from ..program import bind
+from ..targets import Target
+from . import Frame, Pass
+
+#: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
+ENOUGH = 0.2
+
+#: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
+TRUST = 0.0625
+LEAST_CHANCE = 0.02
+
+
+class Trace(Pass):
+    """Irradiance W/m² as predicted, and what rays add to it or take away."""
+
+    reads = ("blocks", "position", "normal", "albedo", "lights", "casters", "predictions")
+    writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
+    settings = ("shadow.enabled",)
+    depends_on = (Change.LIGHTS, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.all_seen = device.gl.texture((1, 1), 2, bytes([255, 0]))
+
+    def program(self, rectangle: bool, spread: bool) -> moderngl.Program:
+        """For one kind of light: what the others would need, many drivers would walk through too."""
+        kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread)}
+        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, **kind)
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.lights.shape) > 0 and frame.fitted
+
+    def draw(self, frame: Frame) -> None:
+        gl, lights = self.device.gl, frame.scene.lights
+        frame.targets.into("predicted", "correction").clear()
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_func = moderngl.ONE, moderngl.ONE
+        place = sobol(max(frame.sample - 1, 0))
+        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
+        for light, shift in enumerate(additive_sequence(0, len(lights.shape), 2)):
+            casts = frame.traces and bool(lights.casts_shadow[light])
+            program = self.program(lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi)
+            bind(
+                program,
+                position=frame.targets["position"],
+                normals=frame.targets["normal"],
+                albedo=frame.targets["albedo"],
+                triangles=frame.targets["triangle"],
+                lights=frame.tables["lights"],
+                light_index=light,
+                prediction=frame.tables["predictions"][light] if casts else self.all_seen,
+                traced=casts and frame.sample > 0,
+                place=tuple(np.mod(place + shift, 1.0)),
+                turn=turn,
+                enough=ENOUGH * frame.tables.get("brightness", 1.0),
+                **(frame.tables["casters"] if casts else {}),
+            )
+            names = [frame.targets["predicted"], frame.targets["correction"]]
+            self.draw_blocks(frame, gl.framebuffer(names + ([frame.tables["seen"][light]] if casts else [])), program)

@@ -1,0 +1,37 @@
+// What part of a light a pixel sees, by the rays of its neighbours on the same surface.
+#include "lib/half.glsl"
+#include "lib/surface.glsl"
+
+uniform sampler2D scouted; // at half resolution: rays that arrived, and rays
+uniform sampler2D seen;    // at full resolution, if there are any yet
+uniform bool traced;
+out vec2 prediction; // part of the light, and whether that is in doubt
+
+const int TAPS = 25;
+
+ivec2 neighbour(ivec2 at, int k, sampler2D of) {
+    return clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), textureSize(of, 0) - 1);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(position, 0);
+    int more = traced ? TAPS : 0;
+    vec2 all = vec2(0.0);
+    for (int k = 0; k < TAPS; ++k) all += texelFetch(scouted, neighbour(at / 2, k, scouted), 0).xy;
+    for (int k = 0; k < more; ++k) all += texelFetch(seen, neighbour(at, k, seen), 0).xy;
+    prediction = vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0);
+    if (all.x == 0.0 || all.x == all.y) return;
+    Surface here = surface_at(at);
+    if (!here.seen) return;
+    vec2 near = vec2(0.0);
+    for (int k = 0; k < TAPS; ++k) {
+        ivec2 other = neighbour(at / 2, k, scouted);
+        near += alike(here, surface_at(full_from_half(other, size))) * texelFetch(scouted, other, 0).xy;
+    }
+    for (int k = 0; k < more; ++k) {
+        ivec2 other = neighbour(at, k, seen);
+        near += alike(here, surface_at(other)) * texelFetch(seen, other, 0).xy;
+    }
+    if (near.y < 1e-3) near = all;
+    prediction = vec2(near.x / near.y, 1.0);
+}

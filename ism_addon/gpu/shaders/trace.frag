@@ -1,0 +1,36 @@
+// One light on each pixel: what is predicted of it, and perhaps a ray that says how far that is wrong.
+#include "lib/luminance.glsl"
+#include "lib/receiver.glsl"
+#include "lib/shadow_ray.glsl"
+uniform sampler2D lights;
+uniform int light_index;
+uniform sampler2D prediction;
+uniform bool traced;
+uniform vec2 place;
+uniform float turn;
+uniform float enough; // change of luminance that is worth a ray
+layout(location = 0) out vec4 predicted;
+layout(location = 1) out vec4 correction;
+layout(location = 2) out vec2 seen; // rays that arrived, and rays
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    predicted = correction = vec4(0.0);
+    seen = vec2(0.0);
+    Receiver here = receiver_at(at);
+    if (!here.seen) return;
+    Light light = fetch_Light(lights, light_index);
+    float full = unshadowed_irradiance(light, here.position, here.normal);
+    vec2 known = texelFetch(prediction, min(at, textureSize(prediction, 0) - 1), 0).xy;
+    predicted.rgb = light.radiance * full * known.x;
+    float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
+    float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.05)) : TRUST;
+    float chance = clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
+    // Pixels close by take turns together: processors work on several at once.
+    if (!traced || full <= 0.0 || place_of_pixel(at / 4, vec2(turn)).x >= chance) return;
+    vec3 to = light.position + point_on_light(light, place_of_pixel(at, place));
+    float weight = sent(light, to - here.position, here.normal) / full;
+    if (weight <= 0.0) return;
+    seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);
+    correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / chance);
+}

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A tree of boxes over boxes: what a shadow ray looks through instead of all triangles.
+
+Complete and binary, so that its shape needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and
+the leaves are as many as the next power of two asks for. Each node splits its boxes at the median of their middles
+along the longest axis (Kay & Kajiya 1986), all nodes of a level at once.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Where the boxes of leaves that hold nothing are: no ray gets there. m
+NOWHERE = 1e30
+
+#: Trees of more boxes than this are split by two threads (numpy lets go of the interpreter's lock).
+LARGE = 1 << 14
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Which boxes lie in which leaf, and around what."""
+
+    order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; one is repeated to fill the last leaves
+    leaves: int
+    nodes: np.ndarray  # (2 * leaves, 2, 3) float32: low and high corner of node k
+
+    @property
+    def per_leaf(self) -> int:
+        """Boxes a leaf."""
+        return len(self.order) // self.leaves
+
+    @property
+    def pairs(self) -> np.ndarray:
+        """(leaves, 12) float32: for each inner node, low and high corner of its one child and of its other."""
+        return self.nodes.reshape(self.leaves, 12)
+
+
+def build(low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> Tree:
+    """A tree over N > 0 boxes, given by their corners (N,3) float32 each."""
+    depth = int(np.ceil(np.log2(max(len(low) / most_per_leaf, 1.0))))
+    leaves = 1 << depth
+    per_leaf = -(-len(low) // leaves)
+    count = len(low)
+    order = np.minimum(np.arange(leaves * per_leaf), count)  # number `count` stands for no box
+    middles = np.append(low + high, low[-1:] + high[-1:], 0)
+    halves = [order]
+    if depth and count > LARGE:
+        halves = list(split(middles, order[None]).reshape(2, -1))
+    with ThreadPoolExecutor() as cores:
+        order = np.concatenate(list(cores.map(lambda half: sort(middles, half, per_leaf), halves)))
+    nodes = np.empty((2 * leaves, 2, 3), np.float32)
+    nothing = np.full((1, 3), np.inf, np.float32)
+    nodes[leaves:, 0] = np.append(low, nothing, 0)[order].reshape(leaves, per_leaf, 3).min(1)
+    nodes[leaves:, 1] = np.append(high, -nothing, 0)[order].reshape(leaves, per_leaf, 3).max(1)
+    for level in range(depth - 1, -1, -1):
+        first = 1 << level
+        children = nodes[2 * first : 4 * first].reshape(first, 2, 2, 3)
+        nodes[first : 2 * first, 0] = children[:, :, 0].min(1)
+        nodes[first : 2 * first, 1] = children[:, :, 1].max(1)
+    nodes[0] = NOWHERE
+    nodes[nodes[:, 0, 0] > nodes[:, 1, 0]] = NOWHERE
+    return Tree(np.minimum(order, count - 1), leaves, nodes)
+
+
+def sort(middles: np.ndarray, order: np.ndarray, per_leaf: int) -> np.ndarray:
+    """Split boxes `order` (N,), N a power of two times per_leaf, until each leaf has its own."""
+    groups = order[None]
+    while groups.shape[1] > per_leaf:
+        groups = split(middles, groups).reshape(2 * len(groups), -1)
+    return groups.ravel()
+
+
+def split(middles: np.ndarray, groups: np.ndarray) -> np.ndarray:
+    """Each row of groups (G,N) in another order: the lower half along its longest axis first."""
+    points = middles[groups]
+    longest = (points.max(1) - points.min(1)).argmax(1)
+    along = np.take_along_axis(points, longest[:, None, None], 2)[..., 0]
+    return np.take_along_axis(groups, np.argpartition(along, groups.shape[1] // 2, axis=1), 1)
