@@ -32,7 +32,7 @@ void main() {
 
 @pytest.fixture(scope="module")
 def shader(opened_device):
-    """shader(lights, points (N,3), normals (N,3)): (N,) irradiance by the first light, of radiance 1."""
+    """shader(lights, points (N,3), normals (N,3)): (N,) irradiance by the first light, of radiance 1; N ≤ RECEIVERS."""
     with opened_device.gl as gl:
         head = "#version 410 core\n#define WIDTH 4096\n"
         program = gl.program(
@@ -40,6 +40,8 @@ def shader(opened_device):
             fragment_shader=head + LIGHT.glsl() + expand(FOLDER / "lib/spread.glsl", []) + MAIN,
         )
         triangle = gl.vertex_array(program, [])
+        target = gl.texture((RECEIVERS, 1), 4, dtype="f4")
+        frame = gl.framebuffer([target])
 
     def run(lights: Lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
         with opened_device.gl as gl:
@@ -49,17 +51,13 @@ def shader(opened_device):
                 for name, rows in (("points", points), ("normals", normals))
             }
             tables["lights"] = LIGHT.upload(gl, light_tables(lights, 1, 0, np.zeros(3))[0])
-            target = gl.texture(size, 4, dtype="f4")
-            frame = gl.framebuffer([target])
             frame.use()
             for unit, (name, texture) in enumerate(tables.items()):
                 texture.filter = moderngl.NEAREST, moderngl.NEAREST
                 texture.use(unit)
                 program[name].value = unit
             triangle.render(moderngl.TRIANGLES, vertices=3)
-            found = np.frombuffer(target.read(), "f4").reshape(-1, 4)[:, 0].astype(float)
-            for thing in (frame, target, *tables.values()):
-                thing.release()
+            found = np.frombuffer(target.read(), "f4").reshape(-1, 4)[: len(points), 0].astype(float)
         assert np.isfinite(found).all() and (found >= 0.0).all()
         return found
 
@@ -113,6 +111,13 @@ def conditioned(lights: Lights, points: np.ndarray, normals: np.ndarray) -> tupl
     return truth, np.abs(np.array(moved) - truth).max(0)
 
 
+def rounding(lights: Lights, points: np.ndarray) -> np.ndarray:
+    """(N,) some roundings of what a single edge can send."""
+    return 1e-6 * np.minimum(
+        1.0, np.linalg.norm(lights.axis_u[0]) / np.linalg.norm(lights.position[0] - points, axis=1)
+    )
+
+
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -132,9 +137,8 @@ def test_a_receiver_that_faces_the_light_is_exact(shader, shape, seed, exponent,
         unit(lights.position[0] - points) if exponent > 0.0 else np.tile(-lights.normal[0], (RECEIVERS, 1))
     )
     truth, slack = conditioned(lights, points, normals)
-    edge = np.minimum(1.0, np.linalg.norm(lights.axis_u[0]) / np.linalg.norm(lights.position[0] - points, axis=1))
     off = np.abs(shader(lights, points, normals) - truth)
-    assert (off <= 1e-5 * truth + 2e-6 * edge + 4.0 * slack).all()
+    assert (off <= 1e-5 * truth + rounding(lights, points) + 4.0 * slack).all()
 
 
 @BOTH_SHAPES
@@ -151,7 +155,22 @@ def test_a_horizon_cuts_the_light_where_it_is(shader, shape, seed, exponent, asp
     facing = np.array([irradiance(p, n, lights) for p, n in zip(points, towards, strict=True)])
     within = (3e-4, 0.0) if exponent > -3.0 else (2e-2, 1e-6)
     off = np.abs(shader(lights, points, normals) - truth)
-    assert (off <= within[0] * np.maximum(truth, facing) + 4.0 * slack + within[1]).all()
+    assert (off <= within[0] * np.maximum(truth, facing) + within[1] + rounding(lights, points) + 4.0 * slack).all()
+
+
+@BOTH_SHAPES
+@pytest.mark.parametrize("distance", [30.0, 100.0, 300.0, 1e4])
+def test_a_small_light_cut_by_the_horizon(shader, shape, distance):
+    """Within 3e-4 of what a receiver that faces it gets."""
+    lights = light(shape, (0.0, 0.0, 0.0))
+    points = np.tile(single(distance * unit(np.array([0.3, 0.5, -0.8]))), (RECEIVERS, 1))
+    towards, turn = unit(-points), np.linspace(0.0, np.pi, RECEIVERS)[:, None]
+    along = unit(np.cross(towards, [0.0, 0.0, 1.0]))
+    across = np.cos(turn) * along + np.sin(turn) * np.cross(towards, along)
+    normals = single(unit(across + np.linspace(-0.3, 0.3, RECEIVERS)[:, None] / distance * towards))
+    truth = [irradiance(p, n, lights) for p, n in zip(points, normals, strict=True)]
+    facing = irradiance(points[0], towards[0], lights)
+    assert shader(lights, points, normals) == pytest.approx(np.array(truth), abs=3e-4 * facing)
 
 
 @BOTH_SHAPES
@@ -174,7 +193,7 @@ def test_a_sliver_is_right(shader, shape, distance):
     aspect=st.sampled_from([1.0, 0.5, 0.2]),
 )
 def test_a_spread_is_integrated(shader, shape, seed, degrees, exponent, aspect):
-    """Within 2e-4 (rectangle) or 5e-3 (ellipse) of the brightest receiver at this height; most ten times closer."""
+    """Within 2e-4 (rectangle) or 2 % (ellipse) of the brightest receiver at this height; most within 2e-3."""
     random = np.random.default_rng(seed)
     lights = some_light(random, shape, aspect, 0.0, np.radians(degrees))
     u, v, normal = lights.axis_u[0], lights.axis_v[0], unit(lights.normal[0])
@@ -185,8 +204,8 @@ def test_a_spread_is_integrated(shader, shape, seed, degrees, exponent, aspect):
     truth = np.array([spread_integral(p, n, lights) for p, n in zip(points, unit(normals), strict=True)])
     brightest = spread_integral(lights.position[0] + height * normal, -normal, lights)
     off = np.abs(shader(lights, points, normals) - truth) / brightest
-    within = 5e-3 if shape == LightShape.ELLIPSE else 2e-4
-    assert off.max() < within and np.median(off) < 0.1 * within
+    within = 2e-2 if shape == LightShape.ELLIPSE else 2e-4
+    assert off.max() < within and np.median(off) < 2e-3
 
 
 @BOTH_SHAPES

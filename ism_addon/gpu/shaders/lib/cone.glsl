@@ -21,7 +21,8 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
         float s = root * tan(0.5 * (first + last) + 0.3872983346207417 * float(k) * (last - first));
         float square = max(d * d + s * s, 1e-20), r = sqrt(square);
         vec2 g = radial(r, reach);
-        sum += (k == 0 ? 8.0 : 5.0) / 18.0 * (n.z * g.x + dot(n.xy, base + s * along) / r * g.y) * (1.0 + square) / square;
+        float sent = n.z * g.x + dot(n.xy, base + s * along) / r * g.y;
+        sum += (k == 0 ? 8.0 : 5.0) / 18.0 * sent * (1.0 + square) / square;
     }
     return sum * (last - first) * d / root;
 }
@@ -61,8 +62,10 @@ float cone_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) 
     return (around ? 6.283185307179586 * n.z * radial(reach, reach).x : 0.0) + sum;
 }
 
-const float GAUSS_PLACES[6] = float[](0.1252334085, 0.3678314990, 0.5873179543, 0.7699026742, 0.9041172564, 0.9815606342);
-const float GAUSS_SHARES[6] = float[](0.2491470458, 0.2334925365, 0.2031674267, 0.1600783285, 0.1069393260, 0.0471753364);
+const float[6] GAUSS_PLACES = float[6](
+    0.1252334085, 0.3678314990, 0.5873179543, 0.7699026742, 0.9041172564, 0.9815606342);
+const float[6] GAUSS_SHARES = float[6](
+    0.2491470458, 0.2334925365, 0.2031674267, 0.1600783285, 0.1069393260, 0.0471753364);
 
 // The directions from the foot f under which an ellipse is seen: the first in radians, and the span. f is in units of
 // the semi-axes u, v about the centre. From inside it is the half turn from one nearest tangent to the other.

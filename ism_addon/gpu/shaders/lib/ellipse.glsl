@@ -36,13 +36,15 @@ float rim_integral(vec3 n, float wide, float narrow, vec3 from, vec3 to) {
     float turn = arc(abs(p.x * q.y - p.y * q.x), dot(p, q));
     if (p.x * q.y < p.y * q.x) turn = 6.283185307179586 - turn;
     vec2 roots = vec2(length(from) / from.z, length(to) / to.z) * scale.x;
-    return n.z * wide * narrow * turn * scale.x * scale.y - n.x * narrow * scale.x * atanh_step(k, sines * scale.x, roots)
+    return n.z * wide * narrow * turn * scale.x * scale.y
+         - n.x * narrow * scale.x * atanh_step(k, sines * scale.x, roots)
          + n.y * wide * scale.y * atan_step(k, cosines * scale.y);
 }
 
 // The same for an ellipse seen as small, without cross(u, v): chords along the horizon, two points on each.
 float small_clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec2 turn, float level, float reach, int points) {
-    const vec3 PLACES = vec3(0.2386191861, 0.6612093865, 0.9324695142), SHARES = vec3(0.4679139346, 0.3607615730, 0.1713244924);
+    const vec3 PLACES = vec3(0.2386191861, 0.6612093865, 0.9324695142);
+    const vec3 SHARES = vec3(0.4679139346, 0.3607615730, 0.1713244924);
     vec3 up = u * turn.x + v * turn.y, across = (v * turn.x - u * turn.y) * 0.5773502692;
     float angle = arc(sqrt(1.0 - level * level), -level), sum = 0.0;
     for (int k = 0; k < points; ++k) { // Gauss's points of the angle at which a chord ends
@@ -63,6 +65,22 @@ float clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, vec2 turn, float leve
     return 0.5 * max(chord + rim_integral(n * frame, half_lengths.x, half_lengths.y, from * frame, to * frame), 0.0);
 }
 
+// The cone's wide, narrow and given axis: the eigenvectors of what S is across the latter, with the larger eigenvalue.
+mat3 principal_axes(vec3 axis, vec3 centre, vec3 u, vec3 v, out float most) {
+    vec3 x = normalize(abs(axis.x) < 0.5 ? vec3(0.0, axis.z, -axis.y) : vec3(-axis.z, 0.0, axis.x)), y = cross(axis, x);
+    vec3 on_x = vec3(dot(u, x), dot(v, x), dot(centre, x)), on_y = vec3(dot(u, y), dot(v, y), dot(centre, y));
+    vec3 signs = vec3(1.0, 1.0, -1.0);
+    float xx = dot(on_x * signs, on_x), xy = dot(on_x * signs, on_y), yy = dot(on_y * signs, on_y);
+    vec2 twice = vec2(xx - yy, 2.0 * xy);
+    float gap = length(twice);
+    most = 0.5 * (xx + yy + gap);
+    vec2 turn = gap > 0.0 ? twice / gap : vec2(1.0, 0.0); // by twice the angle
+    float way = turn.y < 0.0 ? -1.0 : 1.0;
+    turn = normalize(turn.x > 0.0 ? vec2(1.0 + turn.x, turn.y) : vec2(abs(turn.y), way * (1.0 - turn.x)));
+    vec3 wide = turn.x * x + turn.y * y;
+    return mat3(wide, cross(axis, wide), axis);
+}
+
 float ellipse_irradiance(vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
     vec2 rise = vec2(dot(n, u), dot(n, v));
     float middle = dot(n, centre), reach = length(rise);
@@ -80,19 +98,9 @@ float ellipse_irradiance(vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
     bool small = max(dot(u, u), dot(v, v)) < 1e-2 * square; // its rim's two ends would cancel
     float sent = abs(volume) * small_clipped_ellipse(centre, u, v, rise / reach, level, reach, small ? 6 : 0);
     if (small) return sent;
-    // The other two axes: of what S is across the first one.
-    vec3 x = normalize(abs(axis.x) < 0.5 ? vec3(0.0, axis.z, -axis.y) : vec3(-axis.z, 0.0, axis.x));
-    vec3 y = cross(axis, x);
-    vec3 on_x = vec3(dot(u, x), dot(v, x), dot(centre, x)), on_y = vec3(dot(u, y), dot(v, y), dot(centre, y));
-    vec3 signs = vec3(1.0, 1.0, -1.0);
-    float xx = dot(on_x * signs, on_x), xy = dot(on_x * signs, on_y), yy = dot(on_y * signs, on_y);
-    vec2 twice = vec2(xx - yy, 2.0 * xy);
-    float gap = length(twice), wide = 0.5 * (xx + yy + gap), narrow = r / (m * wide);
-    vec2 turned = gap > 0.0 ? twice / gap : vec2(1.0, 0.0);
-    vec2 half_turn = turned.x > 0.0 ? normalize(vec2(1.0 + turned.x, turned.y))
-                                    : normalize(vec2(abs(turned.y), turned.y < 0.0 ? turned.x - 1.0 : 1.0 - turned.x));
-    vec3 e = half_turn.x * x + half_turn.y * y;
-    mat3 frame = mat3(e, cross(axis, e), axis);
-    return clipped_ellipse(centre, u, volume < 0.0 ? -v : v, n, vec2(rise.x, volume < 0.0 ? -rise.y : rise.y) / reach, level, frame,
-                           sqrt(vec2(wide, narrow) / m));
+    float most;
+    mat3 frame = principal_axes(axis, centre, u, v, most);
+    float side = volume < 0.0 ? -1.0 : 1.0; // the rim's sense, seen from the receiver
+    vec2 half_lengths = sqrt(vec2(most, r / (m * most)) / m);
+    return clipped_ellipse(centre, u, side * v, n, vec2(rise.x, side * rise.y) / reach, level, frame, half_lengths);
 }

@@ -12,6 +12,8 @@
 #include "lib/polygon.glsl"
 #include "lib/ellipse.glsl"
 
+bool is_rectangle(Light light) { return ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0); }
+
 float area_irradiance(Light light, vec3 p, vec3 n) {
     vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
     if (dot(light.normal, centre) >= 0.0) return 0.0;
@@ -19,6 +21,6 @@ float area_irradiance(Light light, vec3 p, vec3 n) {
     centre *= scale;
     u *= scale;
     v *= scale;
-    if (ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0)) return polygon_irradiance(centre, u, v, n, light.normal);
+    if (is_rectangle(light)) return polygon_irradiance(centre, u, v, n, light.normal);
     return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, light.normal);
 }

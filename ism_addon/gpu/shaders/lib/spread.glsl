@@ -35,7 +35,7 @@ float unshadowed_irradiance(Light light, vec3 p, vec3 n) {
     bool small = size < 2.5e-3 * min(1.0 + dot(to, to), reach * reach);
     float part = small_spread(light, to, u, v, turned, small ? 4 : 0), sent;
     if (u.x * v.y < u.y * v.x) v = -v;
-    if (ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0)) sent = cone_polygon(to, u, v, turned, reach, small ? 0 : 5);
+    if (is_rectangle(light)) sent = cone_polygon(to, u, v, turned, reach, small ? 0 : 5);
     else sent = cone_ellipse(to, 0.5 * u, 0.5 * v, turned, reach, small ? 0 : 12);
     return small ? full * part : max(sent, 0.0) * light.spread_scale;
 }
