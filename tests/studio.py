@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from ism_addon.settings import SSAO, Quality, Settings, Shadow
+from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
 from .scenes.small import basis, mesh, perspective
 
@@ -16,6 +16,9 @@ from .scenes.small import basis, mesh, perspective
 SMALL_SETTINGS = Settings(
     quality=Quality(samples=1, light_points=8, map_size=32, surface_points=2048), ssao=SSAO(enabled=False)
 )
+
+#: The same by imperfect shadow maps.
+MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.CLASSIC))
 
 
 @dataclass
@@ -39,16 +42,19 @@ class Drawn:
         return pixels.reshape(*texture.size[::-1], texture.components).astype(float if dtype != np.uint32 else dtype)
 
 
-def draw(device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None) -> Drawn:
-    """All samples of a picture, here and now."""
+def draw(
+    device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None, last: int | None = None
+) -> Drawn:
+    """All samples of a picture, or up to sample `last`, here and now."""
     from ism_addon.gpu.profile import Profile
     from ism_addon.gpu.renderer import Renderer
 
     renderer, profile = renderer or Renderer(device), Profile()
-    for sample in range(settings.quality.samples):
+    samples = settings.quality.samples if last is None else last + 1
+    for sample in range(samples):
         for _ in renderer.sample(scene, view, settings, sample, profile):
             pass
-    return Drawn(renderer, profile, settings.quality.samples)
+    return Drawn(renderer, profile, samples)
 
 
 def with_quality(settings: Settings, **changes: int) -> Settings:
@@ -159,8 +165,8 @@ def placed(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0
 
 
 def shadows(**changes: object) -> Settings:
-    """SMALL_SETTINGS with other shadows."""
-    return replace(SMALL_SETTINGS, shadow=replace(Shadow(), **changes))
+    """MAPS with other shadows."""
+    return replace(MAPS, shadow=replace(MAPS.shadow, **changes))
 
 
 def prepared(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):

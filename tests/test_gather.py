@@ -17,7 +17,7 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
 from .reference import irradiance
-from .studio import SMALL_SETTINGS, both, light, prepared, stage, with_quality
+from .studio import MAPS, both, light, prepared, stage, with_quality
 
 SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
@@ -30,7 +30,7 @@ def gathered(
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
     settings = with_quality(
-        replace(SMALL_SETTINGS, shadow=replace(SMALL_SETTINGS.shadow, enabled=False)), light_points=light_points
+        replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points
     )
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample

@@ -10,11 +10,14 @@ import pytest
 from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers import mip_chain
 from ism_addon.gpu.layout import directions_from_octahedron
-from ism_addon.scene import Image, View
+from ism_addon.gpu.renderer import fineness
+from ism_addon.sampling import sub_pixel
+from ism_addon.scene import Image
+from ism_addon.spaces import jittered
 
 from . import reference
 from .scenes.small import sphere
-from .studio import SMALL_SETTINGS, draw, from_above, look, placed, quad, rubble, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, placed, quad, rubble, stage, with_quality
 
 #: Pixels whose centre lies on an edge more exactly than float32 can tell.
 EDGE = 0.01
@@ -208,15 +211,16 @@ def test_no_triangles_at_all(device):
     assert (ours["depth"] == np.float32(1e10)).all()
 
 
-def test_the_sample_moves_the_pixels_centres(device):
-    """The second sample sees what rays through its own places in the pixels meet."""
-    from ism_addon.sampling import pixel_offset
-    from ism_addon.spaces import jittered
-
+@pytest.mark.parametrize("samples", [3, 4, 16], ids="a grid each,four share one,sixteen share one".split(","))
+def test_the_sample_moves_the_pixels_centres(device, samples):
+    """The second and the last sample see what rays through their own places in the pixels meet, however fine the grid."""
     view = replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
-    drawn = draw(device, objects(), view, with_quality(SMALL_SETTINGS, samples=2))
-    moved = View(jittered(view.clip_from_view, pixel_offset(1, 1.5), 48, 36), view.view_from_world, 48, 36)
-    truth = reference.surfaces(objects(), moved)
-    depth = drawn.target("depth").reshape(-1)
-    off = np.abs(depth - np.where(truth.seen, truth.depth, np.float32(1e10)))
-    assert (off > 1e-3).mean() <= EDGE
+    settings = with_quality(MAPS, samples=samples)
+    for newest in {1, samples - 1}:
+        drawn = draw(device, objects(), view, settings, last=newest)
+        place = sub_pixel(newest, 1.5, fineness(view, samples, device.texture_size))
+        moved = replace(view, clip_from_view=jittered(view.clip_from_view, place.offset, 48, 36))
+        truth = reference.surfaces(objects(), moved)
+        off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
+        assert place.offset.any()
+        assert (off > 1e-3).mean() <= EDGE

@@ -16,9 +16,9 @@ ADDON = project.ROOT / "ism_addon"
 MAP = ADDON / "__init__.py"
 MODULES = sorted(set(ADDON.rglob("*.py")) - {MAP})
 PASSES = [path.stem for path in sorted((ADDON / "gpu" / "passes").glob("*.py")) if path.stem != "__init__"]
-SHADERS = [
-    path for path in sorted((ADDON / "gpu" / "shaders").iterdir()) if path.is_file() and path.stem != "full_screen"
-]
+SHADERS = sorted(path for path in (ADDON / "gpu" / "shaders").iterdir() if path.is_file())
+#: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
+COMMON = {"full_screen.vert": "full_screen", "blocks.vert": "in_blocks"}
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
 PURE = ("color", "settings", "scene", "spaces", "radiometry", "sampling", "snapshot")
 
@@ -106,11 +106,18 @@ def test_passes_never_import_one_another(name):
 @pytest.mark.parametrize("name", PASSES)
 def test_a_pass_that_draws_has_a_shader_of_its_name(name):
     source = (ADDON / "gpu" / "passes" / f"{name}.py").read_text("utf-8")
-    draws = "full_screen(" in source or "compile_program(" in source
+    draws = any(f"self.{way}(" in source for way in COMMON.values()) or "compile_program(" in source
     assert draws == any(belongs(shader.stem, name) for shader in SHADERS)
 
 
-@pytest.mark.parametrize("shader", SHADERS, ids=lambda shader: shader.name)
+@pytest.mark.parametrize("shader", COMMON)
+def test_a_vertex_shader_without_a_pass_is_what_passes_share(shader):
+    tree = ast.parse((ADDON / "gpu" / "passes" / "__init__.py").read_text("utf-8"))
+    ways = {node.name: ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    assert [name for name, body in ways.items() if f"'{shader}'" in body] == [COMMON[shader]]
+
+
+@pytest.mark.parametrize("shader", [path for path in SHADERS if path.name not in COMMON], ids=lambda path: path.name)
 def test_a_shader_has_the_name_of_its_pass(shader):
     assert any(belongs(shader.stem, name) for name in PASSES), f"no pass is called {shader.stem}"
 

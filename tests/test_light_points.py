@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ism_addon.gpu.passes.light_points import light_tables, points_per_light
 from ism_addon.scene import LightShape
 
-from .studio import SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
+from .studio import MAPS, both, draw, light, look, quad, stage, with_quality
 
 ORIGIN = np.zeros(3)
 
@@ -94,7 +94,7 @@ def test_more_lights_than_light_points(device):
         device,
         stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
         look((3, -3, 2)),
-        with_quality(SMALL_SETTINGS, light_points=4),
+        with_quality(MAPS, light_points=4),
     )
     assert drawn.profile.counts["light_points"] == 10
     assert drawn.color[..., :3].max() > 0.2

@@ -11,7 +11,7 @@ from ism_addon.gpu.passes.pull_push import LEVELS, PullPush
 from ism_addon.gpu.passes.splat import Splat
 
 from .reference_maps import pull_push
-from .studio import SMALL_SETTINGS, draw, light, look, prepared, quad, rubble, shadows, stage, with_quality
+from .studio import MAPS, draw, light, look, prepared, quad, rubble, shadows, stage, with_quality
 
 SIDE = 64
 
@@ -20,7 +20,7 @@ def filled(device, depths: np.ndarray, threshold: float = 0.02) -> np.ndarray:
     """(S,side,side) maps after the pass, all in one atlas of two columns."""
     count, side = len(depths), depths.shape[1]
     batch = Batch(0, count, side, 2)
-    settings = replace(SMALL_SETTINGS, shadow=replace(SMALL_SETTINGS.shadow, fill_threshold=threshold))
+    settings = replace(MAPS, shadow=replace(MAPS.shadow, fill_threshold=threshold))
     renderer, frame = prepared(device, stage([], light()), settings)
     frame.batch = batch
     atlas = np.full(batch.size[::-1], EMPTY, np.float32)

@@ -10,7 +10,7 @@ from ism_addon.gpu.cloud import make_cloud
 from ism_addon.gpu.passes.subsets import POINT, TURNS, chances, choose, solid_angles
 
 from .scenes.small import SMALL
-from .studio import SMALL_SETTINGS, both, draw, light, look, quad, rubble, stage, with_quality
+from .studio import MAPS, both, draw, light, look, quad, rubble, stage, with_quality
 
 ORIGIN = np.zeros(3)
 
@@ -86,7 +86,7 @@ def test_each_lights_maps_see_its_own_subsets(device):
     one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
     drawn = draw(
-        device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(SMALL_SETTINGS, surface_points=500)
+        device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, surface_points=500)
     )
     table, buffer = drawn.renderer.tables["surface_points"]
     points = np.frombuffer(buffer.read(), POINT)

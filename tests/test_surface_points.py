@@ -12,7 +12,7 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.sampling import triangle_areas
 
 from . import reference
-from .studio import SMALL_SETTINGS, light, placed, prepared, quad, rubble, stage
+from .studio import MAPS, light, placed, prepared, quad, rubble, stage
 
 ORIGIN = np.zeros(3)
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
@@ -126,6 +126,6 @@ def test_points_are_exact_far_from_the_worlds_origin():
 
 
 def test_the_pass_makes_at_least_the_points_that_a_map_sees(device):
-    renderer, frame = prepared(device, stage([rubble()], light()))
+    renderer, frame = prepared(device, stage([rubble()], light()), MAPS)
     renderer.run(SurfacePoints, frame, Profile())
-    assert len(frame.tables["cloud"]) >= SMALL_SETTINGS.quality.surface_points
+    assert len(frame.tables["cloud"]) >= MAPS.quality.surface_points
