@@ -93,35 +93,34 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
     return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
 
 
-def sobol(index: int) -> np.ndarray:
-    """(2,) in [0,1): member `index` of Sobol's sequence; each 2^k neighbours from a multiple of it fill all cells alike."""
-    bits = np.zeros(2, np.int64)
+def sobol(index: np.ndarray) -> np.ndarray:
+    """(…,2) in [0,1): members `index` (…) of Sobol's sequence; 2^k of them from a multiple of it on fill all cells alike."""
+    index = np.asarray(index, np.int64)
+    bits = np.zeros((*index.shape, 2), np.int64)
     reverse = steps = 1 << 31
-    while index:
-        if index & 1:
-            bits ^= (reverse, steps)
-        index, reverse, steps = index >> 1, reverse >> 1, steps ^ (steps >> 1)
+    for bit in range(32):
+        bits ^= (index >> bit & 1)[..., None] * (reverse, steps)
+        reverse, steps = reverse >> 1, steps ^ (steps >> 1)
     return bits / 2.0**32
 
 
 @dataclass(frozen=True)
-class SubPixel:
-    """Where a sample lies in its pixel, on a grid `factor` times as fine as the pixels."""
+class Grid:
+    """A grid `factor` times as fine as the pixels, and the places in a pixel that samples take on it."""
 
     factor: int
-    grid: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
-    texel: np.ndarray  # (2,) int: the fine pixel, from the pixel's first; it may lie outside the pixel
-    offset: np.ndarray  # (2,) px: the place, from the pixel's centre
+    off: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
+    texels: np.ndarray  # (factor²,2) int: the fine pixel of each place, from the pixel's first; some lie outside the pixel
+    places: np.ndarray  # (factor²,2) px: from the pixel's centre
 
 
-def sub_pixel(sample: int, reach: float, factor: int) -> SubPixel:
-    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides; factor² of them share one grid.
+def grid(number: int, reach: float, factor: int) -> Grid:
+    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides. The first is the pixel's centre.
 
-    The first is the pixel's centre. The grid goes through a place that the filter chooses, and each sample is one of the
-    grid's places by the filter's odds: so all together follow the filter, whatever the grid.
+    A grid goes through a place that the filter chooses, and its places are taken by the filter's odds: so all grids'
+    together follow the filter.
     """
-    group, member = divmod(sample, factor * factor)
-    shift = np.mod(additive_sequence(group, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    shift = np.mod(additive_sequence(number, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
     t = np.linspace(-1.0, 1.0, 257)
     cumulative = np.cumsum(blackman_harris(t)) - 0.5 * blackman_harris(t)
     through = reach * np.interp(shift[:2] * cumulative[-1], cumulative, t)
@@ -129,10 +128,11 @@ def sub_pixel(sample: int, reach: float, factor: int) -> SubPixel:
     fine = np.arange(-factor, 2 * factor)
     offsets = (fine[:, None] + 0.5 + phase) / factor - 0.5
     odds = np.cumsum(blackman_harris(offsets / reach), 0)
-    place = np.mod(sobol(member) + (0.5 if factor > 1 else 0.0), 1.0) + shift[2:] / factor**2
-    chosen = np.array([np.searchsorted(odds[:, axis], place[axis] * odds[-1, axis], side="right") for axis in range(2)])
+    count = factor * factor
+    chances = np.mod(sobol(np.arange(count)) + (0.5 if count > 1 else 0.0), 1.0) + shift[2:] / count
+    chosen = np.stack([np.searchsorted(odds[:, a], chances[:, a] * odds[-1, a], side="right") for a in (0, 1)], 1)
     chosen = np.minimum(chosen, len(fine) - 1)
-    return SubPixel(factor, phase / factor, fine[chosen], offsets[chosen, (0, 1)])
+    return Grid(factor, phase / factor, fine[chosen], np.take_along_axis(offsets, chosen, 0))
 
 
 def blackman_harris(t: np.ndarray) -> np.ndarray:

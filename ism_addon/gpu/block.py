@@ -3,7 +3,6 @@
 
 import numpy as np
 
-from ..sampling import SubPixel
 from ..scene import View
 from ..spaces import jittered, view_from_anchor
 
@@ -43,12 +42,11 @@ def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarra
     return (np.zeros((3, 3)), across + along) if perspective else (across, along)
 
 
-def frame_block(view: View, anchor: np.ndarray, place: SubPixel) -> np.ndarray:
-    """One row of DTYPE: rays through the sample's place, and the projection onto the fine grid that it is on."""
-    clip_from_view = jittered(view.clip_from_view, place.offset, view.width, view.height)
-    fine = jittered(view.clip_from_view, place.grid, view.width, view.height)
+def frame_block(view: View, anchor: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """One row of DTYPE; what is drawn lies on a fine grid that is `grid` (2,) px off an even one, the rays do not."""
+    fine = jittered(view.clip_from_view, grid, view.width, view.height)
     from_anchor = view_from_anchor(view.view_from_world, anchor)
-    origins, directions = rays(clip_from_view, view.width, view.height)
+    origins, directions = rays(view.clip_from_view, view.width, view.height)
     to_anchor = from_anchor[:3, :3]  # rigid: rows of vectors times this is its inverse times columns
     origins = origins @ to_anchor
     origins[0] -= from_anchor[:3, :3].T @ from_anchor[:3, 3]

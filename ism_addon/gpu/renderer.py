@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..sampling import sub_pixel
+from ..sampling import grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
@@ -106,10 +106,11 @@ class Renderer:
             )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
-        place = sub_pixel(sample, view.filter_width, fineness(view, settings.quality.samples, limit))
-        self.block.write(block.frame_block(view, anchor, place))
+        factor = fineness(view, settings.quality.samples, limit)
+        fine = grid(sample // factor**2, view.filter_width, factor)
+        self.block.write(block.frame_block(view, anchor, fine.off))
         return Frame(
-            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, place
+            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
         )
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:

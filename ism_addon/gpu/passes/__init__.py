@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import moderngl
 import numpy as np
 
-from ...sampling import SubPixel
+from ...sampling import Grid
 from ...scene import Change, Scene, View
 from ...settings import Method, Settings
 from ..atlas import Batch
@@ -37,7 +37,7 @@ class Frame:
     targets: Targets
     tables: dict[str, Any]  # what passes make that is no target, by name
     counts: dict[str, int]
-    place: SubPixel  # where in the pixels the sample lies
+    grid: Grid  # where in the pixels samples lie
     batch: Batch | None = None  # the light points whose maps are in the atlas
 
     @property
@@ -126,7 +126,8 @@ class Pass:
         target.use()
         self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows))
-        self.device.gl.vertex_array(program, [(buffer, "2f", "block")]).render(moderngl.POINTS, vertices=count)
+        mesh = self.device.gl.vertex_array(program, [(buffer, "2f 4f 1f", "block", "where", "number")], skip_errors=True)
+        mesh.render(moderngl.POINTS, vertices=count)
         target.viewport = 0, 0, frame.view.width, frame.view.height
 
     def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:

@@ -41,7 +41,7 @@ class GBuffer(Pass):
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
-        grid = frame.sample // frame.place.factor**2, frame.place.factor
+        grid = frame.sample // frame.grid.factor**2, frame.grid.factor
         drawn = *grid, frame.part(Change.VIEW), frame.tables["geometry"], frame.tables["placement"]
         if drawn != self.drawn:
             self.draw_triangles(frame)
@@ -50,7 +50,7 @@ class GBuffer(Pass):
         bind(
             self.surface,
             triangles_seen=frame.targets["triangles"],
-            fine=(*frame.place.texel, frame.place.factor),
+            factor=frame.grid.factor,
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels,
@@ -62,7 +62,7 @@ class GBuffer(Pass):
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
         gl = frame.device.gl
-        size = frame.view.width * frame.place.factor, frame.view.height * frame.place.factor
+        size = frame.view.width * frame.grid.factor, frame.view.height * frame.grid.factor
         for name in ("triangles", "z"):
             frame.targets.allocate(name, self.writes[name], size)
         target = frame.targets.into("triangles", "z")

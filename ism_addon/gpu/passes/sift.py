@@ -24,6 +24,10 @@ LEAST_CHANCE = 0.125
 FOR_SURE = 0.1
 
 
+#: A block: its column and row, the fine pixel and the place in the pixel of its sample, and that sample's number.
+BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4")])
+
+
 class Sift(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
@@ -46,12 +50,9 @@ class Sift(Pass):
                 self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0)
         turn = additive_sequence(frame.sample, 1, 1)[0, 0]
         takes_part = np.mod(self.phase + turn, 1.0) < self.chance
+        frame.tables["blocks"] = self.buffer, self.write_blocks(frame, takes_part)
         self.counts += takes_part
         frame.tables["counts"].write(self.counts)
-        blocks = np.argwhere(takes_part)[:, ::-1].astype(np.float32)
-        if len(blocks):
-            self.buffer.write(blocks.tobytes())
-        frame.tables["blocks"] = self.buffer, len(blocks)
 
     def start(self, frame: Frame) -> None:
         """All blocks, none drawn yet."""
@@ -59,8 +60,18 @@ class Sift(Pass):
         self.counts = np.zeros((height, width), np.float32)
         self.chance = np.ones((height, width), np.float32)
         self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
-        self.buffer = gl.buffer(reserve=8 * width * height)
+        self.buffer = gl.buffer(reserve=BLOCKS.itemsize * width * height)
         frame.tables["counts"] = Target(1, "f4").create(gl, (width, height))
+
+    def write_blocks(self, frame: Frame, takes_part: np.ndarray) -> int:
+        """Fill the buffer of blocks; how many there are. Each goes through the places in a pixel at its own pace."""
+        blocks = np.zeros(np.count_nonzero(takes_part), BLOCKS)
+        blocks["block"] = np.argwhere(takes_part)[:, ::-1]
+        blocks["number"] = self.counts[takes_part]
+        turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
+        blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]
+        self.buffer.write(blocks)
+        return len(blocks)
 
     def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
         """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""

@@ -11,7 +11,7 @@ much they may change the picture, and weigh more the rarer they are.
 import moderngl
 import numpy as np
 
-from ...sampling import additive_sequence, sobol
+from ...sampling import additive_sequence
 from ...scene import Change, LightShape
 from ..context import Device
 from ..layout import CASTER, LIGHT
@@ -52,8 +52,6 @@ class Trace(Pass):
         frame.targets.into("predicted", "correction").clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        place = sobol(max(frame.sample - 1, 0))
-        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
         for light, shift in enumerate(additive_sequence(0, len(lights.shape), 2)):
             casts = frame.traces and bool(lights.casts_shadow[light])
             program = self.program(lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi)
@@ -67,8 +65,7 @@ class Trace(Pass):
                 light_index=light,
                 prediction=frame.tables["predictions"][light] if casts else self.all_seen,
                 traced=casts and frame.sample > 0,
-                place=tuple(np.mod(place + shift, 1.0)),
-                turn=turn,
+                shift=tuple(shift),
                 enough=ENOUGH * frame.tables.get("brightness", 1.0),
                 **(frame.tables["casters"] if casts else {}),
             )

@@ -15,7 +15,7 @@ from ...scene import Change, Mesh
 from ..buffers import centre_of, joined
 from ..context import Device
 from ..layout import CASTER, WIDTH, upload_array
-from ..tree import Tree, build
+from ..tree import NOWHERE, Tree, build
 from . import Frame, Pass
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
@@ -25,12 +25,24 @@ TRIANGLES_PER_LEAF = 4
 FLATTEST = 1e-6
 
 
+#: Boxes of a mesh by which its instances are bounded; a power of two.
+PARTS = 32
+
+
 @dataclass(frozen=True)
 class MeshTree:
     """A mesh's tree, about the middle of its box, and its triangles leaf by leaf."""
 
     tree: Tree
     triangles: np.ndarray  # (leaves * per_leaf, 3, 4) float32: a corner and its two edges; w: the triangle's number
+
+    @property
+    def parts(self) -> np.ndarray:
+        """(PARTS,2,3): boxes around all of the mesh, closer than one box when it is turned."""
+        level = min(PARTS, self.tree.leaves)
+        boxes = self.tree.nodes[level : 2 * level]
+        boxes = boxes[boxes[:, 0, 0] < NOWHERE]
+        return boxes[np.arange(PARTS) % len(boxes)]
 
 
 def mesh_tree(mesh: Mesh) -> MeshTree:
@@ -112,8 +124,8 @@ class InstanceTree(Pass):
         linear = instances.world_from_object[chosen, :3, :3]
         centres = frame.tables["geometry"].centres[mesh]
         offsets = instances.world_from_object[chosen, :3, 3] - frame.anchor + np.einsum("nij,nj->ni", linear, centres)
-        roots = np.array([tree.tree.nodes[1] for tree in trees])[mesh]
-        tree = build(*box_around(linear, offsets, roots), 1)
+        parts = np.array([tree.parts for tree in trees])[mesh]
+        tree = build(*boxes_around(linear, offsets, parts), 1)
         if self.textures is None or self.trees is not trees or 3 * tree.leaves > self.textures.lines * WIDTH:
             self.trees, self.textures = trees, MeshTextures(self.device.gl, trees, tree.leaves)
             frame.counts["bytes_uploaded"] += self.textures.bytes
@@ -138,12 +150,14 @@ class InstanceTree(Pass):
         frame.counts["bytes_uploaded"] += table.nbytes + tree.pairs.nbytes
 
 
-def box_around(linear: np.ndarray, offsets: np.ndarray, boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high corners (I,3) float32 of boxes (I,2,3), moved by linear (I,3,3) and offsets (I,3)."""
-    middle, half = boxes.astype(np.float64).mean(1), (boxes[:, 1] - boxes[:, 0]) / 2.0
-    middle = np.einsum("nij,nj->ni", linear, middle) + offsets
-    half = np.einsum("nij,nj->ni", np.abs(linear), half) * (1.0 + 1e-6) + 1e-6 * np.abs(middle)
-    return (middle - half).astype(np.float32), (middle + half).astype(np.float32)
+def boxes_around(linear: np.ndarray, offsets: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (I,3) float32 of what is in boxes (I,B,2,3), moved by linear (I,3,3) and offsets (I,3)."""
+    middles, halves = parts.astype(np.float64).mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0
+    middles = np.einsum("nij,nbj->nbi", linear, middles) + offsets[:, None]
+    halves = np.einsum("nij,nbj->nbi", np.abs(linear), halves)
+    low, high = (middles - halves).min(1), (middles + halves).max(1)
+    slack = 1e-6 * (np.abs(low) + np.abs(high))
+    return (low - slack).astype(np.float32), (high + slack).astype(np.float32)
 
 
 def inverse_of(linear: np.ndarray) -> np.ndarray:

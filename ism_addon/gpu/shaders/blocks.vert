@@ -1,8 +1,14 @@
 // The blocks of pixels that take part in a sample: a point each, as large as they are.
 in vec2 block;
-uniform vec2 blocks; // columns and rows; the viewport is theirs, which may reach beyond the picture
+in vec4 where;
+in float number;
+uniform vec2 blocks;       // columns and rows; the viewport is theirs, which may reach beyond the picture
+flat out vec4 place;       // fine pixel from the pixel's first, and place from the pixel's centre in px
+flat out float own_number; // of the sample, counting those that the block took part in
 
 void main() {
     gl_Position = vec4((block + 0.5) / blocks * 2.0 - 1.0, 0.0, 1.0);
     gl_PointSize = float(BLOCK);
+    place = where;
+    own_number = number;
 }

@@ -6,7 +6,8 @@
 #include "lib/rise.glsl"
 
 uniform usampler2D triangles_seen;
-uniform ivec3 fine; // this sample's fine pixel, from the pixel's first, and how many there are along a pixel
+uniform int factor; // fine pixels along a pixel
+flat in vec4 place;
 uniform sampler2D instances;
 uniform sampler2D material_table;
 uniform sampler2D positions;
@@ -29,7 +30,8 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy) * fine.z + fine.xy;
+    ivec2 at = ivec2(gl_FragCoord.xy) * factor + ivec2(place.xy);
+    vec2 pixel = gl_FragCoord.xy + place.zw;
     uvec2 id = texelFetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1), 0).xy;
     triangle_seen = id;
     if (id.x == 0u) {
@@ -49,7 +51,7 @@ void main() {
     a = linear * a + offset;
     vec3 facet = cross(u, v);
 
-    Ray ray = view_ray(gl_FragCoord.xy);
+    Ray ray = view_ray(pixel);
     vec3 exact = barycentric(ray, a, u, v, facet);
     vec3 b = clamp(exact, 0.0, 1.0);
     b /= b.x + b.y + b.z;
@@ -79,8 +81,8 @@ void main() {
     Material material = fetch_Material(material_table, int(texelFetch(materials, element(triangle), 0).x));
     albedo = vec4(material.color, rise);
     if (material.width > 0) {
-        vec3 bx = barycentric(view_ray(gl_FragCoord.xy + vec2(1.0, 0.0)), a, u, v, cross(u, v));
-        vec3 by = barycentric(view_ray(gl_FragCoord.xy + vec2(0.0, 1.0)), a, u, v, cross(u, v));
+        vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));
+        vec3 by = barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v));
         mat3x2 at = mat3x2(uv[0], uv[1], uv[2]);
         albedo.rgb = image_color(material, at * b, at * (bx - exact), at * (by - exact));
     }

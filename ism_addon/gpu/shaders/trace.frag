@@ -6,9 +6,9 @@ uniform sampler2D lights;
 uniform int light_index;
 uniform sampler2D prediction;
 uniform bool traced;
-uniform vec2 place;
-uniform float turn;
+uniform vec2 shift; // of places on the light
 uniform float enough; // change of luminance that is worth a ray
+flat in float own_number;
 layout(location = 0) out vec4 predicted;
 layout(location = 1) out vec4 correction;
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
@@ -26,9 +26,12 @@ void main() {
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
     float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.05)) : TRUST;
     float chance = clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
-    // Pixels close by take turns together: processors work on several at once.
-    if (!traced || full <= 0.0 || place_of_pixel(at / 4, vec2(turn)).x >= chance) return;
-    vec3 to = light.position + point_on_light(light, place_of_pixel(at, place));
+    // Rays are numbered, so that they go through places that are spread evenly, however rare they are. Pixels close by take
+    // turns together: processors work on several at once.
+    float number = floor(own_number * chance + place_of_pixel(at / 4, vec2(0.0)).x);
+    bool turn = floor((own_number + 1.0) * chance + place_of_pixel(at / 4, vec2(0.0)).x) > number;
+    if (!traced || full <= 0.0 || !turn) return;
+    vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ADDITIVE));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
     seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);
