@@ -28,9 +28,6 @@ import numpy as np
 
 from .scene import Lights, LightShape
 
-#: Corners of the polygon of equal area that stands for an ellipse in the edge sum.
-ELLIPSE_CORNERS = 16
-
 #: Spreads are no narrower than this: Cycles' light without any is parallel, and this one nearly so.
 MIN_SPREAD = np.radians(0.1)
 
@@ -53,8 +50,3 @@ def spread_terms(spread: np.ndarray) -> np.ndarray:
     tangent = np.tan(np.where(wide, 0.5, half))
     terms = np.stack([tangent, 1.0 / (tangent - np.where(wide, 0.4, half))], -1)
     return np.where(wide[..., None], 0.0, terms)
-
-
-def ellipse_polygon_scale(corners: int) -> float:
-    """Radius of the regular polygon whose area is that of the unit disk."""
-    return float(np.sqrt(2.0 * np.pi / (corners * np.sin(2.0 * np.pi / corners))))

@@ -16,8 +16,8 @@ SIDE, BLOCK = 64, 8
 SPREADS = {"plain": math.pi, "wide": math.radians(120.0), "narrow": math.radians(40.0)}
 #: Cycles' samples, most for round narrow lights, of which it hits only a part: its noise is below half of the bounds.
 SAMPLES = {"plain": 64, "wide": 64, "narrow": 384}
-#: Relative error of a block: the median, and what nine of ten keep.
-BOUNDS = {"plain": (0.001, 0.0015), "wide": (0.005, 0.01), "narrow": (0.015, 0.04)}
+#: Relative error of a block: the median, and what nine of ten keep. 0.00065 of it is the G-buffer's half float of 0.6.
+BOUNDS = {"plain": (0.0008, 0.001), "wide": (0.0009, 0.0013), "narrow": (0.003, 0.008)}
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_unshadowed_light_is_that_of_cycles(device, lamp_over_plane, shape, spre
     scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
     renderer = Renderer(device)
     settings = Settings(
-        shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=Quality(samples=1, light_points=256)
+        shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=Quality(samples=1, light_points=4)
     )
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass
