@@ -9,7 +9,27 @@ import math
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
+
+
+class Choice(StrEnum):
+    """A setting of a few names. Each has a label and a meaning for its user."""
+
+    label: str
+    meaning: str
+
+    def __new__(cls, value: str, label: str, meaning: str) -> Self:
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.label, member.meaning = label, meaning
+        return member
+
+
+class Method(Choice):
+    """How it is found out what part of a light reaches a surface."""
+
+    FITTED = "FITTED", "Fitted", "Shadow rays, as many as the picture needs where it needs them: exact in the end"
+    CLASSIC = "CLASSIC", "Classic", "Imperfect shadow maps, one for each light point, as in the report of 2013"
 
 
 @dataclass(frozen=True)
@@ -22,24 +42,14 @@ class Control:
     high: float | None = None
     soft_high: float | None = None
     unit: str = "NONE"
+    method: Method | None = None  # the only one that the setting counts for
 
 
-def setting(default: Any, label: str, meaning: str, **control: Any) -> Any:
+def setting(default: Any, label: str, meaning: str, method: Method | None = None, **control: Any) -> Any:
     """A dataclass field that carries its Control."""
-    return field(default=default, metadata={"control": Control(label, meaning, **control)})
-
-
-class Method(StrEnum):
-    """How it is found out what part of a light reaches a surface. Each member's text is for its user."""
-
-    FITTED = "FITTED", "Fitted", "Shadow rays, as many as the picture needs where it needs them: exact in the end"
-    CLASSIC = "CLASSIC", "Classic", "Imperfect shadow maps, one for each light point, as in the report of 2013"
-
-    def __new__(cls, value: str, label: str, meaning: str) -> "Method":
-        member = str.__new__(cls, value)
-        member._value_ = value
-        member.label, member.meaning = label, meaning
-        return member
+    if method:
+        meaning += f". For the method {method.label} only"
+    return field(default=default, metadata={"control": Control(label, meaning, method=method, **control)})
 
 
 @dataclass(frozen=True)
@@ -49,10 +59,10 @@ class Shadow:
     enabled: bool = setting(
         True, "Shadows", "Draw the lights' shadows. Off, every light reaches every surface that faces it"
     )
-    method: Method = setting(
+    method: Method = setting(  # noqa: RUF009 (what it returns is a field)
         Method.FITTED,
         "Method",
-        "How shadows are found: by rays, fitted to what the picture needs, or by imperfect shadow maps",
+        "How it is found out what part of a light reaches a surface",
     )
     splat_size: float = setting(
         1.15,
@@ -62,6 +72,7 @@ class Shadow:
         low=0.1,
         high=8.0,
         soft_high=3.0,
+        method=Method.CLASSIC,
     )
     bias: float = setting(
         0.5,
@@ -71,11 +82,13 @@ class Shadow:
         low=0.0,
         high=16.0,
         soft_high=4.0,
+        method=Method.CLASSIC,
     )
     fill_holes: bool = setting(
         True,
         "Fill Holes",
         "Close the gaps between the points of a shadow map by pull-push interpolation. Costs a little time",
+        method=Method.CLASSIC,
     )
     fill_threshold: float = setting(
         0.02,
@@ -85,6 +98,7 @@ class Shadow:
         high=1.0,
         soft_high=0.2,
         unit="FACTOR",
+        method=Method.CLASSIC,
     )
 
 
@@ -154,6 +168,7 @@ class Quality:
         low=1,
         high=65536,
         soft_high=1024,
+        method=Method.CLASSIC,
     )
     map_size: int = setting(
         128,
@@ -164,6 +179,7 @@ class Quality:
         high=4096,
         soft_high=512,
         unit="PIXEL",
+        method=Method.CLASSIC,
     )
     surface_points: int = setting(
         32768,
@@ -173,6 +189,7 @@ class Quality:
         low=1,
         high=1 << 26,
         soft_high=1 << 20,
+        method=Method.CLASSIC,
     )
 
 
@@ -199,3 +216,9 @@ def controls(section: type) -> Iterator[tuple[Field, Control]]:
     """The fields of a section with what their users see of them."""
     for member in fields(section):
         yield member, member.metadata["control"]
+
+
+def explained(member: Field, control: Control) -> str:
+    """What a setting means, and each of its choices if it is one."""
+    choices = type(member.default) if isinstance(member.default, Choice) else ()
+    return ". ".join([control.meaning, *(f"{choice}: {choice.meaning}" for choice in choices)])

@@ -16,7 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from .scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from .settings import SECTIONS, Method, Settings, controls
+from .settings import SECTIONS, Choice, Settings, controls
 
 VERSION = 1
 
@@ -116,6 +116,10 @@ def _built(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> A
             raise SnapshotError(f"The snapshot's {place} is not a list.")
         item = get_args(kind)[0]
         return tuple(_built(item, each, f"{place}/{index}", arrays) for index, each in enumerate(told))
+    if issubclass(kind, Choice):
+        if told not in list(kind):
+            raise SnapshotError(f"The snapshot's {place} is {told!r}, none of {', '.join(kind)}.")
+        return kind(told)
     if kind is float and type(told) is int:
         told = float(told)
     if type(told) is not kind or (kind is float and not math.isfinite(told)):
@@ -191,10 +195,8 @@ def _check_ranges(settings: Settings) -> None:
     """No number may be one that its user could not have set; in Blender, that is a float32."""
     for name, section in SECTIONS.items():
         for member, control in controls(section):
-            value = getattr(getattr(settings, name), member.name)
-            if isinstance(value, Method):
+            value, low, high = getattr(getattr(settings, name), member.name), control.low, control.high
+            if low is None or high is None:  # a switch or a choice
                 continue
-            low = -np.inf if control.low is None else control.low
-            high = np.inf if control.high is None else control.high
             if not np.float32(low) <= np.float32(value) <= np.float32(high):
                 raise SnapshotError(f"The snapshot's settings/{name}/{member.name} is {value}, not {low} to {high}.")

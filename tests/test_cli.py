@@ -16,7 +16,7 @@ from ism_addon import snapshot
 from ism_addon.gpu.__main__ import main
 from ism_addon.gpu.png import display_from_linear, write_png
 from ism_addon.gpu.renderer import SHOWABLE
-from ism_addon.settings import SSAO
+from ism_addon.settings import SSAO, Method
 
 from .scenes.small import box_over_plane
 from .studio import SMALL_SETTINGS, draw
@@ -81,7 +81,7 @@ def test_it_is_a_module_of_its_own(scene_file, tmp_path):
     command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--profile"]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert (run.returncode, run.stderr) == (0, "")
-    assert "Splat" in run.stdout
+    assert "Trace" in run.stdout
     assert read_png(out).shape == (16, 24, 4)
 
 
@@ -137,6 +137,21 @@ def test_flags_change_settings(call, scene_file, tmp_path, device):
         quality=replace(SETTINGS.quality, light_points=5, samples=2),
     )
     assert np.array_equal(read_png(out), display_from_linear(draw(device, *box_over_plane(24, 16), changed).color))
+
+
+@pytest.mark.parametrize("method", Method)
+def test_the_method_is_chosen_by_its_name(call, scene_file, tmp_path, device, method):
+    out = tmp_path / "out.png"
+    assert call(scene_file, "-o", out, "--shadow-method", method.lower())[0] == 0
+    changed = replace(SETTINGS, shadow=replace(SETTINGS.shadow, method=method))
+    assert np.array_equal(read_png(out), display_from_linear(draw(device, *box_over_plane(24, 16), changed).color))
+
+
+def test_an_unknown_method_is_told_with_those_that_there_are(call, scene_file, tmp_path):
+    status, _, error = call(scene_file, "-o", tmp_path / "out.png", "--shadow-method", "nonsense")
+    assert status != 0
+    assert "nonsense is none of FITTED, CLASSIC" in error
+    assert not (tmp_path / "out.png").exists()
 
 
 def test_another_size_shows_the_same_across(call, scene_file, tmp_path, device):

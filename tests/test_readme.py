@@ -3,7 +3,7 @@
 
 from dataclasses import Field
 
-from ism_addon.settings import SECTIONS, VIEWPORT, Control, controls
+from ism_addon.settings import SECTIONS, VIEWPORT, Control, controls, explained
 from tests.tools.project import ROOT
 
 HOMES = {"shadow": "scene.ism.shadow", "ssao": "scene.ism.ssao", "quality": "scene.ism.render and .viewport"}
@@ -28,7 +28,7 @@ def row(section: type, member: Field, control: Control) -> str:
         shown = f"{value}, viewport {getattr(VIEWPORT, member.name)}"
     else:
         shown = {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else value
-    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {control.meaning}. |"
+    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {explained(member, control)}. |"
 
 
 def test_the_readme_has_every_setting_as_it_is():

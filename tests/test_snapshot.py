@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from ism_addon import snapshot
 from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
-from ism_addon.settings import SSAO, Quality, Settings, Shadow
+from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
 
 def a_mesh(generator, uvs=True):
@@ -51,7 +51,9 @@ def a_scene():
 
 
 VIEW = View(np.eye(4), np.eye(4) * 0.1, 640, 480, 1.25, True)
-SETTINGS = Settings(Shadow(bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show="normal")
+SETTINGS = Settings(
+    Shadow(method=Method.CLASSIC, bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show="normal"
+)
 
 
 def assert_same(a, b):
@@ -189,6 +191,11 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
         ("view/width", 1.5, "which is no int"),
         ("view/filter_width", float("nan"), "which is no float"),
         ("settings/shadow/bias", 17.0, "bias is 17.0, not 0.0 to 16.0"),
+        ("settings/shadow/method", "SOFT", "method is 'SOFT', none of FITTED, CLASSIC"),
+        ("settings/shadow/method", "classic", "method is 'classic', none of"),
+        ("settings/shadow/method", ["CLASSIC"], "none of FITTED, CLASSIC"),
+        ("settings/shadow/method", 1, "method is 1, none of"),
+        ("settings/shadow/enabled", 1, "enabled is 1, which is no bool"),
         ("settings/quality/samples", 0, "samples is 0, not 1 to 65536"),
         ("settings/quality/bounces", 3, "has bounces, unknown to this version"),
     ],
@@ -198,9 +205,20 @@ def test_what_is_told_wrongly_is_refused(path, name, value, sentence):
         snapshot.load(rewritten(path, told={name: value}))
 
 
-def test_a_setting_of_later_times_has_its_default(path):
-    settings = snapshot.load(rewritten(path, told={"settings/shadow/bias": None}))[2]
-    assert settings == replace(SETTINGS, shadow=Shadow())
+@pytest.mark.parametrize("name", ["bias", "method"])
+def test_a_setting_of_later_times_has_its_default(path, name):
+    settings = snapshot.load(rewritten(path, told={f"settings/shadow/{name}": None}))[2]
+    default = getattr(Shadow(), name)
+    assert settings == replace(SETTINGS, shadow=replace(SETTINGS.shadow, **{name: default}))
+    assert type(getattr(settings.shadow, name)) is type(default)
+
+
+@pytest.mark.parametrize("method", Method)
+def test_a_choice_is_told_by_its_name(path, method):
+    snapshot.save(path, a_scene(), VIEW, Settings(Shadow(method=method)))
+    with np.load(path) as file:
+        assert json.loads(file["snapshot"].tobytes())["settings"]["shadow"]["method"] == method.value
+    assert snapshot.load(path)[2].shadow.method is method
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"no archive", b"\x93NUMPY\x01\x00"])

@@ -9,7 +9,11 @@ from .. import settings
 
 
 def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
-    return cls(**{member.name: getattr(group, member.name) for member, _control in settings.controls(cls)})
+    values = {}
+    for member, _control in settings.controls(cls):
+        kind: type = type(member.default)
+        values[member.name] = kind(getattr(group, member.name))  # a choice is a string in Blender
+    return cls(**values)
 
 
 def read(scene: bpy.types.Scene, use: str) -> settings.Settings:

@@ -11,7 +11,7 @@ from typing import Any
 
 from .. import snapshot
 from ..scene import View
-from ..settings import SECTIONS, Control, Settings, controls
+from ..settings import SECTIONS, Choice, Control, Settings, controls, explained
 from .png import display_from_linear, write_png
 from .profile import table
 from .worker import Job, Picture, Request, Worker
@@ -38,11 +38,15 @@ def parser() -> argparse.ArgumentParser:
 
 
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
-    """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch."""
+    """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch, --shadow-method CLASSIC for a choice."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
-    switch = member.type is bool
-    kind: dict = {"action": argparse.BooleanOptionalAction} if switch else {"type": number(member, control)}
-    group.add_argument(flag, dest=f"{section}.{member.name}", help=control.meaning.replace("%", "%%"), **kind)
+    kind: dict = {"type": number(member, control)}
+    if member.type is bool:
+        kind = {"action": argparse.BooleanOptionalAction}
+    elif isinstance(member.default, Choice):
+        kind = {"type": choice(type(member.default)), "choices": list(type(member.default))}
+    meaning = explained(member, control).replace("%", "%%")
+    group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **kind)
 
 
 def number(member: Field, control: Control) -> Callable[[str], int | float]:
@@ -55,6 +59,18 @@ def number(member: Field, control: Control) -> Callable[[str], int | float]:
         return value
 
     return number
+
+
+def choice(kind: type[Choice]) -> Callable[[str], Choice]:
+    """What reads a choice from the command line, in capitals or not."""
+    names = {str(each): each for each in kind}
+
+    def choice(text: str) -> Choice:
+        if text.upper() not in names:
+            raise argparse.ArgumentTypeError(f"{text or 'nothing'} is none of {', '.join(names)}")
+        return names[text.upper()]
+
+    return choice
 
 
 def size(text: str) -> tuple[int, int]:

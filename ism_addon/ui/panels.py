@@ -21,7 +21,7 @@ class ISMPanel:
 
 
 class SectionPanel(ISMPanel):
-    """Every setting of one section; greyed out while the section, or the setting it rests on, is off."""
+    """The settings of one section that count for the scene's method, greyed out while what they rest on is off."""
 
     section: type
     name: str  # under scene.ism
@@ -32,11 +32,19 @@ class SectionPanel(ISMPanel):
         layout = self.layout
         layout.use_property_split = True
         layout.active = getattr(group, "enabled", True)
-        for member, _control in settings.controls(self.section):
-            if member.name != "enabled":
-                row = layout.row()
-                row.active = getattr(group, self.rests_on.get(member.name, ""), True)
-                row.prop(group, member.name)
+        for name in self.shown(context.scene):
+            row = layout.row()
+            row.active = getattr(group, self.rests_on.get(name, ""), True)
+            row.prop(group, name)
+
+    @classmethod
+    def shown(cls, scene: bpy.types.Scene) -> list[str]:
+        """Names of the settings that the panel has in this scene; its switch is in the header."""
+        return [
+            member.name
+            for member, control in settings.controls(cls.section)
+            if member.name != "enabled" and control.method in (None, scene.ism.shadow.method)
+        ]
 
 
 class SwitchedPanel(SectionPanel):

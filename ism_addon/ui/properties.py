@@ -18,6 +18,9 @@ def _property(member: Field, control: settings.Control, default: Any) -> Any:
     facts = {"name": control.label, "description": control.meaning, "default": default, "update": redraw.viewports}
     if isinstance(default, bool):
         return bpy.props.BoolProperty(**facts)
+    if isinstance(default, settings.Choice):
+        items = [(choice.value, choice.label, choice.meaning) for choice in type(default)]
+        return bpy.props.EnumProperty(items=items, **facts)
     ranges = {"min": control.low, "max": control.high, "soft_max": control.soft_high}
     facts |= {name: limit for name, limit in ranges.items() if limit is not None}
     if isinstance(default, int):

@@ -8,7 +8,7 @@ import pytest
 
 from ism_addon import addon, settings
 from ism_addon.blender import controls
-from ism_addon.ui import properties
+from ism_addon.ui import panels, properties
 
 GROUPS = {
     "shadow": settings.Shadow(),
@@ -40,6 +40,8 @@ def another(control, default):
     """A value within the range that is not the default."""
     if isinstance(default, bool):
         return not default
+    if isinstance(default, settings.Choice):
+        return next(choice for choice in type(default) if choice is not default)
     return type(default)(default + 1) if default + 1 <= control.high else type(default)((default + control.low) / 2)
 
 
@@ -49,9 +51,13 @@ def turn_all(scene):
             setattr(getattr(scene.ism, name), member.name, another(control, getattr(defaults, member.name)))
 
 
+def approximately(value):
+    """What equals a value up to the float32 in which Blender keeps its properties."""
+    return pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
+
+
 def same(ours, theirs):
-    """Equal up to the float32 in which Blender keeps its properties."""
-    return astuple(ours) == pytest.approx(astuple(theirs), rel=1e-6)
+    return astuple(ours) == tuple(approximately(value) for value in astuple(theirs))
 
 
 def test_defaults(scene):
@@ -69,7 +75,11 @@ def test_property_says_what_the_field_says(scene, name, member, control):
     default = getattr(GROUPS[name], member.name)
     assert (rna.name, rna.description) == (control.label, control.meaning)
     assert rna.is_animatable
-    assert rna.default == pytest.approx(default)
+    assert rna.default == approximately(default)
+    if rna.type == "ENUM":
+        items = [(item.identifier, item.name, item.description) for item in rna.enum_items]
+        assert items == [(choice.value, choice.label, choice.meaning) for choice in type(default)]
+        return
     assert {"BOOLEAN": bool, "INT": int, "FLOAT": float}[rna.type] is type(default)
     if rna.type != "BOOLEAN":
         assert (rna.hard_min, rna.hard_max) == pytest.approx((control.low, control.high))
@@ -92,11 +102,35 @@ def test_values_arrive_and_stay_in_range(scene, name, member, control):
 
     setattr(group, member.name, another(control, default))
     assert type(arrived()) is type(default)
-    assert arrived() == pytest.approx(another(control, default))
-    if not isinstance(default, bool):
+    assert arrived() == approximately(another(control, default))
+    if control.high is not None:
         for beyond, limit in ((control.low - 1, control.low), (min(control.high * 2, 2**31 - 1), control.high)):
             setattr(group, member.name, type(default)(beyond))
             assert arrived() == pytest.approx(limit)
+
+
+def test_an_unknown_choice_is_refused(scene):
+    with pytest.raises(TypeError, match="CLASSIC"):
+        scene.ism.shadow.method = "NONSENSE"
+    assert scene.ism.shadow.method == settings.Shadow().method
+
+
+@pytest.mark.parametrize(
+    ("method", "shadow", "sampling"),
+    [
+        ("FITTED", ["method"], ["samples"]),
+        (
+            "CLASSIC",
+            ["method", "splat_size", "bias", "fill_holes", "fill_threshold"],
+            ["samples", "light_points", "map_size", "surface_points"],
+        ),
+    ],
+)
+def test_panels_have_the_settings_of_the_method(scene, method, shadow, sampling):
+    scene.ism.shadow.method = method
+    assert panels.ISM_RENDER_PT_shadow.shown(scene) == shadow
+    assert panels.ISM_RENDER_PT_sampling_render.shown(scene) == sampling
+    assert panels.ISM_RENDER_PT_sampling_viewport.shown(scene) == sampling
 
 
 def test_the_two_qualities_are_apart(scene):
@@ -131,7 +165,7 @@ def test_keyframes_move_them(scene, name, member, control):
     for frame, value in ((1, default), (11, another(control, default))):
         scene.frame_set(frame)
         evaluated = bpy.context.evaluated_depsgraph_get().scene_eval
-        assert getattr(getattr(evaluated.ism, name), member.name) == pytest.approx(value)
+        assert getattr(getattr(evaluated.ism, name), member.name) == approximately(value)
 
 
 def test_undo_brings_back_the_old_value(scene):
