@@ -41,6 +41,17 @@ class Drawn:
         pixels = np.frombuffer(texture.read(), dtype)
         return pixels.reshape(*texture.size[::-1], texture.components).astype(float if dtype != np.uint32 else dtype)
 
+    @property
+    def part(self) -> np.ndarray:
+        """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
+        from ism_addon.gpu.passes.sift import BLOCKS
+
+        buffer, count = self.renderer.tables["blocks"]
+        found = np.zeros(self.renderer.tables["counts"].size[::-1], bool)
+        column, row = np.frombuffer(buffer.read(), BLOCKS)["block"][:count].astype(int).T
+        found[row, column] = True
+        return found
+
 
 def draw(
     device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None, last: int | None = None

@@ -29,9 +29,7 @@ def gathered(
     """(N,3) irradiance of receivers (N,3) that nothing hides."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
-    settings = with_quality(
-        replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points
-    )
+    settings = with_quality(replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points)
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample
     renderer.run(LightPoints, frame, Profile())

@@ -11,7 +11,7 @@ from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers import mip_chain
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.renderer import fineness
-from ism_addon.sampling import sub_pixel
+from ism_addon.sampling import grid
 from ism_addon.scene import Image
 from ism_addon.spaces import jittered
 
@@ -211,16 +211,17 @@ def test_no_triangles_at_all(device):
     assert (ours["depth"] == np.float32(1e10)).all()
 
 
-@pytest.mark.parametrize("samples", [3, 4, 16], ids="a grid each,four share one,sixteen share one".split(","))
+@pytest.mark.parametrize("samples", [3, 4, 16], ids=["a grid each", "four share one", "sixteen share one"])
 def test_the_sample_moves_the_pixels_centres(device, samples):
-    """The second and the last sample see what rays through their own places in the pixels meet, however fine the grid."""
+    """The second and the last sample see what rays through their own places meet, however fine the grid."""
     view = replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
     settings = with_quality(MAPS, samples=samples)
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
-        place = sub_pixel(newest, 1.5, fineness(view, samples, device.texture_size))
-        moved = replace(view, clip_from_view=jittered(view.clip_from_view, place.offset, 48, 36))
+        factor = fineness(view, samples, device.texture_size)
+        place = grid(newest // factor**2, 1.5, factor).places[newest % factor**2]
+        moved = replace(view, clip_from_view=jittered(view.clip_from_view, place, 48, 36))
         truth = reference.surfaces(objects(), moved)
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
-        assert place.offset.any()
+        assert place.any()
         assert (off > 1e-3).mean() <= EDGE

@@ -10,7 +10,7 @@ from ism_addon.gpu.passes.shade import Shade
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 
-from .studio import SMALL_SETTINGS, draw, from_above, light, look, quad, stage
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, look, quad, stage, with_quality
 
 
 def lit_floor(**more):
@@ -19,14 +19,30 @@ def lit_floor(**more):
     )
 
 
-def test_albedo_times_what_arrives(device):
-    scene, view = lit_floor(), look((0.0, -4.0, 3.0))
-    drawn = draw(device, scene, view)
+@pytest.mark.parametrize(("settings", "arriving"), [(SMALL_SETTINGS, "predicted"), (MAPS, "irradiance")])
+def test_albedo_times_what_arrives(device, settings, arriving):
+    drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     seen = drawn.target("position")[..., 3] > 0.0
-    expected = np.array([0.8, 0.4, 0.1]) * (drawn.target("irradiance")[..., :3] / np.pi + 0.3)
+    expected = np.array([0.8, 0.4, 0.1]) * (drawn.target(arriving)[..., :3] / np.pi + 0.3)
     assert 0 < seen.sum() < seen.size
     assert drawn.color[seen][:, :3] == pytest.approx(expected[seen], rel=2e-3)
     assert (drawn.color[seen][:, 3] == 1.0).all()
+    assert np.ptp(drawn.target(arriving)[seen]) > 0.1
+
+
+def test_a_correction_is_sent_as_what_arrives_is(device):
+    """And in its alpha stands the square of its luminance."""
+    settings = with_quality(SMALL_SETTINGS, samples=2)
+    drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
+    corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
+    drawn.renderer.targets["correction"].write(corrections.astype(np.float32))
+    frame = drawn.renderer.frame(lit_floor(), look((0.0, -4.0, 3.0)), settings, 1, Profile())
+    drawn.renderer.passes[Shade].draw(frame)
+    seen = drawn.target("position")[..., 3] > 0.0
+    found = drawn.target("color_correction")
+    expected = np.where(seen[..., None], np.array([0.8, 0.4, 0.1]) / np.pi * corrections[..., :3], 0.0)
+    assert found[..., :3] == pytest.approx(expected, rel=2e-3)
+    assert found[..., 3] == pytest.approx((found[..., :3] @ [0.2126, 0.7152, 0.0722]) ** 2, rel=1e-4, abs=1e-7)
 
 
 def test_the_world_stands_behind(device):
