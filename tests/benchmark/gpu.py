@@ -24,7 +24,7 @@ from ism_addon.gpu.context import Device, open_device
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View
-from ism_addon.settings import Quality, Settings
+from ism_addon.settings import Method, Quality, Settings, Shadow
 from tests.scenes.small import pillar_field
 from tests.tools import project
 
@@ -45,7 +45,7 @@ CASES = {
     "1920×1080, 1024 light points": Case(1920, 1080, Quality(light_points=1024, map_size=64, surface_points=2048)),
 }
 #: By name: the look of the shadows.
-METHODS = {"classic": Settings()}
+METHODS = {"fitted": Settings(), "classic": Settings(shadow=Shadow(method=Method.CLASSIC))}
 
 
 def main() -> int:

@@ -33,7 +33,7 @@ class Effort:
     rounds: int
 
 
-WHOLE = Effort(tuple(SCENES), (640, 360), 512, (1, 2, 4, 8, 16, 64), (1, 4, 16), 22.0, 3)
+WHOLE = Effort(tuple(SCENES), (640, 360), 256, (1, 2, 4, 8, 16, 64), (1, 4, 16), 22.0, 3)
 QUICK = Effort(("objects", "thin"), (320, 180), 64, (1, 4, 16), (1, 4), 4.0, 1)
 
 
