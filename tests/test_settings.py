@@ -38,10 +38,8 @@ def changed(settings, section, name):
 @pytest.mark.parametrize(("section", "name", "method"), LIMITED)
 def test_a_setting_counts_for_the_methods_that_it_names(device, section, name, method):
     scene, view = box_over_plane(48, 32)
-    for settings in (
-        with_quality(SMALL_SETTINGS, samples=2),
-        with_quality(MAPS, map_size=64),
-    ):  # maps wide enough to have holes
+    with_holes = with_quality(MAPS, map_size=64)
+    for settings in (with_quality(SMALL_SETTINGS, samples=2), with_holes):
         plain = draw(device, scene, view, settings).color
         other = draw(device, scene, view, changed(settings, section, name)).color
         assert np.array_equal(plain, other) != (method in (None, settings.shadow.method))
