@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sums as one picture: what was predicted at first, and in the end all that corrects it."""
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes import BLOCK
+
+from .scenes.small import box_over_plane
+from .studio import SMALL_SETTINGS, draw
+
+WIDTH, HEIGHT = 40, 24
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def resolved(device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count) -> np.ndarray:
+    """(H,W,3) of the mean prediction and correction of `count` samples (blocks or one), and their mean square (H,W)."""
+    drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), SMALL_SETTINGS)
+    renderer = drawn.renderer
+    blocks = np.broadcast_to(np.float32(count), (HEIGHT // BLOCK, WIDTH // BLOCK))
+    samples = blocks.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
+    whole = np.concatenate([means * samples, samples], 2)
+    parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
+    renderer.targets["sum"].write(whole.astype(np.float32))
+    renderer.targets["sum_correction"].write(parts.astype(np.float32))
+    renderer.tables["counts"].write(np.ascontiguousarray(blocks))
+    color = drawn.color  # resolved now, for the first time
+    assert color[..., 3] == pytest.approx(1.0)
+    return color[..., :3]
+
+
+def random_picture(seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).random((HEIGHT, WIDTH, 3))
+
+
+def test_the_first_sample_shows_what_was_predicted_alone(device):
+    means = random_picture()
+    found = resolved(device, means, random_picture(1), np.ones((HEIGHT, WIDTH)), 1)
+    assert found == pytest.approx(means, abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [2, 5, 300])
+def test_a_correction_without_noise_is_believed_whole(device, count):
+    """All samples found the same: the mean square is the square of the mean over their number."""
+    means, corrections = random_picture(), 0.2 * random_picture(1) - 0.1
+    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), count)
+    assert found == pytest.approx(means + corrections, abs=1e-5)
+
+
+def noisy(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """(H,W,3) and (H,W): mean and mean square of `count` - 1 grey corrections."""
+    found = np.random.default_rng(2).normal(mean, deviation, (count - 1, HEIGHT, WIDTH))
+    return np.repeat(found.mean(0)[..., None], 3, 2), (found**2).mean(0)
+
+
+def test_noise_about_nothing_is_hardly_believed(device):
+    for count in (2, 4, 16):
+        corrections, squares = noisy(count, 0.0)
+        left = resolved(device, random_picture(), corrections, squares, count) - random_picture()
+        assert np.sqrt((left**2).mean()) < 0.6 * np.sqrt((corrections**2).mean())
+
+
+def test_in_the_end_all_is_believed(device):
+    """However small it is against the noise of a sample."""
+    off = []
+    for count in (4, 64, 4096):
+        corrections, squares = noisy(count, 0.3)
+        left = resolved(device, random_picture(), corrections, squares, count) - random_picture() - corrections
+        off.append(np.sqrt((left**2).mean()) / 0.3)
+    assert off[1] < 0.5 * off[0]
+    assert off[2] < 0.01
+
+
+def test_blocks_have_counts_of_their_own(device):
+    counts = np.random.default_rng(3).integers(2, 60, (HEIGHT // BLOCK, WIDTH // BLOCK))
+    means, corrections = random_picture(), random_picture(1)
+    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), counts)
+    assert found == pytest.approx(means + corrections, abs=1e-5)
+
+
+@pytest.mark.parametrize("count", [2, 40])
+def test_black_stays_black(device, count):
+    nothing = np.zeros((HEIGHT, WIDTH, 3))
+    assert not resolved(device, nothing, nothing, nothing[..., 0], count).any()
