@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What neighbours' rays say of a pixel: sure where they agree, in doubt where not, and nothing across edges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes.predict import Predict
+from ism_addon.gpu.profile import Profile
+
+from . import reference
+from .scenes.small import box_over_plane
+from .studio import SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+
+FLOOR = quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))
+LAMP = light(position=(0.0, 0.0, 5.0))
+
+
+def prediction(renderer) -> np.ndarray:
+    """(H,W,2) of the first light."""
+    texture = renderer.tables["predictions"][0]
+    return np.frombuffer(texture.read(), "u1").reshape(*texture.size[::-1], 2) / 255
+
+
+def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None = None) -> np.ndarray:
+    """(H,W,2) from what was scouted by hand: rays (H/2,W/2) that arrived, of one each."""
+    drawn = draw(device, scene, view)
+    rays = np.ones_like(arrived) if rays is None else rays
+    pairs = np.stack([arrived, rays], -1)
+    drawn.renderer.tables["scouted"][0].write(np.ascontiguousarray(255 * pairs, np.uint8))
+    drawn.renderer.passes[Predict].draw(drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile()))
+    return prediction(drawn.renderer)
+
+
+@pytest.mark.parametrize("size", [(32, 24), (17, 9), (1, 1)])
+@pytest.mark.parametrize("part", [0.0, 1.0])
+def test_where_all_neighbours_agree_there_is_no_doubt(device, size, part):
+    rows = np.full((-(-size[1] // 2), -(-size[0] // 2)), part)
+    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0, size), rows)
+    assert (found == (part, 0.0)).all()
+
+
+def test_one_ray_that_differs_is_felt_two_pixels_around_it(device):
+    rows = np.ones((16, 16))
+    rows[8, 5] = 0.0
+    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
+    doubt = np.zeros((32, 32), bool)
+    doubt[12:22, 6:16] = True  # two half-resolution pixels to all sides
+    assert np.array_equal(found[..., 1] == 1.0, doubt)
+    assert found[doubt][:, 0] == pytest.approx(24 / 25, abs=0.5 / 255 + 1e-6)
+    assert (found[~doubt] == (1.0, 0.0)).all()
+
+
+def test_on_a_plane_neighbours_count_alike(device):
+    """Random rays: the mean of the 25 that are nearest."""
+    rows = np.random.default_rng(0).integers(0, 2, (16, 16)).astype(float)
+    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
+    padded = np.pad(rows, 2, mode="edge")
+    means = np.mean([padded[y : y + 16, x : x + 16] for y in range(5) for x in range(5)], 0)
+    assert found[..., 0] == pytest.approx(means.repeat(2, 0).repeat(2, 1), abs=0.5 / 255 + 1e-6)
+
+
+def test_nothing_is_taken_from_another_surface(device):
+    """A raised plate on the left is dark, the floor is lit: also beside the edge."""
+    plate = quad((-10, -10, 1), (10 + 1 / 24, 0, 0), (0, 20, 0))
+    scene, view = stage([FLOOR, plate], LAMP), from_above(4.0, (48, 48))
+    heights = draw(device, scene, view).target("position")[..., 2]
+    on_plate = heights > heights.mean()
+    found = predicted(device, scene, view, np.where(on_plate[::2, ::2], 0.0, 1.0))
+    assert np.array_equal(found[..., 0], np.where(on_plate, 0.0, 1.0))
+    assert found[..., 1].any()
+    assert not found[..., 1].all()
+
+
+def test_pixels_without_rays_are_not_counted(device):
+    """Half of the neighbours had no ray: those are no shadow."""
+    rays = np.indices((16, 16)).sum(0) % 2
+    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), 1.0 * rays, 1.0 * rays)
+    assert (found == (1.0, 0.0)).all()
+
+
+def test_more_rays_make_better_predictions(device):
+    """Against the part of the light that the reference sees."""
+    scene, view = box_over_plane(48, 32)
+    open_scene = replace(scene, lights=replace(scene.lights, casts_shadow=np.array([False])))
+    shaded, whole = (reference.picture(each, view, 10)[0][:, 0] for each in (scene, open_scene))
+    ambient = 0.6 * scene.world.radiance[0]
+    lit = whole > 2.0 * ambient
+    truth = (shaded - ambient)[lit] / (whole - ambient)[lit]
+    settings, errors = with_quality(SMALL_SETTINGS, samples=256), []
+    for last in (0, 16, 128):
+        found = prediction(draw(device, scene, view, settings, last=last).renderer)[..., 0].ravel()
+        errors.append(np.sqrt(((found[lit] - truth) ** 2).mean()))
+    assert errors[1] < 0.8 * errors[0], errors
+    assert errors[2] < 0.8 * errors[1], errors

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shadow rays correct whatever was predicted: right on average, without noise where there is nothing to correct."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.scene import LightShape
+
+from . import reference
+from .scenes.small import box_over_plane, pillar_field
+from .studio import SMALL_SETTINGS, both, draw, from_above, light, look, quad, rubble, stage, with_quality
+
+FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
+
+
+def means(renderer) -> tuple[np.ndarray, np.ndarray]:
+    """(N,3) each: the mean of what was predicted, and of what corrects it in all samples but the first."""
+    total, corrections = (
+        np.frombuffer(renderer.targets[name].read(), "f4").reshape(-1, 4).astype(float)
+        for name in ("sum", "sum_correction")
+    )
+    count = total[:, 3:]
+    return total[:, :3] / count, corrections[:, :3] / (count - 1.0)
+
+
+def predicting(device, scene, view, part: float, doubt: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """`means` when of each light this part is predicted everywhere, wrong as it may be."""
+    settings = with_quality(SMALL_SETTINGS, samples=samples)
+    renderer, profile = Renderer(device), Profile()
+    for sample in range(samples):
+        for name in renderer.sample(scene, view, settings, sample, profile):
+            if name == "Predict":
+                for texture in renderer.tables["predictions"].values():
+                    pixels = np.tile(np.array([255 * part, 255 * doubt], np.uint8), (texture.height, texture.width, 1))
+                    texture.write(pixels)
+    return means(renderer)
+
+
+@pytest.mark.parametrize("make", [box_over_plane, pillar_field], ids=["rectangle", "ellipse and spread"])
+@pytest.mark.parametrize(("part", "doubt"), [(0.0, 1.0), (0.4, 1.0), (1.0, 1.0), (0.0, 0.0), (1.0, 0.0)])
+def test_the_mean_is_right_whatever_is_predicted(device, make, part, doubt):
+    scene, view = make(24, 16)
+    truth, _ = reference.picture(scene, view, 12)
+    predicted, corrections = predicting(device, scene, view, part, doubt, 1024)
+    assert reference.nrmse(predicted, truth) > 0.1
+    # Wrong and undoubted predictions are corrected by rarer rays.
+    assert reference.nrmse(predicted + corrections, truth) < (0.03 if doubt else 0.08)
+    assert (predicted + corrections).mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+def test_more_samples_come_closer(device):
+    scene, view = box_over_plane(24, 16)
+    truth, _ = reference.picture(scene, view, 16)
+    errors = [
+        reference.nrmse(sum(predicting(device, scene, view, 0.5, 1.0, samples)), truth) for samples in (17, 65, 257)
+    ]
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[2] < 0.6 * errors[1]
+
+
+@pytest.mark.parametrize("roof", [False, True], ids=["all seen", "all hidden"])
+def test_no_noise_where_all_is_seen_or_hidden(device, roof):
+    """Not a bit of it."""
+    meshes = [FLOOR, quad((-9, -9, 1.5), (18, 0, 0), (0, 18, 0))] if roof else [FLOOR]
+    drawn = draw(device, stage(meshes, light()), from_above(4.0, height=1.2), with_quality(SMALL_SETTINGS, samples=16))
+    predicted, corrections = means(drawn.renderer)
+    assert not corrections.any()
+    assert predicted.any() == (not roof)
+
+
+@pytest.mark.parametrize("shape", LightShape)
+@pytest.mark.parametrize("spread", [np.pi, 1.5, 0.4])
+def test_without_shadows_light_arrives_whole(device, shape, spread):
+    """Of lights without shadows, with shadows off, where nothing casts any: the same, and as the reference says."""
+    lamp = light(shape, (0.5, 0.3, 2.0), (0.8, 0.0, 0.3), (0.0, -0.6, 0.0), spread=spread)
+    scene, view = stage([FLOOR, rubble(20)], lamp), look((3.0, -3.0, 3.0))
+    settings = with_quality(SMALL_SETTINGS, samples=3)
+    open_scene = replace(scene, lights=replace(lamp, casts_shadow=np.array([False])))
+    ghosts = replace(scene, instances=replace(scene.instances, casts_shadow=np.zeros(2, bool)))
+    off = replace(settings, shadow=replace(settings.shadow, enabled=False))
+    pictures = [
+        means(draw(device, *arguments).renderer)
+        for arguments in ((open_scene, view, settings), (ghosts, view, settings), (scene, view, off))
+    ]
+    truth, surface = reference.picture(open_scene, view, 40)
+    for predicted, corrections in pictures:
+        assert np.array_equal(predicted, pictures[0][0])
+        assert not corrections.any()
+    difference = np.abs(pictures[0][0] - truth)[surface.seen]
+    assert np.quantile(difference, 0.97) < 0.01 * truth.max()
+
+
+def test_lights_add_up(device):
+    """One with a shadow, one without: as each alone."""
+    one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0), radiance=2.0)
+    meshes, view = [FLOOR, quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))], look((3.0, -3.0, 3.0))
+    settings = with_quality(SMALL_SETTINGS, samples=64)
+    together = sum(means(draw(device, stage(meshes, both(one, other)), view, settings).renderer))
+    apart = [sum(means(draw(device, stage(meshes, lamp), view, settings).renderer)) for lamp in (one, other)]
+    assert apart[0].any()
+    assert reference.nrmse(together, apart[0] + apart[1]) < 0.02
+
+
+def test_the_first_sample_traces_nothing(device):
+    scene, view = box_over_plane(24, 16)
+    drawn = draw(device, scene, view)
+    assert drawn.target("predicted").any()
+    assert not drawn.target("correction").any()
