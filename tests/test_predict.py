@@ -89,8 +89,8 @@ def test_more_rays_make_better_predictions(device):
     lit = whole > 2.0 * ambient
     truth = (shaded - ambient)[lit] / (whole - ambient)[lit]
     settings, errors = with_quality(SMALL_SETTINGS, samples=256), []
-    for last in (0, 16, 128):
+    for last in (0, 16):
         found = prediction(draw(device, scene, view, settings, last=last).renderer)[..., 0].ravel()
         errors.append(np.sqrt(((found[lit] - truth) ** 2).mean()))
-    assert errors[1] < 0.8 * errors[0], errors
-    assert errors[2] < 0.8 * errors[1], errors
+    assert errors[0] < 0.2
+    assert errors[1] < 0.75 * errors[0]
