@@ -126,7 +126,9 @@ class Pass:
         target.use()
         self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows))
-        mesh = self.device.gl.vertex_array(program, [(buffer, "2f 4f 1f", "block", "where", "number")], skip_errors=True)
+        mesh = self.device.gl.vertex_array(
+            program, [(buffer, "2f 4f 1f", "block", "where", "number")], skip_errors=True
+        )
         mesh.render(moderngl.POINTS, vertices=count)
         target.viewport = 0, 0, frame.view.width, frame.view.height
 

@@ -39,10 +39,10 @@ class Trace(Pass):
         super().__init__(device)
         self.all_seen = device.gl.texture((1, 1), 2, bytes([255, 0]))
 
-    def program(self, rectangle: bool, spread: bool) -> moderngl.Program:
+    def program(self, rectangle: bool, spread: bool, places: int) -> moderngl.Program:
         """For one kind of light: what the others would need, many drivers would walk through too."""
         kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread)}
-        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, **kind)
+        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, places_in_pixel=places, **kind)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -54,7 +54,9 @@ class Trace(Pass):
         gl.blend_func = moderngl.ONE, moderngl.ONE
         for light, shift in enumerate(additive_sequence(0, len(lights.shape), 2)):
             casts = frame.traces and bool(lights.casts_shadow[light])
-            program = self.program(lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi)
+            program = self.program(
+                lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi, len(frame.grid.places)
+            )
             bind(
                 program,
                 position=frame.targets["position"],

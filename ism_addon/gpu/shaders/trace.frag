@@ -28,8 +28,10 @@ void main() {
     float chance = clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
     // Rays are numbered, so that they go through places that are spread evenly, however rare they are. Pixels close by take
     // turns together: processors work on several at once.
-    float number = floor(own_number * chance + place_of_pixel(at / 4, vec2(0.0)).x);
-    bool turn = floor((own_number + 1.0) * chance + place_of_pixel(at / 4, vec2(0.0)).x) > number;
+    float phase = place_of_pixel(at / 4, vec2(0.0)).x, number = floor(own_number * chance + phase);
+    // After each round of the places in the pixel at another time, or rays would only ever start at some of them.
+    phase += floor(own_number / float(PLACES_IN_PIXEL)) * ADDITIVE.x;
+    bool turn = floor((own_number + 1.0) * chance + phase) > floor(own_number * chance + phase);
     if (!traced || full <= 0.0 || !turn) return;
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ADDITIVE));
     float weight = sent(light, to - here.position, here.normal) / full;
