@@ -128,7 +128,10 @@ def grid(number: int, reach: float, factor: int) -> Grid:
     A grid goes through a place that the filter chooses, and its places are taken by the filter's odds: so all grids'
     together follow the filter.
     """
-    shift = np.mod(additive_sequence(number, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    pair = (number + 1) // 2
+    shift = np.mod(additive_sequence(pair, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    if number % 2:  # a grid and its mirror image have the centre for their mean
+        shift = 1.0 - shift
     t = np.linspace(-1.0, 1.0, 257)
     cumulative = np.cumsum(blackman_harris(t)) - 0.5 * blackman_harris(t)
     through = reach * np.interp(shift[:2] * cumulative[-1], cumulative, t)
@@ -138,10 +141,12 @@ def grid(number: int, reach: float, factor: int) -> Grid:
     offsets = (fine[:, None] + 0.5 + phase) / factor - 0.5
     odds = np.cumsum(blackman_harris(offsets / reach), 0)
     count = factor * factor
-    middle = 0.5 / count if count > 1 else 0.0  # of the cells that the sequence fills
-    chances = np.mod(sobol(np.arange(count)) + shift[2:] + middle, 1.0)
+    cells = np.stack(np.divmod(np.arange(count), factor), 1)
+    chances = (cells + np.where(2 * cells < factor, shift[2:], 1.0 - shift[2:])) / factor
     chosen = np.stack([np.searchsorted(odds[:, a], chances[:, a] * odds[-1, a], side="right") for a in (0, 1)], 1)
     chosen = np.minimum(chosen, len(fine) - 1)
+    if number == 0:
+        chosen[count // 2] = np.abs(offsets).argmin(0)
     places = np.take_along_axis(offsets, chosen, 0)
     order = balanced(places, number == 0)
     return Grid(factor, phase / factor, fine[chosen[order]], places[order])
