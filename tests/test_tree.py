@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Trees of boxes: each box in one leaf, each parent around its children, as many boxes as may be."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ism_addon.gpu.tree import LARGE, NOWHERE, Tree, build
+
+
+def boxes(count: int, seed: int = 0, size: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (N,3) of random boxes."""
+    random = np.random.default_rng(seed)
+    middle = random.normal(size=(count, 3)).astype(np.float32)
+    half = (size * random.random((count, 3))).astype(np.float32)
+    return middle - half, middle + half
+
+
+def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> None:
+    """All that a ray relies on."""
+    count, leaves = len(low), tree.leaves
+    assert leaves & (leaves - 1) == 0
+    assert tree.per_leaf * leaves == len(tree.order)
+    assert 1 <= tree.per_leaf <= most_per_leaf
+    repeats = np.bincount(tree.order, minlength=count)
+    assert len(repeats) == count
+    assert repeats.min() == 1
+    assert (repeats > 1).sum() <= 1, "one box fills the last leaves, every other is in one leaf once"
+    nowhere = tree.nodes[:, 0, 0] == np.float32(NOWHERE)
+    assert nowhere[0]
+    assert not nowhere[1]
+    assert (tree.nodes[nowhere] == np.float32(NOWHERE)).all()
+    for leaf, row in enumerate(tree.order.reshape(leaves, -1)):
+        node = tree.nodes[leaves + leaf]
+        real = row[repeats[row] == 1]
+        if nowhere[leaves + leaf]:
+            assert not len(real)
+            continue
+        assert (node[0] <= low[real]).all()
+        assert (node[1] >= high[real]).all()
+        assert (node[0] == low[row].min(0)).all() or repeats.max() > 1
+    children = tree.nodes[2:].reshape(leaves - 1, 2, 2, 3)
+    gone = nowhere[2:].reshape(leaves - 1, 2)
+    expected_low = np.where(gone[..., None], np.inf, children[:, :, 0]).min(1)
+    expected_high = np.where(gone[..., None], -np.inf, children[:, :, 1]).max(1)
+    inner = ~nowhere[1:leaves]
+    assert np.array_equal(tree.nodes[1:leaves, 0][inner], expected_low[inner])
+    assert np.array_equal(tree.nodes[1:leaves, 1][inner], expected_high[inner])
+    assert np.array_equal(inner, ~gone.all(1))
+    assert np.array_equal(tree.nodes[1], [low.min(0), high.max(0)])
+    assert np.array_equal(tree.pairs[1:].reshape(-1, 2, 2, 3), children)
+
+
+@pytest.mark.parametrize("most_per_leaf", [1, 4])
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 1000, LARGE - 1, LARGE + 1, 3 * LARGE])
+def test_trees_of_all_sizes(count, most_per_leaf):
+    low, high = boxes(count)
+    check(build(low, high, most_per_leaf), low, high, most_per_leaf)
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(
+    st.integers(1, 300),
+    st.integers(1, 9),
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0.0, 1e-6, 1.0, 1e6]),
+    st.lists(st.sampled_from([0.0, 1e-20, 1.0, 1e12]), min_size=3, max_size=3),
+)
+def test_any_boxes(count, most_per_leaf, seed, size, scale):
+    """Points, huge ones, all in one plane, on one line, or in one place."""
+    low, high = (corner * np.array(scale, np.float32) for corner in boxes(count, seed, size))
+    check(build(low, high, most_per_leaf), low, high, most_per_leaf)
+
+
+def test_the_same_boxes_make_the_same_tree():
+    low, high = boxes(2 * LARGE)
+    one, two = build(low, high, 4), build(low.copy(), high.copy(), 4)
+    assert np.array_equal(one.order, two.order)
+    assert np.array_equal(one.nodes, two.nodes)
+
+
+def area(nodes: np.ndarray) -> np.ndarray:
+    """Half the surface of boxes (N,2,3): in proportion to it rays meet them."""
+    x, y, z = (nodes[:, 1] - nodes[:, 0]).astype(float).T
+    return x * y + y * z + z * x
+
+
+@pytest.mark.parametrize("stretch", [(1, 1, 1), (1, 50, 1), (1, 1, 50)])
+def test_leaves_are_small(stretch):
+    """Cut along the longest side, 4096 boxes spread evenly end up in leaves as compact as can be, however they lie."""
+    random = np.random.default_rng(1)
+    middle = (random.random((4096, 3)) * stretch).astype(np.float32)
+    tree = build(middle, middle, 4)
+    volume = np.prod(np.array(stretch, float)) / tree.leaves
+    assert np.median(area(tree.nodes[tree.leaves :])) < 3.0 * volume ** (2.0 / 3.0)
+
+
+def test_halves_of_a_large_tree_are_cut_like_a_small_one():
+    """Two threads split what is larger than LARGE: its leaves are no worse than what one thread makes."""
+    small, large = (build(*boxes(count, size=0.0), 4) for count in (LARGE, 8 * LARGE))
+    of_small, of_large = (np.median(area(tree.nodes[tree.leaves :])) for tree in (small, large))
+    assert of_large < of_small
