@@ -3,6 +3,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -104,35 +105,66 @@ def sobol(index: np.ndarray) -> np.ndarray:
     return bits / 2.0**32
 
 
+#: Orders of a grid's places from which the best is taken.
+SHUFFLES = 2048
+
+
 @dataclass(frozen=True)
 class Grid:
     """A grid `factor` times as fine as the pixels, and the places in a pixel that samples take on it."""
 
     factor: int
     off: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
-    texels: np.ndarray  # (factor²,2) int: the fine pixel of each place, from the pixel's first; some lie outside the pixel
+    texels: (
+        np.ndarray
+    )  # (factor²,2) int: the fine pixel of each place, from the pixel's first; some lie outside the pixel
     places: np.ndarray  # (factor²,2) px: from the pixel's centre
 
 
+@lru_cache(maxsize=64)
 def grid(number: int, reach: float, factor: int) -> Grid:
     """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides. The first is the pixel's centre.
 
     A grid goes through a place that the filter chooses, and its places are taken by the filter's odds: so all grids'
     together follow the filter.
     """
-    shift = np.mod(additive_sequence(number, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    pair = (number + 1) // 2
+    shift = np.mod(additive_sequence(pair, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    if number % 2:  # a grid and its mirror image have the centre for their mean
+        shift = 1.0 - shift
     t = np.linspace(-1.0, 1.0, 257)
     cumulative = np.cumsum(blackman_harris(t)) - 0.5 * blackman_harris(t)
     through = reach * np.interp(shift[:2] * cumulative[-1], cumulative, t)
     phase = np.mod((through + 0.5) * factor - 0.5, 1.0)
-    fine = np.arange(-factor, 2 * factor)
+    beyond = int(np.ceil((reach + 0.5) * factor))
+    fine = np.arange(-beyond, factor + beyond)
     offsets = (fine[:, None] + 0.5 + phase) / factor - 0.5
     odds = np.cumsum(blackman_harris(offsets / reach), 0)
     count = factor * factor
-    chances = np.mod(sobol(np.arange(count)) + (0.5 if count > 1 else 0.0), 1.0) + shift[2:] / count
+    cells = np.stack(np.divmod(np.arange(count), factor), 1)
+    chances = (cells + np.where(2 * cells < factor, shift[2:], 1.0 - shift[2:])) / factor
     chosen = np.stack([np.searchsorted(odds[:, a], chances[:, a] * odds[-1, a], side="right") for a in (0, 1)], 1)
     chosen = np.minimum(chosen, len(fine) - 1)
-    return Grid(factor, phase / factor, fine[chosen], np.take_along_axis(offsets, chosen, 0))
+    if number == 0:
+        chosen[count // 2] = np.abs(offsets).argmin(0)
+    places = np.take_along_axis(offsets, chosen, 0)
+    order = balanced(places, number == 0)
+    return Grid(factor, phase / factor, fine[chosen[order]], places[order])
+
+
+def balanced(places: np.ndarray, middle_first: bool) -> np.ndarray:
+    """(N,): an order of places (N,2) in which the first few, however many, have about the mean and the variance of all.
+
+    The best of many shuffles.
+    """
+    count = len(places)
+    orders = np.argsort(np.random.default_rng(count).random((SHUFFLES, count)), 1)
+    if middle_first:
+        middle = (places**2).sum(1).argmin()
+        orders = np.column_stack([np.full(SHUFFLES, middle), orders[orders != middle].reshape(SHUFFLES, -1)])
+    moments = np.column_stack([places, places**2, places.prod(1)])[orders]
+    off = np.cumsum(moments, 1) / np.arange(1, count + 1)[:, None] - moments.mean(1, keepdims=True)
+    return orders[(off**2).sum((1, 2)).argmin()]
 
 
 def blackman_harris(t: np.ndarray) -> np.ndarray:

@@ -23,6 +23,10 @@ from ..targets import Target, Targets
 #: Pixels along a block: what takes part in a sample, or does not.
 BLOCK = 8
 
+#: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number, and for
+#: Trace the chance of a block where nothing is in doubt.
+BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4")])
+
 
 @dataclass
 class Frame:
@@ -39,6 +43,11 @@ class Frame:
     counts: dict[str, int]
     grid: Grid  # where in the pixels samples lie
     batch: Batch | None = None  # the light points whose maps are in the atlas
+
+    @property
+    def blocks(self) -> tuple[int, int]:
+        """Columns and rows of them that cover the picture."""
+        return -(-self.view.width // BLOCK), -(-self.view.height // BLOCK)
 
     @property
     def casts_shadows(self) -> bool:
@@ -118,16 +127,20 @@ class Pass:
         name = type(self).__module__.rsplit(".", 1)[-1]
         return compile_program(self.device, "blocks.vert", f"{name}.frag", records=records, block=BLOCK, **constants)
 
-    def draw_blocks(self, frame: Frame, target: moderngl.Framebuffer, program: moderngl.Program) -> None:
-        """Draw the pixels that take part in this sample, see sift."""
-        buffer, count = frame.tables["blocks"]
-        columns, rows = -(-frame.view.width // BLOCK), -(-frame.view.height // BLOCK)
+    def draw_blocks(
+        self, frame: Frame, target: moderngl.Framebuffer, program: moderngl.Program, blocks: np.ndarray | None = None
+    ) -> None:
+        """Draw the pixels of some blocks, or of all that take part in this sample, see sift."""
+        blocks = frame.tables["blocks"] if blocks is None else blocks
+        if not len(blocks):
+            return
+        gl, (columns, rows) = self.device.gl, frame.blocks
         target.viewport = 0, 0, columns * BLOCK, rows * BLOCK
         target.use()
-        self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
+        gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows))
-        mesh = self.device.gl.vertex_array(program, [(buffer, "2f 4f 1f", "block", "where", "number")], skip_errors=True)
-        mesh.render(moderngl.POINTS, vertices=count)
+        content = gl.buffer(blocks), "2f 4f 1f 1f", "block", "where", "number", "sure"
+        gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, frame.view.width, frame.view.height
 
     def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:

@@ -14,7 +14,7 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target
-from . import BLOCK, Frame, Pass
+from . import BLOCK, BLOCKS, Frame, Pass
 
 #: Samples that every block takes part in.
 SAMPLES_FOR_ALL = 4
@@ -22,10 +22,6 @@ SAMPLES_FOR_ALL = 4
 #: The least chance of a block after them, and the part of the blocks that still take part for sure.
 LEAST_CHANCE = 0.125
 FOR_SURE = 0.1
-
-
-#: A block: its column and row, the fine pixel and the place in the pixel of its sample, and that sample's number.
-BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4")])
 
 
 class Sift(Pass):
@@ -50,7 +46,7 @@ class Sift(Pass):
                 self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0)
         turn = additive_sequence(frame.sample, 1, 1)[0, 0]
         takes_part = np.mod(self.phase + turn, 1.0) < self.chance
-        frame.tables["blocks"] = self.buffer, self.write_blocks(frame, takes_part)
+        frame.tables["blocks"] = self.blocks(frame, takes_part)
         self.counts += takes_part
         frame.tables["counts"].write(self.counts)
 
@@ -60,18 +56,16 @@ class Sift(Pass):
         self.counts = np.zeros((height, width), np.float32)
         self.chance = np.ones((height, width), np.float32)
         self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
-        self.buffer = gl.buffer(reserve=BLOCKS.itemsize * width * height)
         frame.tables["counts"] = Target(1, "f4").create(gl, (width, height))
 
-    def write_blocks(self, frame: Frame, takes_part: np.ndarray) -> int:
-        """Fill the buffer of blocks; how many there are. Each goes through the places in a pixel at its own pace."""
+    def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
+        """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
         blocks = np.zeros(np.count_nonzero(takes_part), BLOCKS)
         blocks["block"] = np.argwhere(takes_part)[:, ::-1]
         blocks["number"] = self.counts[takes_part]
         turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
         blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]
-        self.buffer.write(blocks)
-        return len(blocks)
+        return blocks
 
     def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
         """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""

@@ -22,9 +22,13 @@ from . import Frame, Pass
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
 ENOUGH = 0.2
 
-#: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
+#: Doubt in a prediction that all rays of a neighbourhood agree on, also the chance of a block that has no other; and the
+#: least chance of a ray.
 TRUST = 0.0625
 LEAST_CHANCE = 0.02
+
+
+SURE_CHANCE = 0.125
 
 
 class Trace(Pass):
@@ -39,10 +43,10 @@ class Trace(Pass):
         super().__init__(device)
         self.all_seen = device.gl.texture((1, 1), 2, bytes([255, 0]))
 
-    def program(self, rectangle: bool, spread: bool) -> moderngl.Program:
+    def program(self, rectangle: bool, spread: bool, rays: int, places: int) -> moderngl.Program:
         """For one kind of light: what the others would need, many drivers would walk through too."""
-        kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread)}
-        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, **kind)
+        kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread), "rays": rays}
+        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, places_in_pixel=places, **kind)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -52,22 +56,40 @@ class Trace(Pass):
         frame.targets.into("predicted", "correction").clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        for light, shift in enumerate(additive_sequence(0, len(lights.shape), 2)):
+        shifts = additive_sequence(0, len(lights.shape), 3)
+        for light, shift in enumerate(shifts):
             casts = frame.traces and bool(lights.casts_shadow[light])
-            program = self.program(lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi)
-            bind(
-                program,
-                position=frame.targets["position"],
-                normals=frame.targets["normal"],
-                albedo=frame.targets["albedo"],
-                triangles=frame.targets["triangle"],
-                lights=frame.tables["lights"],
-                light_index=light,
-                prediction=frame.tables["predictions"][light] if casts else self.all_seen,
-                traced=casts and frame.sample > 0,
-                shift=tuple(shift),
-                enough=ENOUGH * frame.tables.get("brightness", 1.0),
-                **(frame.tables["casters"] if casts else {}),
-            )
-            names = [frame.targets["predicted"], frame.targets["correction"]]
-            self.draw_blocks(frame, gl.framebuffer(names + ([frame.tables["seen"][light]] if casts else [])), program)
+            traced, shown = self.chosen(frame, light, shift[2]) if casts else (None, frame.tables["blocks"])
+            kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
+            shared = {
+                "position": frame.targets["position"],
+                "normals": frame.targets["normal"],
+                "albedo": frame.targets["albedo"],
+                "triangles": frame.targets["triangle"],
+                "lights": frame.tables["lights"],
+                "light_index": light,
+                "prediction": frame.tables["predictions"][light] if casts else self.all_seen,
+            }
+            targets = [frame.targets["predicted"], frame.targets["correction"]]
+            program = self.program(*kind, 0, 1)
+            bind(program, **shared)
+            self.draw_blocks(frame, gl.framebuffer(targets), program, shown)
+            if casts and len(traced):
+                program = self.program(*kind, 1, len(frame.grid.places))
+                enough = ENOUGH * frame.tables["brightness"]
+                bind(program, **shared, shift=tuple(shift[:2]), enough=enough, **frame.tables["casters"])
+                self.draw_blocks(frame, gl.framebuffer([*targets, frame.tables["seen"][light]]), program, traced)
+
+    def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
+        """Blocks where rays are traced, and those where only what is predicted is drawn; in the others that is nothing."""
+        blocks = frame.tables["blocks"].copy()
+        column, row = blocks["block"].astype(np.int64).T
+        seen, doubtful = frame.tables["doubts"][light][row, column].T
+        if frame.sample == 0:
+            return blocks[:0], blocks[seen]
+        turn = (blocks["number"] + 1.0) * SURE_CHANCE + np.mod(
+            (column + row * 0.7548776662) * 0.6180339887 + shift, 1.0
+        )
+        sure = ~doubtful & (np.floor(turn) > np.floor(turn - SURE_CHANCE))
+        blocks["sure"] = np.where(doubtful, 0.0, SURE_CHANCE)
+        return blocks[doubtful | sure], blocks[seen & ~doubtful & ~sure]

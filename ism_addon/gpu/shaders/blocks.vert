@@ -2,8 +2,10 @@
 in vec2 block;
 in vec4 where;
 in float number;
+in float sure;
 uniform vec2 blocks;       // columns and rows; the viewport is theirs, which may reach beyond the picture
 flat out vec4 place;       // fine pixel from the pixel's first, and place from the pixel's centre in px
+flat out float own_sure;   // see trace.py
 flat out float own_number; // of the sample, counting those that the block took part in
 
 void main() {
@@ -11,4 +13,5 @@ void main() {
     gl_PointSize = float(BLOCK);
     place = where;
     own_number = number;
+    own_sure = sure;
 }

@@ -8,6 +8,7 @@
 uniform usampler2D triangles_seen;
 uniform int factor; // fine pixels along a pixel
 flat in vec4 place;
+flat in float own_number;
 uniform sampler2D instances;
 uniform sampler2D material_table;
 uniform sampler2D positions;
@@ -84,6 +85,8 @@ void main() {
         vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));
         vec3 by = barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v));
         mat3x2 at = mat3x2(uv[0], uv[1], uv[2]);
-        albedo.rgb = image_color(material, at * b, at * (bx - exact), at * (by - exact));
+        // A sample's share of the pixel: the more samples, the less is left to the image's smaller copies.
+        float share = inversesqrt(1.0 + own_number);
+        albedo.rgb = image_color(material, at * b, share * (at * (bx - exact)), share * (at * (by - exact)));
     }
 }

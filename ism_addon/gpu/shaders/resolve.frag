@@ -21,8 +21,8 @@ void main() {
         square += bright * bright;
         noise += tap.a / corrections(other);
     }
-    // Places on lights that are spread evenly make less noise than chance would: half of it, as measured.
-    noise *= 0.5 + 0.5 / count;
+    // Places that are spread evenly make less noise than chance would, the more there are of them; as measured.
+    noise *= pow(count, -0.35);
     float believed = square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0;
     resolved.rgb += believed * texelFetch(sum_correction, at, 0).rgb / count;
 }

@@ -5,10 +5,10 @@
 uniform sampler2D lights;
 uniform int light_index;
 uniform sampler2D prediction;
-uniform bool traced;
 uniform vec2 shift; // of places on the light
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
+flat in float own_sure;
 layout(location = 0) out vec4 predicted;
 layout(location = 1) out vec4 correction;
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
@@ -23,17 +23,21 @@ void main() {
     float full = unshadowed_irradiance(light, here.position, here.normal);
     vec2 known = texelFetch(prediction, min(at, textureSize(prediction, 0) - 1), 0).xy;
     predicted.rgb = light.radiance * full * known.x;
+#if RAYS
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
     float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.05)) : TRUST;
-    float chance = clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
+    float chance = own_sure > 0.0 ? own_sure : clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
     // Rays are numbered, so that they go through places that are spread evenly, however rare they are. Pixels close by take
     // turns together: processors work on several at once.
-    float number = floor(own_number * chance + place_of_pixel(at / 4, vec2(0.0)).x);
-    bool turn = floor((own_number + 1.0) * chance + place_of_pixel(at / 4, vec2(0.0)).x) > number;
-    if (!traced || full <= 0.0 || !turn) return;
+    float phase = place_of_pixel(at / 4, vec2(0.0)).x, number = floor(own_number * chance + phase);
+    // After each round of the places in the pixel at another time, or rays would only ever start at some of them.
+    phase += floor(own_number / float(PLACES_IN_PIXEL)) * ADDITIVE.x;
+    bool turn = floor((own_number + 1.0) * chance + phase) > floor(own_number * chance + phase);
+    if (full <= 0.0 || !(turn || own_sure > 0.0)) return;
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ADDITIVE));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
     seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);
     correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / chance);
+#endif
 }
