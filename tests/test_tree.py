@@ -28,6 +28,7 @@ def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> 
     assert repeats.min() == 1
     assert (repeats > 1).sum() <= 1, "one box fills the last leaves, every other is in one leaf once"
     nowhere = tree.nodes[:, 0, 0] == np.float32(NOWHERE)
+    assert np.isfinite(tree.nodes).all()
     assert nowhere[0]
     assert not nowhere[1]
     assert (tree.nodes[nowhere] == np.float32(NOWHERE)).all()

@@ -16,6 +16,7 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.tree import LARGE
 
 from . import reference
+from .scenes.small import subdivided_box
 from .studio import SMALL_SETTINGS, draw, light, look, placed, quad, rubble, stage
 
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
@@ -159,6 +160,19 @@ def test_rays_along_axes(device, axis):
     ends = starts.copy()
     ends[:, axis] = np.random.default_rng(1).uniform(-1.4, 1.4, 600)
     compare(device, scene, starts, ends)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_rays_along_axes_through_the_lines_between_triangles(device, axis):
+    """Where boxes begin and end, too, to the last bit: a closed wall has no gap."""
+    wall = subdivided_box((-1, -1, -1), (1, 1, 1), 8)
+    across = np.linspace(-0.75, 0.75, 7)
+    starts = np.stack(np.meshgrid([2.0], across, across), -1).reshape(-1, 3)
+    starts = np.roll(starts, axis, 1)
+    ends = np.where(np.arange(3) == axis, 0.0, starts)
+    scene = stage([wall], light())
+    assert occluded(device, scene, starts, ends).all()
+    assert not occluded(device, scene, starts, np.where(np.arange(3) == axis, 1.25, starts)).any()
 
 
 def test_a_triangle_is_not_in_its_own_way(device):
