@@ -130,6 +130,7 @@ def grid(number: int, reach: float, factor: int) -> Grid:
     """
     pair = (number + 1) // 2
     shift = np.mod(additive_sequence(pair, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
+    shift = shift[[0, 3, 2, 1]]  # so paired, x and y are least correlated
     if number % 2:  # a grid and its mirror image have the centre for their mean
         shift = 1.0 - shift
     t = np.linspace(-1.0, 1.0, 257)
@@ -142,7 +143,10 @@ def grid(number: int, reach: float, factor: int) -> Grid:
     odds = np.cumsum(blackman_harris(offsets / reach), 0)
     count = factor * factor
     cells = np.stack(np.divmod(np.arange(count), factor), 1)
-    chances = (cells + np.where(2 * cells < factor, shift[2:], 1.0 - shift[2:])) / factor
+    within = (
+        shift[2:] + (cells[:, ::-1] + 0.5) / factor if factor > 1 else shift[2:]
+    )  # another level in each row and column
+    chances = (cells + np.mod(within, 1.0)) / factor
     chosen = np.stack([np.searchsorted(odds[:, a], chances[:, a] * odds[-1, a], side="right") for a in (0, 1)], 1)
     chosen = np.minimum(chosen, len(fine) - 1)
     if number == 0:

@@ -44,11 +44,9 @@ class Drawn:
     @property
     def part(self) -> np.ndarray:
         """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
-        from ism_addon.gpu.passes.sift import BLOCKS
-
-        buffer, count = self.renderer.tables["blocks"]
+        blocks = self.renderer.tables["blocks"]
         found = np.zeros(self.renderer.tables["counts"].size[::-1], bool)
-        column, row = np.frombuffer(buffer.read(), BLOCKS)["block"][:count].astype(int).T
+        column, row = blocks["block"].astype(int).T
         found[row, column] = True
         return found
 

@@ -51,6 +51,7 @@ def shader(opened_device):
                 for name, rows in (("points", points), ("normals", normals))
             }
             tables["lights"] = LIGHT.upload(gl, light_tables(lights, 1, 0, np.zeros(3))[0])
+            gl.enable_only(moderngl.NOTHING)
             frame.use()
             for unit, (name, texture) in enumerate(tables.items()):
                 texture.filter = moderngl.NEAREST, moderngl.NEAREST

@@ -35,7 +35,7 @@ class Predict(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.pixels = self.full_screen()
-        self.doubts = compile_program(device, "full_screen.vert", "doubts.frag", block=BLOCK)
+        self.doubts = compile_program(device, "full_screen.vert", "predict_doubts.frag", block=BLOCK)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces

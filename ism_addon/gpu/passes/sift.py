@@ -23,6 +23,10 @@ SAMPLES_FOR_ALL = 4
 LEAST_CHANCE = 0.125
 FOR_SURE = 0.1
 
+#: What sums of float32 leave of no noise at all, as a part of the mean luminance.
+ROUNDING = 1e-3
+TINY = float(np.finfo(np.float32).tiny)
+
 
 class Sift(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
@@ -42,7 +46,7 @@ class Sift(Pass):
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
             if frame.fitted and frame.sample >= SAMPLES_FOR_ALL:
-                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), np.finfo(np.float32).tiny)
+                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), ROUNDING * frame.tables["brightness"], TINY)
                 self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0)
         turn = additive_sequence(frame.sample, 1, 1)[0, 0]
         takes_part = np.mod(self.phase + turn, 1.0) < self.chance
