@@ -94,17 +94,6 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
     return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
 
 
-def sobol(index: np.ndarray) -> np.ndarray:
-    """(…,2) in [0,1): members `index` (…) of Sobol's sequence; 2^k of them from a multiple of it on fill all cells alike."""
-    index = np.asarray(index, np.int64)
-    bits = np.zeros((*index.shape, 2), np.int64)
-    reverse = steps = 1 << 31
-    for bit in range(32):
-        bits ^= (index >> bit & 1)[..., None] * (reverse, steps)
-        reverse, steps = reverse >> 1, steps ^ (steps >> 1)
-    return bits / 2.0**32
-
-
 #: Orders of a grid's places from which the best is taken.
 SHUFFLES = 2048
 
@@ -123,7 +112,7 @@ class Grid:
 
 @lru_cache(maxsize=64)
 def grid(number: int, reach: float, factor: int) -> Grid:
-    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides. The first is the pixel's centre.
+    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides. The first is the centre.
 
     A grid goes through a place that the filter chooses, and its places are taken by the filter's odds: so all grids'
     together follow the filter.

@@ -16,7 +16,6 @@ from ism_addon.sampling import (
     points_on_light,
     points_on_triangles,
     shares,
-    sobol,
     triangle_areas,
 )
 from ism_addon.scene import LightShape
@@ -235,15 +234,3 @@ def test_the_places_of_a_grid_are_spread_over_the_pixel(factor):
 
 def test_a_narrow_filter_stays_at_the_centre():
     assert np.abs(places(64, 1, 0.01)).max() <= 0.01
-
-
-def test_sobols_neighbours_fill_all_cells_alike():
-    points = sobol(np.arange(256))
-    assert np.array_equal(sobol(77), points[77])
-    assert not points[0].any()
-    assert ((points >= 0.0) & (points < 1.0)).all()
-    for first in (0, 64, 192):
-        run = points[first : first + 64]
-        for columns in (1, 2, 8, 32, 64):
-            cells = np.floor(run * (columns, 64 // columns)).astype(int)
-            assert len(np.unique(cells, axis=0)) == 64

@@ -85,9 +85,7 @@ def test_subsets_stay_while_something_else_changes():
 def test_each_lights_maps_see_its_own_subsets(device):
     one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
-    drawn = draw(
-        device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, surface_points=500)
-    )
+    drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, surface_points=500))
     table, buffer = drawn.renderer.tables["surface_points"]
     points = np.frombuffer(buffer.read(), POINT)
     assert [len(row) for row in table] == [TURNS, TURNS]

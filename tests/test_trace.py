@@ -98,7 +98,7 @@ def test_lights_add_up(device):
     """One with a shadow, one without: as each alone."""
     one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0), radiance=2.0)
     meshes, view = [FLOOR, quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))], look((3.0, -3.0, 3.0))
-    settings = with_quality(SMALL_SETTINGS, samples=64)
+    settings = with_quality(SMALL_SETTINGS, samples=128)
     together = sum(means(draw(device, stage(meshes, both(one, other)), view, settings).renderer))
     apart = [sum(means(draw(device, stage(meshes, lamp), view, settings).renderer)) for lamp in (one, other)]
     assert apart[0].any()

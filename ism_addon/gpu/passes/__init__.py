@@ -19,7 +19,6 @@ from ..layout import Record
 from ..program import bind, compile_program
 from ..targets import Target, Targets
 
-
 #: Pixels along a block: what takes part in a sample, or does not.
 BLOCK = 8
 

@@ -65,7 +65,7 @@ class Predict(Pass):
         frame.tables["doubts"] = self.by_blocks(frame)
 
     def by_blocks(self, frame: Frame) -> dict[int, np.ndarray]:
-        """For each light (H,W,2) bool: whether a block is thought to see any of it, and whether any of that is in doubt."""
+        """For each light (H,W,2) bool: whether a block is thought to see any of it, and whether that is in doubt."""
         gl, (columns, rows), predictions = self.device.gl, frame.blocks, frame.tables["predictions"]
         texture = gl.texture((columns, rows * len(predictions)), 2)
         target = gl.framebuffer([texture])

@@ -24,7 +24,7 @@ LEAST_CHANCE = 0.125
 FOR_SURE = 0.1
 
 #: What sums of float32 leave of no noise at all, as a part of the mean luminance.
-ROUNDING = 1e-3
+ROUNDING = 4e-3
 TINY = float(np.finfo(np.float32).tiny)
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Irradiance by each light: what is predicted of it, and by shadow rays how far that is wrong.
 
-With E the irradiance that nothing hides, exact, and p the predicted part of it, a ray to a point of the light that would
-send w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is right
-about a light all seen or all hidden, none on average elsewhere (a control variate). It is the ratio estimator of Heitz,
-Hill & McGuire 2018 in another form, whose samples can be added up. Rays are traced with a chance in proportion to how
-much they may change the picture, and weigh more the rarer they are.
+With E the irradiance that nothing hides, exact, and p the predicted part of it, a ray to a point of the light that
+would send w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is
+right about a light all seen or all hidden, none on average elsewhere (a control variate). It is the ratio estimator of
+Heitz, Hill & McGuire 2018 in another form, whose samples can be added up. Rays are traced with a chance in proportion
+to how much they may change the picture, and weigh more the rarer they are.
 """
 
 import moderngl
@@ -22,12 +22,11 @@ from . import Frame, Pass
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
 ENOUGH = 0.2
 
-#: Doubt in a prediction that all rays of a neighbourhood agree on, also the chance of a block that has no other; and the
-#: least chance of a ray.
+#: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
 TRUST = 0.0625
 LEAST_CHANCE = 0.02
 
-
+#: The chance of a block in which nothing is in doubt.
 SURE_CHANCE = 0.125
 
 
@@ -81,7 +80,7 @@ class Trace(Pass):
                 self.draw_blocks(frame, gl.framebuffer([*targets, frame.tables["seen"][light]]), program, traced)
 
     def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
-        """Blocks where rays are traced, and those where only what is predicted is drawn; in the others that is nothing."""
+        """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
         blocks = frame.tables["blocks"].copy()
         column, row = blocks["block"].astype(np.int64).T
         seen, doubtful = frame.tables["doubts"][light][row, column].T

@@ -21,7 +21,7 @@ from . import Frame, Pass
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
 TRIANGLES_PER_LEAF = 4
 
-#: An axis that an instance squeezes to less than this part of its longest is kept this long: a flat thing has two sides.
+#: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
 FLATTEST = 1e-6
 
 

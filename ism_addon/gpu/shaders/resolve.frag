@@ -21,8 +21,7 @@ void main() {
         square += bright * bright;
         noise += tap.a / corrections(other);
     }
-    // Places that are spread evenly make less noise than chance would, the more there are of them; as measured.
-    noise *= pow(count, -0.35);
+    noise *= pow(count, -EVENNESS);
     float believed = square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0;
     resolved.rgb += believed * texelFetch(sum_correction, at, 0).rgb / count;
 }
