@@ -104,64 +104,31 @@ class Grid:
 
     factor: int
     off: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
-    texels: (
-        np.ndarray
-    )  # (factor²,2) int: the fine pixel of each place, from the pixel's first; some lie outside the pixel
+    texels: np.ndarray  # (factor²,2) int: the fine pixel of each place, from the pixel's first
     places: np.ndarray  # (factor²,2) px: from the pixel's centre
 
 
 @lru_cache(maxsize=64)
-def grid(number: int, reach: float, factor: int) -> Grid:
-    """Places spread like the Blackman-Harris filter that reaches `reach` px to all sides. The first is the centre.
+def grid(number: int, within: float, factor: int) -> Grid:
+    """The fine pixels of a pixel, all of the first grid even, further ones off by less than half a fine pixel.
 
-    A grid goes through a place that the filter chooses, and its places are taken by the filter's odds: so all grids'
-    together follow the filter.
+    No place is further than `within` px from the pixel's centre, which takes a factor of 1 to be less than half a pixel.
     """
-    pair = (number + 1) // 2
-    shift = np.mod(additive_sequence(pair, 1, 4)[0] - additive_sequence(0, 1, 4)[0] + 0.5, 1.0)
-    shift = shift[[0, 3, 2, 1]]  # so paired, x and y are least correlated
-    if number % 2:  # a grid and its mirror image have the centre for their mean
-        shift = 1.0 - shift
-    t = np.linspace(-1.0, 1.0, 257)
-    cumulative = np.cumsum(blackman_harris(t)) - 0.5 * blackman_harris(t)
-    through = reach * np.interp(shift[:2] * cumulative[-1], cumulative, t)
-    phase = np.mod((through + 0.5) * factor - 0.5, 1.0)
-    beyond = int(np.ceil((reach + 0.5) * factor))
-    fine = np.arange(-beyond, factor + beyond)
-    offsets = (fine[:, None] + 0.5 + phase) / factor - 0.5
-    odds = np.cumsum(blackman_harris(offsets / reach), 0)
-    count = factor * factor
-    cells = np.stack(np.divmod(np.arange(count), factor), 1)
-    within = (
-        shift[2:] + (cells[:, ::-1] + 0.5) / factor if factor > 1 else shift[2:]
-    )  # another level in each row and column
-    chances = (cells + np.mod(within, 1.0)) / factor
-    chosen = np.stack([np.searchsorted(odds[:, a], chances[:, a] * odds[-1, a], side="right") for a in (0, 1)], 1)
-    chosen = np.minimum(chosen, len(fine) - 1)
-    if number == 0:
-        chosen[count // 2] = np.abs(offsets).argmin(0)
-    places = np.take_along_axis(offsets, chosen, 0)
-    order = balanced(places, number == 0)
-    return Grid(factor, phase / factor, fine[chosen[order]], places[order])
+    off = additive_sequence(number - 1, 1, 2)[0] - 0.5 if number else np.zeros(2)
+    off *= min(2.0 * within, 1.0) / factor
+    texels = np.stack(np.divmod(np.arange(factor * factor), factor), 1)
+    places = (texels + 0.5) / factor - 0.5 + off
+    order = balanced(places)
+    return Grid(factor, off, texels[order], places[order])
 
 
-def balanced(places: np.ndarray, middle_first: bool) -> np.ndarray:
+def balanced(places: np.ndarray) -> np.ndarray:
     """(N,): an order of places (N,2) in which the first few, however many, have about the mean and the variance of all.
 
     The best of many shuffles.
     """
     count = len(places)
     orders = np.argsort(np.random.default_rng(count).random((SHUFFLES, count)), 1)
-    if middle_first:
-        middle = (places**2).sum(1).argmin()
-        orders = np.column_stack([np.full(SHUFFLES, middle), orders[orders != middle].reshape(SHUFFLES, -1)])
     moments = np.column_stack([places, places**2, places.prod(1)])[orders]
     off = np.cumsum(moments, 1) / np.arange(1, count + 1)[:, None] - moments.mean(1, keepdims=True)
     return orders[(off**2).sum((1, 2)).argmin()]
-
-
-def blackman_harris(t: np.ndarray) -> np.ndarray:
-    """The filter's weight at t, from -1 to 1 and nothing beyond (Harris 1978)."""
-    k = np.pi * (t + 1.0)
-    weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
-    return np.where(np.abs(t) < 1.0, weight, 0.0)

@@ -184,6 +184,8 @@ def setting(settings: Settings, path: str) -> object:
 
 def fineness(view: View, samples: int, limit: int) -> int:
     """How many times finer than the pixels the triangles are drawn, so that several samples share one drawing."""
+    if view.filter_width < 0.5:
+        return 1
     for factor in (4, 2):
         fits = max(view.width, view.height) * factor <= limit
         if factor * factor <= samples and fits and view.width * view.height * factor * factor <= MOST_FINE_PIXELS:

@@ -127,9 +127,14 @@ class Pass:
         return compile_program(self.device, "blocks.vert", f"{name}.frag", records=records, block=BLOCK, **constants)
 
     def draw_blocks(
-        self, frame: Frame, target: moderngl.Framebuffer, program: moderngl.Program, blocks: np.ndarray | None = None
+        self,
+        frame: Frame,
+        target: moderngl.Framebuffer,
+        program: moderngl.Program,
+        blocks: np.ndarray | None = None,
+        margin: int = 0,
     ) -> None:
-        """Draw the pixels of some blocks, or of all that take part in this sample, see sift."""
+        """Draw the pixels of some blocks, or of all that take part in this sample, see sift, and `margin` px around."""
         blocks = frame.tables["blocks"] if blocks is None else blocks
         if not len(blocks):
             return
@@ -137,7 +142,7 @@ class Pass:
         target.viewport = 0, 0, columns * BLOCK, rows * BLOCK
         target.use()
         gl.enable(moderngl.PROGRAM_POINT_SIZE)
-        bind(program, blocks=(columns, rows))
+        bind(program, blocks=(columns, rows), margin=margin)
         content = gl.buffer(blocks), "2f 4f 1f 1f", "block", "where", "number", "sure"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, frame.view.width, frame.view.height

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Average the samples of a picture: each has other light points and another place in the pixels."""
+"""Average the samples of a picture: each has other places on the lights and another place in the pixels.
+
+A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there.
+"""
+
+import math
 
 import moderngl
 
 from ...scene import Change
-from ..context import Device
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
 
 
 class Accumulate(Pass):
-    """The sums of all samples so far: what was predicted, what corrects it, and the squares of both together."""
+    """The sums of all samples so far: what was predicted, what corrects it, and the weights."""
 
     reads = ("blocks", "color", "color_correction", "shown")
-    writes = {"sum": Target(4, "f4"), "sum_correction": Target(4, "f4"), "squares": Target(1, "f4")}
+    writes = {"sum": Target(4, "f4"), "sum_correction": Target(4, "f4"), "weights": Target(4, "f4")}
     settings = ("show",)
     depends_on = (Change.SAMPLE,)
-
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.in_blocks()
 
     def draw(self, frame: Frame) -> None:
         gl = frame.device.gl
@@ -30,10 +30,14 @@ class Accumulate(Pass):
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         colored = frame.settings.show == "color"
+        reach = frame.view.filter_width
+        margin = math.ceil(reach - 0.5)  # a sample is up to half a pixel off its pixel's centre
+        program = self.in_blocks(most_pixels=margin)
         bind(
-            self.pixels,
+            program,
             color=frame.targets["color" if colored else "shown"],
             correction=frame.targets["color_correction"],
             corrected=colored,
+            reach=reach,
         )
-        self.draw_blocks(frame, target, self.pixels)
+        self.draw_blocks(frame, target, program, margin=margin)

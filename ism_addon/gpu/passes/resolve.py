@@ -20,7 +20,7 @@ EVENNESS = 0.35
 class Resolve(Pass):
     """The sums as one picture."""
 
-    reads = ("sum", "sum_correction", "counts")
+    reads = ("sum", "sum_correction", "weights", "counts")
     writes = {"resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
@@ -35,6 +35,7 @@ class Resolve(Pass):
             self.pixels.program,
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
+            weights=frame.targets["weights"],
             counts=frame.tables["counts"],
         )
         self.pixels.render(moderngl.TRIANGLES, vertices=3)

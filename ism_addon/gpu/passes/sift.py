@@ -80,8 +80,7 @@ class Sift(Pass):
             self.means.program,
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
-            squares=frame.targets["squares"],
-            counts=frame.tables["counts"],
+            weights=frame.targets["weights"],
         )
         self.means.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()

@@ -1,16 +1,38 @@
-// One more sample; blending adds it.
+// The samples of one block, added by blending to all pixels that they count for.
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
 uniform bool corrected;
+uniform float reach; // px
+flat in vec2 own_block;
+flat in vec4 place;
+flat in float own_number;
 layout(location = 0) out vec4 sum;
-layout(location = 1) out vec4 sum_correction;
-layout(location = 2) out float squares;
+layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted luminances
+layout(location = 2) out vec4 weights;        // of squared luminances, of samples, and of corrections
+
+// Blackman-Harris at x from its middle (Harris 1978).
+float blackman_harris(float x) {
+    float c = cos(3.141592653589793 * (x / reach + 1.0));
+    return abs(x) < reach ? 0.35875 - 0.48829 * c + 0.14128 * (2.0 * c * c - 1.0) - 0.01168 * c * (4.0 * c * c - 3.0) : 0.0;
+}
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    sum = texelFetch(color, at, 0);
-    sum_correction = corrected ? texelFetch(correction, at, 0) : vec4(0.0);
-    float bright = luminance(sum.rgb + sum_correction.rgb);
-    squares = bright * bright;
+    ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
+    ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
+    sum = sum_correction = weights = vec4(0.0);
+    for (int y = -MOST_PIXELS; y <= MOST_PIXELS; ++y) {
+        float along_y = blackman_harris(float(y) + place.w);
+        for (int x = -MOST_PIXELS; x <= MOST_PIXELS; ++x) {
+            ivec2 from = at + ivec2(x, y);
+            bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
+            float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
+            from = clamp(from, first, last);
+            vec4 sampled = texelFetch(color, from, 0), wrong = corrected ? texelFetch(correction, from, 0) : vec4(0.0);
+            float bright = luminance(sampled.rgb + wrong.rgb);
+            sum += weight * sampled;
+            sum_correction += weight * vec4(wrong.rgb, weight * wrong.a);
+            weights += weight * vec4(bright * bright, 1.0, own_number > 0.0 ? 1.0 : 0.0, 0.0);
+        }
+    }
 }
