@@ -94,10 +94,6 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
     return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
 
 
-#: Orders of a grid's places from which the best is taken.
-SHUFFLES = 2048
-
-
 @dataclass(frozen=True)
 class Grid:
     """A grid `factor` times as fine as the pixels, and the places in a pixel that samples take on it."""
@@ -109,26 +105,26 @@ class Grid:
 
 
 @lru_cache(maxsize=64)
-def grid(number: int, within: float, factor: int) -> Grid:
-    """The fine pixels of a pixel, all of the first grid even, further ones off by less than half a fine pixel.
+def grid(number: int, factor: int) -> Grid:
+    """The fine pixels of a pixel; the first grid is even, further ones are off by up to half a fine pixel.
 
-    No place is further than `within` px from the pixel's centre, which takes a factor of 1 to be less than half a pixel.
+    `factor` is a power of two. The first few places, however many, are spread evenly (Bayer 1973).
     """
-    off = additive_sequence(number - 1, 1, 2)[0] - 0.5 if number else np.zeros(2)
-    off *= min(2.0 * within, 1.0) / factor
-    texels = np.stack(np.divmod(np.arange(factor * factor), factor), 1)
-    places = (texels + 0.5) / factor - 0.5 + off
-    order = balanced(places)
-    return Grid(factor, off, texels[order], places[order])
+    off = (additive_sequence(number - 1, 1, 2)[0] - 0.5) / factor if number else np.zeros(2)
+    ranks = np.zeros((1, 1), int)
+    while len(ranks) < factor:
+        ranks = np.block([[4 * ranks, 4 * ranks + 2], [4 * ranks + 3, 4 * ranks + 1]])
+    order = np.roll(ranks, factor // 4, (0, 1)).ravel().argsort()  # the first next to the centre
+    texels = np.stack(np.divmod(order, factor), 1)
+    return Grid(factor, off, texels, (texels + 0.5) / factor - 0.5 + off)
 
 
-def balanced(places: np.ndarray) -> np.ndarray:
-    """(N,): an order of places (N,2) in which the first few, however many, have about the mean and the variance of all.
-
-    The best of many shuffles.
-    """
-    count = len(places)
-    orders = np.argsort(np.random.default_rng(count).random((SHUFFLES, count)), 1)
-    moments = np.column_stack([places, places**2, places.prod(1)])[orders]
-    off = np.cumsum(moments, 1) / np.arange(1, count + 1)[:, None] - moments.mean(1, keepdims=True)
-    return orders[(off**2).sum((1, 2)).argmin()]
+def narrow_grid(number: int, reach: float) -> Grid:
+    """One place, spread as the Blackman-Harris filter that reaches `reach` px, half a pixel at most (Harris 1978)."""
+    t = np.linspace(-1.0, 1.0, 257)
+    k = np.pi * (t + 1.0)
+    weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
+    cumulative = np.cumsum(weight) - 0.5 * weight
+    place = additive_sequence(number - 1, 1, 2)[0] if number else np.full(2, 0.5)
+    off = reach * np.interp(place * weight.sum(), cumulative, t)
+    return Grid(1, off, np.zeros((1, 2), int), off[None])

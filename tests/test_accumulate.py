@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes import BLOCK
-from ism_addon.sampling import blackman_harris
 
 from . import reference
 from .scenes.small import box_over_plane
@@ -17,30 +16,51 @@ from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, quad, rubble, 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def test_the_picture_is_the_mean_of_its_samples(device):
-    """By shadow maps, which have nothing to correct."""
-    scene, view = box_over_plane(24, 16)
-    view, settings = replace(view, filter_width=1.5), with_quality(MAPS, samples=5)
-    apart = [draw(device, scene, view, settings, last=sample).target("color") for sample in range(5)]
-    assert np.std(apart, axis=0).max() > 0.01
-    assert draw(device, scene, view, settings).color == pytest.approx(np.mean(apart, axis=0), abs=1e-6)
+def blackman_harris(t: np.ndarray) -> np.ndarray:
+    """The filter's weight at t, from -1 to 1 and nothing beyond (Harris 1978)."""
+    k = np.pi * (t + 1.0)
+    weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
+    return np.where(np.abs(t) < 1.0, weight, 0.0)
+
+
+def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarray:
+    """Values (H,W,C) of a sample, added to all pixels by the filter's weight, or a power of it."""
+    place = np.zeros((*drawn.part.shape, 2))
+    blocks = drawn.renderer.tables["blocks"]
+    column, row = blocks["block"].astype(int).T
+    place[row, column] = blocks["place"]
+    pixels = place.repeat(BLOCK, 0).repeat(BLOCK, 1)
+    part = drawn.part.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
+    height, width = values.shape[:2]
+    total, margin = np.zeros(values.shape), 2
+    for y in range(-margin, margin + 1):
+        for x in range(-margin, margin + 1):
+            weight = blackman_harris((pixels + (x, y)) / reach).prod(-1, keepdims=True) ** power
+            added = (part * weight * values)[max(y, 0) : height + min(y, 0), max(x, 0) : width + min(x, 0)]
+            total[max(-y, 0) : height - max(y, 0), max(-x, 0) : width - max(x, 0)] += added
+    return total
 
 
 def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device):
-    """By rays: what was predicted, what corrects it, and the squares of both together."""
+    """By rays: what was predicted, what corrects it, and the weights of both."""
     scene, view = box_over_plane(48, 32)
-    settings = with_quality(SMALL_SETTINGS, samples=12)
-    sums = {"sum": np.zeros((32, 48, 4)), "sum_correction": np.zeros((32, 48, 4)), "squares": np.zeros((32, 48, 1))}
+    view, settings = replace(view, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=12)
+    sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
+    ones, nothing = np.ones((32, 48, 1)), np.zeros((32, 48, 1))
     for sample in range(12):
         drawn = draw(device, scene, view, settings, last=sample)
-        part = drawn.part.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
         color, correction = drawn.target("color"), drawn.target("color_correction")
-        bright = (color + correction)[..., :3] @ LUMINANCE
-        for name, value in (("sum", color), ("sum_correction", correction), ("squares", bright[..., None] ** 2)):
-            sums[name] += part * value
-    assert not part.all(), "no block was left out of the last sample"
+        bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
+        weights = np.concatenate([bright**2, ones, ones if sample else nothing, nothing], 2)
+        sums["sum"] += spread(color, drawn, 1.5)
+        sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, 1.5)
+        sums["sum_correction"][..., 3:] += spread(correction[..., 3:], drawn, 1.5, power=2)
+        sums["weights"] += spread(weights, drawn, 1.5)
+    assert not drawn.part.all(), "no block was left out of the last sample"
     for name, expected in sums.items():
-        assert drawn.target(name) == pytest.approx(expected, rel=1e-4, abs=1e-5), name
+        assert drawn.target(name) == pytest.approx(expected, rel=1e-4, abs=1e-4), name
+    settled = drawn.color[..., 3]
+    assert settled == pytest.approx(sums["sum"][..., 3] / sums["weights"][..., 1], abs=1e-5)
 
 
 def filtered_edge(distance: np.ndarray, reach: float) -> np.ndarray:
@@ -62,7 +82,7 @@ def test_edges_become_as_smooth_as_the_filter(device):
         ]
         errors.append(np.abs(alpha - truth).max())
     assert errors[0] > 0.15
-    assert errors[1] < 0.13
+    assert errors[1] < 0.18  # eight samples take no more than four places along an axis
     assert errors[2] < 0.03
 
 

@@ -219,7 +219,7 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
         factor = fineness(view, samples, device.texture_size)
-        place = grid(newest // factor**2, 1.5, factor).places[newest % factor**2]
+        place = grid(newest // factor**2, factor).places[newest % factor**2]
         moved = replace(view, clip_from_view=jittered(view.clip_from_view, place, 48, 36))
         truth = reference.surfaces(objects(), moved)
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))

@@ -24,6 +24,8 @@ def resolved(device, means: np.ndarray, corrections: np.ndarray, squares: np.nda
     parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
     renderer.targets["sum"].write(whole.astype(np.float32))
     renderer.targets["sum_correction"].write(parts.astype(np.float32))
+    weights = np.concatenate([samples, samples, samples - 1.0, samples], 2)  # each counts for its own pixel alone
+    renderer.targets["weights"].write(weights.astype(np.float32))
     renderer.tables["counts"].write(np.ascontiguousarray(blocks))
     color = drawn.color  # resolved now, for the first time
     assert color[..., 3] == pytest.approx(1.0)

@@ -10,9 +10,9 @@ from ism_addon.sampling import (
     BLOCK,
     additive_sequence,
     barycentric,
-    blackman_harris,
     disk,
     grid,
+    narrow_grid,
     points_on_light,
     points_on_triangles,
     shares,
@@ -25,7 +25,6 @@ from .studio import light
 SHAPES = tuple(LightShape)
 
 #: px that Blender's filter reaches by default, and how many times finer than the pixels a grid may be.
-REACH = 1.5
 FACTORS = (1, 2, 4)
 
 
@@ -176,61 +175,57 @@ def test_every_run_of_the_sequence_is_evenly_spread():
             assert np.diff(column, append=column[0] + 1.0).max() < 4.0 / 64  # random ones leave gaps of 5
 
 
-def places(samples: int, factor: int, reach: float = REACH) -> np.ndarray:
+def places(samples: int, factor: int) -> np.ndarray:
     """(samples,2) px off the pixel's centre."""
-    return np.concatenate([grid(number, reach, factor).places for number in range(samples // factor**2)])
-
-
-@pytest.mark.parametrize("reach", [0.5, REACH, 3.0])
-@pytest.mark.parametrize("factor", FACTORS)
-def test_the_first_sample_is_at_the_centre_and_the_others_follow_the_filter(factor, reach):
-    offsets = places(4096, factor, reach)
-    assert np.abs(offsets[0]).max() < 1e-12
-    assert np.abs(offsets).max() <= reach
-    t = np.linspace(-reach, reach, 10_001)
-    weight = blackman_harris(t / reach)
-    assert np.abs(offsets.mean(0)).max() < 0.01 * reach
-    assert offsets.var(0) == pytest.approx((weight * t**2).sum() / weight.sum(), rel=0.03)
-    assert (offsets**4).mean(0) == pytest.approx((weight * t**4).sum() / weight.sum(), rel=0.08)
+    return np.concatenate([grid(number, factor).places for number in range(samples // factor**2)])
 
 
 @pytest.mark.parametrize("factor", FACTORS)
-def test_the_filter_is_not_slanted(factor):
+def test_places_fill_the_pixel_evenly(factor):
     offsets = places(8192, factor)
-    assert abs(np.corrcoef(offsets.T)[0, 1]) < 0.02
+    assert np.abs(offsets).max() <= 0.5
+    assert np.abs(offsets.mean(0)).max() < 2e-3
+    assert offsets.var(0) == pytest.approx(1.0 / 12.0, rel=0.01)
+    assert abs(np.corrcoef(offsets.T)[0, 1]) < 0.01
 
 
-def test_the_filter_is_blackmans_and_harriss():
-    """Its published coefficients' own properties: 1 in the middle, symmetrical, almost nothing where it ends."""
-    t = np.linspace(-1.0, 1.0, 2001)
-    weight = blackman_harris(t)
-    assert weight == pytest.approx(weight[::-1])
-    assert weight[1000] == weight.max() == pytest.approx(1.0)
-    assert 0.0 <= weight[[1, -2]].max() < 1e-4
-    assert not blackman_harris(np.array([-1.001, 1.0, 7.0])).any()
-    assert weight.mean() == pytest.approx(0.35875, rel=1e-3)
+@pytest.mark.parametrize("factor", FACTORS)
+def test_the_first_place_is_next_to_the_centre_and_its_grid_even(factor):
+    first = grid(0, factor)
+    assert first.places.mean(0) == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert not first.off.any()
+    lengths = np.linalg.norm(first.places, axis=1)
+    assert lengths[0] == lengths.min()
 
 
 @pytest.mark.parametrize("factor", FACTORS)
 def test_the_places_of_a_grid_lie_on_it(factor):
-    """On the centres of pixels `factor` times as fine, shifted by the grid's own part of one of them."""
-    grids = [grid(number, REACH, factor) for number in (0, 1, 5, 77)]
+    """On the centres of all pixels `factor` times as fine, shifted by the grid's own part of one of them."""
+    grids = [grid(number, factor) for number in (0, 1, 5, 77)]
     for one in grids:
-        assert one.places.shape == one.texels.shape == (factor**2, 2)
-        assert ((one.off >= 0.0) & (one.off < 1.0 / factor)).all()
-        assert one.texels.dtype.kind == "i"
+        assert len({tuple(texel) for texel in one.texels}) == factor**2
+        assert one.texels.min() == 0 and one.texels.max() == factor - 1
+        assert np.abs(one.off).max() <= 0.5 / factor
         assert one.places == pytest.approx((one.texels + 0.5) / factor - 0.5 + one.off, abs=1e-12)
     assert len({tuple(one.off) for one in grids}) == len(grids)
 
 
-@pytest.mark.parametrize("factor", FACTORS[1:])
-def test_the_places_of_a_grid_are_spread_over_the_pixel(factor):
-    """Their mean is nearer to the centre than that of as many random places."""
-    count = factor**2
-    means = places(256 * count, factor).reshape(256, count, 2).mean(1)
-    spread = places(4096, factor).std()
-    assert np.sqrt((means**2).mean()) < 0.75 * spread / factor
+def test_the_first_few_places_are_spread_as_all_are():
+    """Their mean is nearer to the grid's than that of as many random ones."""
+    one = grid(0, 4).places
+    for few in (2, 4, 8):
+        random = np.random.default_rng(few).choice(16, (999, few))
+        expected = np.linalg.norm(one[random].mean(1), axis=1).mean()
+        assert np.linalg.norm(one[:few].mean(0)) < 0.8 * expected
 
 
-def test_a_narrow_filter_stays_at_the_centre():
-    assert np.abs(places(64, 1, 0.01)).max() <= 0.01
+@pytest.mark.parametrize("reach", [0.01, 0.5])
+def test_a_narrow_filter_is_followed_by_the_places_themselves(reach):
+    offsets = np.concatenate([narrow_grid(number, reach).places for number in range(4096)])
+    assert np.abs(offsets[0]).max() < 1e-12
+    assert np.abs(offsets).max() <= reach
+    t = np.linspace(-1.0, 1.0, 4001)
+    k = np.pi * (t + 1.0)
+    weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
+    assert np.abs(offsets.mean(0)).max() < 0.01 * reach
+    assert offsets.var(0) == pytest.approx(reach**2 * (weight * t**2).sum() / weight.sum(), rel=0.02)

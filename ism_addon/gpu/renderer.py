@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..sampling import grid
+from ..sampling import grid, narrow_grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
@@ -18,7 +18,7 @@ from .atlas import batches
 from .context import Device
 from .layout import directions_from_octahedron
 from .passes import Frame, Pass
-from .passes.accumulate import Accumulate
+from .passes.accumulate import Accumulate, margin
 from .passes.blur import Blur
 from .passes.gather import Gather
 from .passes.gbuffer import FAR_AWAY, GBuffer
@@ -107,7 +107,8 @@ class Renderer:
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
         factor = fineness(view, settings.quality.samples, limit)
-        fine = grid(sample // factor**2, view.filter_width, factor)
+        narrow = margin(view.filter_width) == 0
+        fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // factor**2, factor)
         self.block.write(block.frame_block(view, anchor, fine.off))
         return Frame(
             self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
@@ -184,7 +185,7 @@ def setting(settings: Settings, path: str) -> object:
 
 def fineness(view: View, samples: int, limit: int) -> int:
     """How many times finer than the pixels the triangles are drawn, so that several samples share one drawing."""
-    if view.filter_width < 0.5:
+    if margin(view.filter_width) == 0:
         return 1
     for factor in (4, 2):
         fits = max(view.width, view.height) * factor <= limit

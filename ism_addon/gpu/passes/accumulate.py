@@ -14,6 +14,14 @@ from ..targets import Target
 from . import Frame, Pass
 
 
+def margin(reach: float) -> int:
+    """Pixels away that a sample can count for, which is up to half a pixel off its own one's centre.
+
+    Where that is none, samples are spread as the filter is, and all count alike.
+    """
+    return max(math.ceil(reach - 0.5), 0)
+
+
 class Accumulate(Pass):
     """The sums of all samples so far: what was predicted, what corrects it, and the weights."""
 
@@ -31,8 +39,7 @@ class Accumulate(Pass):
         gl.blend_func = moderngl.ONE, moderngl.ONE
         colored = frame.settings.show == "color"
         reach = frame.view.filter_width
-        margin = math.ceil(reach - 0.5)  # a sample is up to half a pixel off its pixel's centre
-        program = self.in_blocks(most_pixels=margin)
+        program = self.in_blocks(margin=margin(reach))
         bind(
             program,
             color=frame.targets["color" if colored else "shown"],
@@ -40,4 +47,4 @@ class Accumulate(Pass):
             corrected=colored,
             reach=reach,
         )
-        self.draw_blocks(frame, target, program, margin=margin)
+        self.draw_blocks(frame, target, program, margin=margin(reach))

@@ -11,8 +11,9 @@ layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted luminances
 layout(location = 2) out vec4 weights;        // of squared luminances, of samples, and of corrections
 
-// Blackman-Harris at x from its middle (Harris 1978).
+// Blackman-Harris at x from its middle (Harris 1978). Without a margin the samples themselves are spread like it.
 float blackman_harris(float x) {
+    if (MARGIN == 0) return 1.0;
     float c = cos(3.141592653589793 * (x / reach + 1.0));
     return abs(x) < reach ? 0.35875 - 0.48829 * c + 0.14128 * (2.0 * c * c - 1.0) - 0.01168 * c * (4.0 * c * c - 3.0) : 0.0;
 }
@@ -21,9 +22,9 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
     sum = sum_correction = weights = vec4(0.0);
-    for (int y = -MOST_PIXELS; y <= MOST_PIXELS; ++y) {
+    for (int y = -MARGIN; y <= MARGIN; ++y) {
         float along_y = blackman_harris(float(y) + place.w);
-        for (int x = -MOST_PIXELS; x <= MOST_PIXELS; ++x) {
+        for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
             bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
             float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
