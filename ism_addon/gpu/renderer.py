@@ -63,7 +63,6 @@ SHOWABLE = tuple(
     if target.dtype != DEPTH and name != "triangles" and kind not in (Sift, Show, Accumulate, Resolve)
 )
 
-
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.
 MOST_FINE_PIXELS = 1 << 24
 

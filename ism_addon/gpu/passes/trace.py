@@ -86,9 +86,9 @@ class Trace(Pass):
         seen, doubtful = frame.tables["doubts"][light][row, column].T
         if frame.sample == 0:
             return blocks[:0], blocks[seen]
-        turn = (blocks["number"] + 1.0) * SURE_CHANCE + np.mod(
-            (column + row * 0.7548776662) * 0.6180339887 + shift, 1.0
-        )
+        columns, rows = frame.blocks
+        phase = additive_sequence(0, columns * rows, 1)[row * columns + column, 0] + shift
+        turn = (blocks["number"] + 1.0) * SURE_CHANCE + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - SURE_CHANCE))
         blocks["sure"] = np.where(doubtful, 0.0, SURE_CHANCE)
         return blocks[doubtful | sure], blocks[seen & ~doubtful & ~sure]
