@@ -9,7 +9,7 @@ import moderngl
 
 from ...scene import Change
 from ..context import Device
-from ..program import bind
+from ..program import bind, compile_program
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
@@ -20,22 +20,36 @@ EVENNESS = 0.35
 class Resolve(Pass):
     """The sums as one picture."""
 
-    reads = ("sum", "sum_correction", "weights", "counts")
-    writes = {"resolved": Target(4, "f4")}
+    reads = ("sum", "sum_correction", "weights", "counts", "position", "normal", "depth")
+    writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen(block=BLOCK, evenness=EVENNESS)
+        self.near = compile_program(device, "full_screen.vert", "resolve_near.frag")
+        self.pixels = compile_program(device, "full_screen.vert", "resolve.frag", block=BLOCK, evenness=EVENNESS)
 
     def draw(self, frame: Frame) -> None:
-        self.device.gl.enable_only(moderngl.NOTHING)
+        gl = self.device.gl
+        gl.enable_only(moderngl.NOTHING)
+        frame.targets.into("near", "stand_out").use()
+        bind(
+            self.near,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            depth=frame.targets["depth"],
+            sum_correction=frame.targets["sum_correction"],
+            weights=frame.targets["weights"],
+        )
+        gl.vertex_array(self.near, []).render(moderngl.TRIANGLES, vertices=3)
         frame.targets.into("resolved").use()
         bind(
-            self.pixels.program,
+            self.pixels,
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
             counts=frame.tables["counts"],
+            near=frame.targets["near"],
+            stand_out=frame.targets["stand_out"],
         )
-        self.pixels.render(moderngl.TRIANGLES, vertices=3)
+        gl.vertex_array(self.pixels, []).render(moderngl.TRIANGLES, vertices=3)

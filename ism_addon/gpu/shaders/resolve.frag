@@ -1,10 +1,14 @@
 // The mean of the samples, with their corrections as far as those stand out of their noise.
-#include "lib/luminance.glsl"
 uniform sampler2D sum;
-uniform sampler2D sum_correction; // in alpha, the squares of their weighted luminances
+uniform sampler2D sum_correction;
 uniform sampler2D weights;
 uniform sampler2D counts;
+uniform sampler2D near;      // see resolve_near.frag
+uniform sampler2D stand_out;
 out vec4 resolved;
+
+// What is left of squares when their noise is taken out.
+float believed(float square, float noise) { return square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0; }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
@@ -12,16 +16,10 @@ void main() {
     float corrections = texelFetch(counts, at / BLOCK, 0).x - 1.0; // all samples but the first were corrected
     resolved = texelFetch(sum, at, 0) / own.x;
     if (own.y == 0.0) return;
-    float square = 0.0, noise = 0.0;
-    for (int k = 0; k < 25; ++k) {
-        ivec2 other = clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last);
-        float weight = max(texelFetch(weights, other, 0).z, 1e-30);
-        vec4 tap = texelFetch(sum_correction, other, 0) / weight;
-        float bright = luminance(tap.rgb);
-        square += bright * bright;
-        noise += tap.a / weight;
-    }
-    noise *= pow(max(corrections, 1.0), -EVENNESS);
-    float believed = square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0;
-    resolved.rgb += believed * texelFetch(sum_correction, at, 0).rgb / own.y;
+    vec4 found = vec4(0.0);
+    for (int k = 0; k < 25; ++k)
+        found += texelFetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), 0);
+    found.yw *= pow(max(corrections, 1.0), -EVENNESS);
+    vec3 mean = texelFetch(near, at, 0).rgb, difference = texelFetch(sum_correction, at, 0).rgb / own.y - mean;
+    resolved.rgb += believed(found.z, found.w) * mean + believed(found.x, found.y) * difference;
 }
