@@ -12,14 +12,14 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
-from . import BLOCK, Frame, Pass
+from . import BLOCK, BLOCKS, Frame, Pass
+from .scout import SCOUTED
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
 PREDICTION = Target(2, "f1")
 
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
-
 
 #: Samples before which predictions are made: as often as the number of rays is four times what it was.
 RENEWED = {0, *(2 * 4**k for k in range(16))}
@@ -29,13 +29,13 @@ class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
     reads = ("scouted", "position", "normal", "depth")
-    makes = ("predictions", "seen", "doubts")
+    makes = ("predictions", "seen", "found")
     depends_on = (Change.SAMPLE,)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen()
-        self.doubts = compile_program(device, "full_screen.vert", "predict_doubts.frag", block=BLOCK)
+        self.pixels = self.in_blocks()
+        self.blocks = compile_program(device, "full_screen.vert", "predict_blocks.frag")
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -43,37 +43,56 @@ class Predict(Pass):
     def draw(self, frame: Frame) -> None:
         if frame.sample not in RENEWED:
             return
-        gl, size, scouted = self.device.gl, (frame.view.width, frame.view.height), frame.tables["scouted"]
-        if frame.sample == 0:
-            frame.tables["predictions"] = {light: PREDICTION.create(gl, size) for light in scouted}
-            frame.tables["seen"] = {light: SEEN.create(gl, size) for light in scouted}
-            for seen in frame.tables["seen"].values():
-                gl.framebuffer([seen]).clear()
-        gl.enable_only(moderngl.NOTHING)
-        for light, prediction in frame.tables["predictions"].items():
-            gl.framebuffer([prediction]).use()
-            bind(
-                self.pixels.program,
-                position=frame.targets["position"],
-                normals=frame.targets["normal"],
-                depth=frame.targets["depth"],
-                scouted=scouted[light],
-                seen=frame.tables["seen"][light],
-                traced=frame.sample > 0,
-            )
-            self.pixels.render(moderngl.TRIANGLES, vertices=3)
-        frame.tables["doubts"] = self.by_blocks(frame)
+        tables, first = frame.tables, frame.sample == 0
+        if first:
+            tables["seen"] = {light: self.unseen(frame) for light in tables["scouted"]}
+            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTED)
+        else:
+            for light, found in self.by_blocks(frame, tables["seen"], SEEN).items():
+                tables["found"][light] |= found
+        tables["predictions"] = {light: self.predicted(frame, light, not first) for light in tables["found"]}
 
-    def by_blocks(self, frame: Frame) -> dict[int, np.ndarray]:
-        """For each light (H,W,2) bool: whether a block is thought to see any of it, and whether that is in doubt."""
-        gl, (columns, rows), predictions = self.device.gl, frame.blocks, frame.tables["predictions"]
-        texture = gl.texture((columns, rows * len(predictions)), 2)
-        target = gl.framebuffer([texture])
-        target.use()
-        for number, prediction in enumerate(predictions.values()):
-            target.viewport = 0, number * rows, columns, rows
-            bind(self.doubts, prediction=prediction, first_row=number * rows)
-            gl.vertex_array(self.doubts, []).render(moderngl.TRIANGLES, vertices=3)
+    def unseen(self, frame: Frame) -> moderngl.Texture:
+        """No rays yet."""
+        seen = SEEN.create(self.device.gl, (frame.view.width, frame.view.height))
+        self.device.gl.framebuffer([seen]).clear()
+        return seen
+
+    def by_blocks(self, frame: Frame, rays: dict, target: Target) -> dict[int, np.ndarray]:
+        """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
+        gl, (columns, rows) = self.device.gl, frame.blocks
+        texture = gl.texture((columns, rows * len(rays)), 2)
+        into = gl.framebuffer([texture])
+        into.use()
+        gl.enable_only(moderngl.NOTHING)
+        for number, found in enumerate(rays.values()):
+            into.viewport = 0, number * rows, columns, rows
+            bind(self.blocks, rays=found, first_row=number * rows, width=BLOCK // target.divisor)
+            gl.vertex_array(self.blocks, []).render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
-        found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(predictions), rows, columns, 2) > 0
-        return dict(zip(predictions, found, strict=True))
+        found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(rays), rows, columns, 2) > 0
+        return dict(zip(rays, found, strict=True))
+
+    def predicted(self, frame: Frame, light: int, traced: bool) -> moderngl.Texture:
+        """All or nothing of a light in blocks whose rays agree; pixel by pixel in the others."""
+        found = frame.tables["found"][light]
+        gl, size = self.device.gl, (frame.view.width, frame.view.height)
+        prediction = PREDICTION.create(gl, size)
+        whole = np.zeros((*found.shape[:2], 2), np.uint8)
+        whole[..., 0] = np.where(found[..., 0], 255, 0)
+        pixels = whole.repeat(BLOCK, 0).repeat(BLOCK, 1)[: size[1], : size[0]]
+        prediction.write(np.ascontiguousarray(pixels), alignment=1)
+        doubtful = np.argwhere(found.all(2))
+        blocks = np.zeros(len(doubtful), BLOCKS)
+        blocks["block"] = doubtful[:, ::-1]
+        bind(
+            self.pixels,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            depth=frame.targets["depth"],
+            scouted=frame.tables["scouted"][light],
+            seen=frame.tables["seen"][light],
+            traced=traced,
+        )
+        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, blocks)
+        return prediction

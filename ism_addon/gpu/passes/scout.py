@@ -13,7 +13,7 @@ from ..targets import Target
 from . import Frame, Pass
 
 #: Of each light: rays that arrived, and rays.
-SEEN = Target(2, "f1", divisor=2)
+SCOUTED = Target(2, "f1", divisor=2)
 
 
 class Scout(Pass):
@@ -32,9 +32,9 @@ class Scout(Pass):
 
     def draw(self, frame: Frame) -> None:
         gl, view = self.device.gl, frame.view
-        size = -(-view.width // SEEN.divisor), -(-view.height // SEEN.divisor)
+        size = -(-view.width // SCOUTED.divisor), -(-view.height // SCOUTED.divisor)
         lights = np.flatnonzero(frame.scene.lights.casts_shadow)
-        frame.tables["scouted"] = {light: SEEN.create(gl, size) for light in lights}
+        frame.tables["scouted"] = {light: SCOUTED.create(gl, size) for light in lights}
         gl.enable_only(moderngl.NOTHING)
         for light, place in zip(lights, additive_sequence(0, len(lights), 2), strict=True):
             gl.framebuffer([frame.tables["scouted"][light]]).use()

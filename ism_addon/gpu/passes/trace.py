@@ -83,7 +83,8 @@ class Trace(Pass):
         """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
         blocks = frame.tables["blocks"].copy()
         column, row = blocks["block"].astype(np.int64).T
-        seen, doubtful = frame.tables["doubts"][light][row, column].T
+        seen, hidden = frame.tables["found"][light][row, column].T
+        doubtful = seen & hidden
         if frame.sample == 0:
             return blocks[:0], blocks[seen]
         columns, rows = frame.blocks

@@ -16,22 +16,21 @@ ivec2 neighbour(ivec2 at, int k, sampler2D of) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(position, 0);
     int more = traced ? TAPS : 0;
-    vec2 all = vec2(0.0);
-    for (int k = 0; k < TAPS; ++k) all += texelFetch(scouted, neighbour(at / 2, k, scouted), 0).xy;
-    for (int k = 0; k < more; ++k) all += texelFetch(seen, neighbour(at, k, seen), 0).xy;
-    prediction = vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0);
-    if (all.x == 0.0 || all.x == all.y) return;
     Surface here = surface_at(at);
-    if (!here.seen) return;
-    vec2 near = vec2(0.0);
+    vec2 all = vec2(0.0), near = vec2(0.0);
     for (int k = 0; k < TAPS; ++k) {
         ivec2 other = neighbour(at / 2, k, scouted);
-        near += alike(here, surface_at(full_from_half(other, size))) * texelFetch(scouted, other, 0).xy;
+        vec2 found = texelFetch(scouted, other, 0).xy;
+        all += found;
+        near += alike(here, surface_at(full_from_half(other, size))) * found;
     }
     for (int k = 0; k < more; ++k) {
         ivec2 other = neighbour(at, k, seen);
-        near += alike(here, surface_at(other)) * texelFetch(seen, other, 0).xy;
+        vec2 found = texelFetch(seen, other, 0).xy;
+        all += found;
+        near += alike(here, surface_at(other)) * found;
     }
+    bool sure = all.x == 0.0 || all.x == all.y || !here.seen;
     if (near.y < 1e-3) near = all;
-    prediction = vec2(near.x / near.y, 1.0);
+    prediction = sure ? vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(near.x / near.y, 1.0);
 }

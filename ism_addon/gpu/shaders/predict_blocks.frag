@@ -1,0 +1,18 @@
+// Whether any ray about a block arrived, and whether any did not.
+uniform sampler2D rays; // that arrived, and all
+uniform int first_row;
+uniform int width;      // of the block, in texels of the rays
+out vec2 found;
+
+const int MARGIN = 2; // texels that the predictions of the block look beyond it
+
+void main() {
+    ivec2 block = ivec2(gl_FragCoord.xy) - ivec2(0, first_row), last = textureSize(rays, 0) - 1;
+    int across = width + 2 * MARGIN;
+    found = vec2(0.0);
+    for (int k = 0; k < across * across; ++k) {
+        vec2 tap = texelFetch(rays, clamp(block * width - MARGIN + ivec2(k % across, k / across), ivec2(0), last), 0).xy;
+        found = max(found, vec2(tap.x, tap.y - tap.x));
+    }
+    found = vec2(greaterThan(found, vec2(0.0)));
+}
