@@ -13,7 +13,7 @@ void main() {
     for (int k = -3; k <= 3; ++k) {
         ivec2 neighbour = at + k * along;
         if (k == 0 || any(lessThan(neighbour, ivec2(0))) || any(greaterThanEqual(neighbour, half_size))) continue;
-        float weight = (4.0 - abs(float(k))) * alike(here, surface_at(full_from_half(neighbour, full_size)));
+        float weight = (4.0 - abs(float(k))) * alike(here, full_from_half(neighbour, full_size));
         sum += weight * texelFetch(occlusion, neighbour, 0).x;
         weights += weight;
     }

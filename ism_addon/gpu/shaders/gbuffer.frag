@@ -1,6 +1,7 @@
 // From a triangle's number to all that the other passes ask about a pixel.
 #include "lib/array.glsl"
 #include "lib/octahedron.glsl"
+#include "lib/packed_normal.glsl"
 #include "lib/ray.glsl"
 #include "lib/image.glsl"
 #include "lib/rise.glsl"
@@ -57,7 +58,6 @@ void main() {
     vec3 b = clamp(exact, 0.0, 1.0);
     b /= b.x + b.y + b.z;
     vec3 p = a + u * b.y + v * b.z;
-    position = vec4(p, 1.0);
     depth = -(view_from_anchor * vec4(p, 1.0)).z;
 
     // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.
@@ -78,6 +78,7 @@ void main() {
     for (int k = 0; k < 3; ++k) corner_normals[k] = side * normalize(cofactor * corner_normals[k]);
     float rise = height_over_triangle(b, vec3[3](a, a + u, a + v), corner_normals);
     normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
+    position = vec4(p, number_of(normal.xy));
 
     Material material = fetch_Material(material_table, int(texelFetch(materials, element(triangle), 0).x));
     albedo = vec4(material.color, rise);

@@ -22,13 +22,13 @@ void main() {
         ivec2 other = neighbour(at / 2, k, scouted);
         vec2 found = texelFetch(scouted, other, 0).xy;
         all += found;
-        near += alike(here, surface_at(full_from_half(other, size))) * found;
+        near += alike(here, full_from_half(other, size)) * found;
     }
     for (int k = 0; k < more; ++k) {
         ivec2 other = neighbour(at, k, seen);
         vec2 found = texelFetch(seen, other, 0).xy;
         all += found;
-        near += alike(here, surface_at(other)) * found;
+        near += alike(here, other) * found;
     }
     bool sure = all.x == 0.0 || all.x == all.y || !here.seen;
     if (near.y < 1e-3) near = all;

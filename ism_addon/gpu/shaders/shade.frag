@@ -23,7 +23,7 @@ float open_part(ivec2 at, Surface here) {
         ivec2 step = ivec2(k & 1, k >> 1);
         ivec2 neighbour = min(low + step, size - 1);
         vec2 near = mix(1.0 - f, f, vec2(step));
-        float weight = near.x * near.y * (alike(here, surface_at(full_from_half(neighbour, full_size))) + 1e-4);
+        float weight = near.x * near.y * (alike(here, full_from_half(neighbour, full_size)) + 1e-4);
         sum += weight * texelFetch(occlusion, neighbour, 0).x;
         weights += weight;
     }
