@@ -27,6 +27,13 @@ BLOCK = 8
 BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4")])
 
 
+def blocks_at(chosen: np.ndarray) -> np.ndarray:
+    """Rows of BLOCKS for those chosen of (H,W) bool; all but where they are is 0."""
+    blocks = np.zeros(np.count_nonzero(chosen), BLOCKS)
+    blocks["block"] = np.argwhere(chosen)[:, ::-1]
+    return blocks
+
+
 @dataclass
 class Frame:
     """One sample of one picture, as the passes see it."""
@@ -142,10 +149,10 @@ class Pass:
         target.viewport = 0, 0, columns * BLOCK, rows * BLOCK
         target.use()
         gl.enable(moderngl.PROGRAM_POINT_SIZE)
-        bind(program, blocks=(columns, rows), margin=margin)
+        bind(program, blocks=(columns, rows), size=float(BLOCK + 2 * margin))
         content = gl.buffer(blocks), "2f 4f 1f 1f", "block", "where", "number", "sure"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
-        target.viewport = 0, 0, frame.view.width, frame.view.height
+        target.viewport = 0, 0, *target.size
 
     def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass."""

@@ -39,12 +39,12 @@ class Accumulate(Pass):
         gl.blend_func = moderngl.ONE, moderngl.ONE
         colored = frame.settings.show == "color"
         reach = frame.view.filter_width
-        program = self.in_blocks(margin=margin(reach))
+        corrected = colored and frame.sample > 0  # the first sample is predicted, no more
+        program = self.in_blocks(margin=margin(reach), corrected=int(corrected))
         bind(
             program,
             color=frame.targets["color" if colored else "shown"],
             correction=frame.targets["color_correction"],
-            corrected=colored,
             reach=reach,
         )
         self.draw_blocks(frame, target, program, margin=margin(reach))

@@ -12,7 +12,7 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
-from . import BLOCK, BLOCKS, Frame, Pass
+from . import BLOCK, Frame, Pass, blocks_at
 from .scout import SCOUTED
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
@@ -45,17 +45,20 @@ class Predict(Pass):
             return
         tables, first = frame.tables, frame.sample == 0
         if first:
-            tables["seen"] = {light: self.unseen(frame) for light in tables["scouted"]}
+            tables["seen"] = self.unseen(frame)
             tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTED)
         else:
             for light, found in self.by_blocks(frame, tables["seen"], SEEN).items():
                 tables["found"][light] |= found
         tables["predictions"] = {light: self.predicted(frame, light, not first) for light in tables["found"]}
 
-    def unseen(self, frame: Frame) -> moderngl.Texture:
-        """No rays yet."""
-        seen = SEEN.create(self.device.gl, (frame.view.width, frame.view.height))
-        self.device.gl.framebuffer([seen]).clear()
+    def unseen(self, frame: Frame) -> dict[int, moderngl.Texture]:
+        """No rays yet; where there were textures of the size, in those."""
+        gl, size, kept = self.device.gl, (frame.view.width, frame.view.height), frame.tables.get("seen", {})
+        fits = {light: seen for light, seen in kept.items() if seen.size == size}
+        seen = {light: fits[light] if light in fits else SEEN.create(gl, size) for light in frame.tables["scouted"]}
+        for texture in seen.values():
+            gl.framebuffer([texture]).clear()
         return seen
 
     def by_blocks(self, frame: Frame, rays: dict, target: Target) -> dict[int, np.ndarray]:
@@ -82,9 +85,6 @@ class Predict(Pass):
         whole[..., 0] = np.where(found[..., 0], 255, 0)
         pixels = whole.repeat(BLOCK, 0).repeat(BLOCK, 1)[: size[1], : size[0]]
         prediction.write(np.ascontiguousarray(pixels), alignment=1)
-        doubtful = np.argwhere(found.all(2))
-        blocks = np.zeros(len(doubtful), BLOCKS)
-        blocks["block"] = doubtful[:, ::-1]
         bind(
             self.pixels,
             position=frame.targets["position"],
@@ -93,5 +93,5 @@ class Predict(Pass):
             seen=frame.tables["seen"][light],
             traced=traced,
         )
-        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, blocks)
+        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, blocks_at(found.all(2)))
         return prediction

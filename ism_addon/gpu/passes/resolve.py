@@ -32,15 +32,8 @@ class Resolve(Pass):
     def draw(self, frame: Frame) -> None:
         gl = self.device.gl
         gl.enable_only(moderngl.NOTHING)
-        frame.targets.into("near", "stand_out").use()
-        bind(
-            self.near,
-            position=frame.targets["position"],
-            depth=frame.targets["depth"],
-            sum_correction=frame.targets["sum_correction"],
-            weights=frame.targets["weights"],
-        )
-        gl.vertex_array(self.near, []).render(moderngl.TRIANGLES, vertices=3)
+        if frame.sample > 0:  # the first one has no corrections
+            self.look_around(frame)
         frame.targets.into("resolved").use()
         bind(
             self.pixels,
@@ -52,3 +45,15 @@ class Resolve(Pass):
             stand_out=frame.targets["stand_out"],
         )
         gl.vertex_array(self.pixels, []).render(moderngl.TRIANGLES, vertices=3)
+
+    def look_around(self, frame: Frame) -> None:
+        """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
+        frame.targets.into("near", "stand_out").use()
+        bind(
+            self.near,
+            position=frame.targets["position"],
+            depth=frame.targets["depth"],
+            sum_correction=frame.targets["sum_correction"],
+            weights=frame.targets["weights"],
+        )
+        self.device.gl.vertex_array(self.near, []).render(moderngl.TRIANGLES, vertices=3)

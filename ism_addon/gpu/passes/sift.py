@@ -14,7 +14,7 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target
-from . import BLOCK, BLOCKS, Frame, Pass
+from . import BLOCK, Frame, Pass, blocks_at
 
 #: Samples that every block takes part in.
 SAMPLES_FOR_ALL = 4
@@ -64,8 +64,7 @@ class Sift(Pass):
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
-        blocks = np.zeros(np.count_nonzero(takes_part), BLOCKS)
-        blocks["block"] = np.argwhere(takes_part)[:, ::-1]
+        blocks = blocks_at(takes_part)
         blocks["number"] = self.counts[takes_part]
         turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
         blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]

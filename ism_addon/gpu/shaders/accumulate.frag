@@ -2,7 +2,6 @@
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
-uniform bool corrected;
 uniform float reach; // px
 flat in vec2 own_block;
 flat in vec4 place;
@@ -29,7 +28,7 @@ void main() {
             bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
             float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
             from = clamp(from, first, last);
-            vec4 sampled = texelFetch(color, from, 0), wrong = corrected ? texelFetch(correction, from, 0) : vec4(0.0);
+            vec4 sampled = texelFetch(color, from, 0), wrong = CORRECTED == 1 ? texelFetch(correction, from, 0) : vec4(0.0);
             float bright = luminance(sampled.rgb + wrong.rgb);
             sum += weight * sampled;
             sum_correction += weight * vec4(wrong.rgb, weight * wrong.a);

@@ -3,7 +3,7 @@ in vec2 block;
 in vec4 where;
 in float number;
 in float sure;
-uniform int margin;        // px around a block that are drawn too
+uniform float size;        // of a block, with what is drawn around it
 uniform vec2 blocks;       // columns and rows; the viewport is theirs, which may reach beyond the picture
 flat out vec4 place;       // fine pixel from the pixel's first, and place from the pixel's centre in px
 flat out vec2 own_block;
@@ -12,7 +12,7 @@ flat out float own_number; // of the sample, counting those that the block took 
 
 void main() {
     gl_Position = vec4((block + 0.5) / blocks * 2.0 - 1.0, 0.0, 1.0);
-    gl_PointSize = float(BLOCK + 2 * margin);
+    gl_PointSize = size;
     own_block = block;
     place = where;
     own_number = number;
