@@ -96,27 +96,47 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
 
 @dataclass(frozen=True)
 class Grid:
-    """A grid `factor` times as fine as the pixels, and the places in a pixel that samples take on it."""
+    """A grid finer than the pixels', turned against them, and the places in a pixel that samples take on it."""
 
-    factor: int
-    off: np.ndarray  # (2,) px: how far the fine pixels' centres are off those of an even grid
-    texels: np.ndarray  # (factor²,2) int: the fine pixel of each place, from the pixel's first
-    places: np.ndarray  # (factor²,2) px: from the pixel's centre
+    fine_from_pixel: np.ndarray  # (2,2) int
+    off: np.ndarray  # (2,) px: how far fine pixels' centres are off the pixels'
+    texels: np.ndarray  # (N,2) int: the fine pixel of each place, from the one of the pixel's centre
+    places: np.ndarray  # (N,2) px: from the pixel's centre
+
+    def bounds(self, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+        """(2,) each: the fine pixel of the picture's first pixel, and how many there are in all."""
+        corners = np.array([[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]]) @ self.fine_from_pixel.T
+        first = -corners.min(0) - self.texels.min(0)
+        return first, np.ptp(corners, axis=0) + np.ptp(self.texels, axis=0) + 1
+
+    def fine_from_clip(self, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+        """(2,2) and (2,): what turns clip coordinates x, y of the picture, and w, into those of the fine one."""
+        (first, fine), size = self.bounds(width, height), np.array([width, height])
+        shift = self.fine_from_pixel @ (size / 2.0 - 0.5 - self.off) + 0.5 + first
+        return self.fine_from_pixel * size / fine[:, None], 2.0 * shift / fine - 1.0
+
+
+#: Of grids by their number of places in a pixel: how fine pixels lie to pixels, and the step of the rank-1 lattice that
+#: they are. A grid that is turned has places on more lines along the pixels' sides, and pictures are full of edges there.
+LATTICES = {1: ([[1, 0], [0, 1]], 0), 4: ([[2, -1], [0, 2]], 2), 16: ([[5, -1], [1, 3]], 5)}
 
 
 @lru_cache(maxsize=64)
-def grid(number: int, factor: int) -> Grid:
-    """The fine pixels of a pixel; the first grid is even, further ones are off by up to half a fine pixel.
+def grid(number: int, count: int) -> Grid:
+    """A pixel's `count` places, the first of them at its centre; further grids are off by up to half a fine pixel.
 
-    `factor` is a power of two. The first few places, however many, are spread evenly (Bayer 1973).
+    The first few places, however many, are spread evenly (van der Corput 1935).
     """
-    off = (additive_sequence(number - 1, 1, 2)[0] - 0.5) / factor if number else np.zeros(2)
-    ranks = np.zeros((1, 1), int)
-    while len(ranks) < factor:
-        ranks = np.block([[4 * ranks, 4 * ranks + 2], [4 * ranks + 3, 4 * ranks + 1]])
-    order = np.roll(ranks, factor // 4, (0, 1)).ravel().argsort()  # the first next to the centre
-    texels = np.stack(np.divmod(order, factor), 1)
-    return Grid(factor, off, texels, (texels + 0.5) / factor - 0.5 + off)
+    fine_from_pixel, step = np.array(LATTICES[count][0]), LATTICES[count][1]
+    pixel_from_fine = np.linalg.inv(fine_from_pixel)
+    off = pixel_from_fine @ (additive_sequence(number - 1, 1, 2)[0] - 0.5) if number else np.zeros(2)
+    order = np.zeros(1, int)
+    while len(order) < count:
+        order = np.concatenate([2 * order, 2 * order + 1])
+    lattice = np.stack([order, step * order], 1) / count
+    places = np.mod(lattice + off + 0.5, 1.0) - 0.5
+    texels = np.rint((places - off) @ fine_from_pixel.T).astype(int)
+    return Grid(fine_from_pixel, off, texels, places)
 
 
 def narrow_grid(number: int, reach: float) -> Grid:
@@ -127,4 +147,4 @@ def narrow_grid(number: int, reach: float) -> Grid:
     cumulative = np.cumsum(weight) - 0.5 * weight
     place = additive_sequence(number - 1, 1, 2)[0] if number else np.full(2, 0.5)
     off = reach * np.interp(place * weight.sum(), cumulative, t)
-    return Grid(1, off, np.zeros((1, 2), int), off[None])
+    return Grid(np.eye(2, dtype=int), off, np.zeros((1, 2), int), off[None])

@@ -35,13 +35,6 @@ def view_from_anchor(view_from_world: np.ndarray, anchor: np.ndarray) -> np.ndar
     return matrix
 
 
-def jittered(clip_from_view: np.ndarray, offset: np.ndarray, width: int, height: int) -> np.ndarray:
-    """The projection (4,4) that puts what was at a pixel's centre + offset (2,) px at its centre."""
-    shift = np.eye(4)
-    shift[:2, 3] = -2.0 * offset / (width, height)
-    return shift @ clip_from_view
-
-
 def orthonormal(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two unit tangents (…,3) of unit normals (…,3), without a branch or a pole (Duff et al. 2017)."""
     x, y, z = np.moveaxis(normal, -1, 0)

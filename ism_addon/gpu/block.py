@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..scene import View
-from ..spaces import jittered, view_from_anchor
+from ..spaces import view_from_anchor
 
 #: Members in order; each fills whole vec4s, so std140 has nothing to pad.
 MEMBERS = {
@@ -42,9 +42,8 @@ def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarra
     return (np.zeros((3, 3)), across + along) if perspective else (across, along)
 
 
-def frame_block(view: View, anchor: np.ndarray, grid: np.ndarray) -> np.ndarray:
-    """One row of DTYPE; what is drawn lies on a fine grid that is `grid` (2,) px off an even one, the rays do not."""
-    fine = jittered(view.clip_from_view, grid, view.width, view.height)
+def frame_block(view: View, anchor: np.ndarray) -> np.ndarray:
+    """One row of DTYPE."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     origins, directions = rays(view.clip_from_view, view.width, view.height)
     to_anchor = from_anchor[:3, :3]  # rigid: rows of vectors times this is its inverse times columns
@@ -52,7 +51,7 @@ def frame_block(view: View, anchor: np.ndarray, grid: np.ndarray) -> np.ndarray:
     origins[0] -= from_anchor[:3, :3].T @ from_anchor[:3, 3]
     directions = directions @ to_anchor
     block = np.zeros((), DTYPE)
-    block["clip_from_anchor"] = (fine @ from_anchor).T.ravel()
+    block["clip_from_anchor"] = (view.clip_from_view @ from_anchor).T.ravel()
     block["view_from_anchor"] = from_anchor.T.ravel()
     for name, rows in (("ray_origin", origins), ("ray_direction", directions)):
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):

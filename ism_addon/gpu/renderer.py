@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..sampling import grid, narrow_grid
+from ..sampling import LATTICES, grid, narrow_grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
@@ -64,7 +64,7 @@ SHOWABLE = tuple(
 )
 
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.
-MOST_FINE_PIXELS = 1 << 24
+MOST_FINE_PIXELS = 1 << 25
 
 
 class Renderer:
@@ -105,10 +105,10 @@ class Renderer:
             )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
-        factor = fineness(view, settings.quality.samples, limit)
+        count = places_in_pixel(view, settings.quality.samples, limit)
         narrow = margin(view.filter_width) == 0
-        fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // factor**2, factor)
-        self.block.write(block.frame_block(view, anchor, fine.off))
+        fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
+        self.block.write(block.frame_block(view, anchor))
         return Frame(
             self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
         )
@@ -182,12 +182,11 @@ def setting(settings: Settings, path: str) -> object:
     return value
 
 
-def fineness(view: View, samples: int, limit: int) -> int:
-    """How many times finer than the pixels the triangles are drawn, so that several samples share one drawing."""
-    if margin(view.filter_width) == 0:
-        return 1
-    for factor in (4, 2):
-        fits = max(view.width, view.height) * factor <= limit
-        if factor * factor <= samples and fits and view.width * view.height * factor * factor <= MOST_FINE_PIXELS:
-            return factor
+def places_in_pixel(view: View, samples: int, limit: int) -> int:
+    """How many samples share one drawing of the triangles, on a grid finer than the pixels' by as much."""
+    counts = [count for count in LATTICES if count <= samples and margin(view.filter_width) > 0]
+    for count in sorted(counts, reverse=True):
+        _, size = grid(0, count).bounds(view.width, view.height)
+        if size.max() <= limit and size.prod() <= MOST_FINE_PIXELS:
+            return count
     return 1

@@ -41,8 +41,8 @@ class GBuffer(Pass):
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
-        grid = frame.sample // frame.grid.factor**2, frame.grid.factor
-        drawn = *grid, frame.part(Change.VIEW), frame.tables["geometry"], frame.tables["placement"]
+        count = len(frame.grid.places)
+        drawn = frame.sample // count, count, frame.part(Change.VIEW), frame.tables["geometry"], frame.tables["placement"]
         if drawn != self.drawn:
             self.draw_triangles(frame)
             self.drawn = drawn
@@ -50,7 +50,8 @@ class GBuffer(Pass):
         bind(
             self.surface,
             triangles_seen=frame.targets["triangles"],
-            factor=frame.grid.factor,
+            fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
+            first=tuple(frame.grid.bounds(frame.view.width, frame.view.height)[0]),
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels,
@@ -61,8 +62,7 @@ class GBuffer(Pass):
 
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
-        gl = frame.device.gl
-        size = frame.view.width * frame.grid.factor, frame.view.height * frame.grid.factor
+        gl, size = frame.device.gl, tuple(map(int, frame.grid.bounds(frame.view.width, frame.view.height)[1]))
         for name in ("triangles", "z"):
             frame.targets.allocate(name, self.writes[name], size)
         target = frame.targets.into("triangles", "z")
@@ -73,7 +73,8 @@ class GBuffer(Pass):
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
-        bind(self.triangles, instances=frame.tables["placement"].table)
+        turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
+        bind(self.triangles, instances=frame.tables["placement"].table, turn=tuple(turn.T.ravel()), shift=tuple(shift))
         for draw in frame.tables["placement"].draws:
             bind(self.triangles, first_triangle=draw.first_triangle, first_instance=draw.first_instance)
             mesh.render(

@@ -5,7 +5,7 @@ in float number;
 in float sure;
 uniform float size;        // of a block, with what is drawn around it
 uniform vec2 blocks;       // columns and rows; the viewport is theirs, which may reach beyond the picture
-flat out vec4 place;       // fine pixel from the pixel's first, and place from the pixel's centre in px
+flat out vec4 place;       // fine pixel and place, in px, from those of the pixel's centre
 flat out vec2 own_block;
 flat out float own_sure;   // see trace.py
 flat out float own_number; // of the sample, counting those that the block took part in

@@ -7,7 +7,8 @@
 #include "lib/rise.glsl"
 
 uniform usampler2D triangles_seen;
-uniform int factor; // fine pixels along a pixel
+uniform mat2 fine_from_pixel;
+uniform vec2 first; // fine pixel of the first pixel
 flat in vec4 place;
 flat in float own_number;
 uniform sampler2D instances;
@@ -32,7 +33,7 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy) * factor + ivec2(place.xy);
+    ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
     vec2 pixel = gl_FragCoord.xy + place.zw;
     uvec2 id = texelFetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1), 0).xy;
     triangle_seen = id;
