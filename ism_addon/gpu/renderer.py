@@ -105,7 +105,8 @@ class Renderer:
             )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
-        count = places_in_pixel(view, settings.quality.samples, limit)
+        # The first sample is at the pixels' centres in any case; drawn like that, it comes sooner.
+        count = places_in_pixel(view, settings.quality.samples, limit) if sample else 1
         narrow = margin(view.filter_width) == 0
         fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
         self.block.write(block.frame_block(view, anchor))

@@ -51,6 +51,12 @@ class Targets:
             self.release([name])
             self.textures[name] = target.create(self.gl, size)
 
+    def reserve(self, name: str, target: Target, size: tuple[int, int]) -> None:
+        """Make sure that `name` is a texture of this size or larger: pages of new memory take long to come."""
+        texture = self.textures.get(name)
+        if texture is None or texture.width < size[0] or texture.height < size[1]:
+            self.allocate(name, target, size)
+
     def neutralise(self, name: str, target: Target) -> None:
         """Let one neutral texel stand for a target that nobody draws."""
         self.allocate(name, target, (1, 1))

@@ -64,9 +64,10 @@ class GBuffer(Pass):
         """Which triangle of which instance is nearest; 0 where there is none."""
         gl, size = frame.device.gl, tuple(map(int, frame.grid.bounds(frame.view.width, frame.view.height)[1]))
         for name in ("triangles", "z"):
-            frame.targets.allocate(name, self.writes[name], size)
+            frame.targets.reserve(name, self.writes[name], size)
         target = frame.targets.into("triangles", "z")
-        target.clear(depth=1.0)
+        target.viewport = 0, 0, *size
+        target.clear(depth=1.0, viewport=target.viewport)
         geometry = frame.tables["geometry"]
         if geometry.indices is None:
             return
