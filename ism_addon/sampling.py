@@ -116,27 +116,29 @@ class Grid:
         return self.fine_from_pixel * size / fine[:, None], 2.0 * shift / fine - 1.0
 
 
-#: Of grids by their number of places in a pixel: how fine pixels lie to pixels, and the step of the rank-1 lattice that
-#: they are. A grid that is turned has places on more lines along the pixels' sides, and pictures are full of edges there.
-LATTICES = {1: ([[1, 0], [0, 1]], 0), 4: ([[2, -1], [0, 2]], 2), 16: ([[5, -1], [1, 3]], 5)}
+#: Places in a pixel are a rank-1 lattice of this step, in van der Corput's order, so that the first 2, 4, 8, … are one
+#: as well (Hickernell et al. 2000): on as many lines along the pixel's sides, where pictures are full of edges, and far
+#: from each other. The step is that whose lattices of up to 4,096 places are the widest.
+STEP = 3045
+
+#: How fine pixels lie to pixels, by the number of places that share a grid: the lattice's shortest steps are its own.
+GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
+
+
+def van_der_corput(numbers: np.ndarray) -> np.ndarray:
+    """Members (N,) of the sequence in [0,1): binary digits the other way round."""
+    digits = np.unpackbits(numbers.astype(">u4")[:, None].view(np.uint8), axis=1)
+    return digits @ 0.5 ** np.arange(32.0, 0.0, -1.0)
 
 
 @lru_cache(maxsize=64)
 def grid(number: int, count: int) -> Grid:
-    """A pixel's `count` places, the first of them at its centre; further grids are off by up to half a fine pixel.
-
-    The first few places, however many, are spread evenly (van der Corput 1935).
-    """
-    fine_from_pixel, step = np.array(LATTICES[count][0]), LATTICES[count][1]
-    pixel_from_fine = np.linalg.inv(fine_from_pixel)
-    off = pixel_from_fine @ (additive_sequence(number - 1, 1, 2)[0] - 0.5) if number else np.zeros(2)
-    order = np.zeros(1, int)
-    while len(order) < count:
-        order = np.concatenate([2 * order, 2 * order + 1])
-    lattice = np.stack([order, step * order], 1) / count
-    places = np.mod(lattice + off + 0.5, 1.0) - 0.5
-    texels = np.rint((places - off) @ fine_from_pixel.T).astype(int)
-    return Grid(fine_from_pixel, off, texels, places)
+    """A pixel's next `count` places after `number` times as many; the very first is at its centre."""
+    fine_from_pixel = np.array(GRIDS[count])
+    lattice = van_der_corput(np.arange(number * count, (number + 1) * count))[:, None] * (1, STEP)
+    places = np.mod(lattice + 0.5, 1.0) - 0.5
+    texels = np.rint((places - places[0]) @ fine_from_pixel.T).astype(int)
+    return Grid(fine_from_pixel, places[0], texels, places)
 
 
 def narrow_grid(number: int, reach: float) -> Grid:

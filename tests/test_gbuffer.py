@@ -10,10 +10,9 @@ import pytest
 from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers import mip_chain
 from ism_addon.gpu.layout import directions_from_octahedron
-from ism_addon.gpu.renderer import fineness
+from ism_addon.gpu.renderer import places_in_pixel
 from ism_addon.sampling import grid
 from ism_addon.scene import Image
-from ism_addon.spaces import jittered
 
 from . import reference
 from .scenes.small import sphere
@@ -218,9 +217,11 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
     settings = with_quality(MAPS, samples=samples)
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
-        factor = fineness(view, samples, device.texture_size)
-        place = grid(newest // factor**2, factor).places[newest % factor**2]
-        moved = replace(view, clip_from_view=jittered(view.clip_from_view, place, 48, 36))
+        count = places_in_pixel(view, samples, device.texture_size)
+        place = grid(newest // count, count).places[newest % count]
+        shift = np.eye(4)
+        shift[:2, 3] = -2.0 * place / (48, 36)
+        moved = replace(view, clip_from_view=shift @ view.clip_from_view)
         truth = reference.surfaces(objects(), moved)
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
         assert place.any()

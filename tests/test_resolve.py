@@ -8,7 +8,7 @@ from ism_addon.gpu.passes import BLOCK
 from ism_addon.gpu.passes.resolve import EVENNESS
 
 from .scenes.small import box_over_plane
-from .studio import SMALL_SETTINGS, draw
+from .studio import SMALL_SETTINGS, draw, with_quality
 
 WIDTH, HEIGHT = 40, 24
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -16,7 +16,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 def resolved(device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count) -> np.ndarray:
     """(H,W,3) of the mean prediction and correction of `count` samples (blocks or one), and their mean square (H,W)."""
-    drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), SMALL_SETTINGS)
+    drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=2))
     renderer = drawn.renderer
     blocks = np.broadcast_to(np.float32(count), (HEIGHT // BLOCK, WIDTH // BLOCK))
     samples = blocks.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]

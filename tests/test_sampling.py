@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ism_addon.sampling import (
     BLOCK,
+    GRIDS,
     additive_sequence,
     barycentric,
     disk,
@@ -23,9 +24,6 @@ from ism_addon.scene import LightShape
 from .studio import light
 
 SHAPES = tuple(LightShape)
-
-#: px that Blender's filter reaches by default, and how many times finer than the pixels a grid may be.
-FACTORS = (1, 2, 4)
 
 
 def surprise(counts: np.ndarray, expected: np.ndarray) -> float:
@@ -175,47 +173,64 @@ def test_every_run_of_the_sequence_is_evenly_spread():
             assert np.diff(column, append=column[0] + 1.0).max() < 4.0 / 64  # random ones leave gaps of 5
 
 
-def places(samples: int, factor: int) -> np.ndarray:
+def places(samples: int, count: int) -> np.ndarray:
     """(samples,2) px off the pixel's centre."""
-    return np.concatenate([grid(number, factor).places for number in range(samples // factor**2)])
+    return np.concatenate([grid(number, count).places for number in range(samples // count)])
 
 
-@pytest.mark.parametrize("factor", FACTORS)
-def test_places_fill_the_pixel_evenly(factor):
-    offsets = places(8192, factor)
+@pytest.mark.parametrize("count", GRIDS)
+def test_places_fill_the_pixel_evenly(count):
+    offsets = places(8192, count)
     assert np.abs(offsets).max() <= 0.5
     assert np.abs(offsets.mean(0)).max() < 2e-3
     assert offsets.var(0) == pytest.approx(1.0 / 12.0, rel=0.01)
     assert abs(np.corrcoef(offsets.T)[0, 1]) < 0.01
 
 
-@pytest.mark.parametrize("factor", FACTORS)
-def test_the_first_place_is_next_to_the_centre_and_its_grid_even(factor):
-    first = grid(0, factor)
-    assert first.places.mean(0) == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert not first.off.any()
-    lengths = np.linalg.norm(first.places, axis=1)
-    assert lengths[0] == lengths.min()
+@pytest.mark.parametrize("count", GRIDS)
+def test_the_first_place_is_the_centre(count):
+    assert not grid(0, count).off.any()
+    assert not grid(0, count).places[0].any()
 
 
-@pytest.mark.parametrize("factor", FACTORS)
-def test_the_places_of_a_grid_lie_on_it(factor):
-    """On the centres of all pixels `factor` times as fine, shifted by the grid's own part of one of them."""
-    grids = [grid(number, factor) for number in (0, 1, 5, 77)]
+@pytest.mark.parametrize("count", GRIDS)
+def test_the_places_of_a_grid_are_the_fine_pixels_of_a_pixel(count):
+    """Of each pixel others, and of all pixels together all that lie in the picture."""
+    grids = [grid(number, count) for number in (0, 1, 5, 77)]
     for one in grids:
-        assert len({tuple(texel) for texel in one.texels}) == factor**2
-        assert one.texels.min() == 0 and one.texels.max() == factor - 1
-        assert np.abs(one.off).max() <= 0.5 / factor
-        assert one.places == pytest.approx((one.texels + 0.5) / factor - 0.5 + one.off, abs=1e-12)
+        assert np.linalg.det(one.fine_from_pixel) == pytest.approx(count)
+        assert one.texels == pytest.approx((one.places - one.off) @ one.fine_from_pixel.T, abs=1e-9)
+        pixels = np.stack(np.meshgrid(np.arange(9), np.arange(7)), -1).reshape(-1, 1, 2)
+        first, size = one.bounds(9, 7)
+        fine = (pixels @ one.fine_from_pixel.T + first + one.texels).reshape(-1, 2)
+        assert len({tuple(texel) for texel in fine}) == 9 * 7 * count
+        assert (fine.min(0) == 0).all() and (fine.max(0) == size - 1).all()
     assert len({tuple(one.off) for one in grids}) == len(grids)
 
 
+@pytest.mark.parametrize("count", GRIDS)
+def test_a_fine_pixel_shows_what_is_at_its_place(count):
+    """In clip coordinates: from a place in the picture to the centre of its pixel in the fine one."""
+    one, size = grid(3, count), np.array([9, 7])
+    turn, shift = one.fine_from_clip(*size)
+    first, fine_size = one.bounds(*size)
+    for pixel in ([0, 0], [8, 6], [3, 5]):
+        for place, texel in zip(one.places, one.texels, strict=True):
+            clip = 2.0 * (np.array(pixel) + 0.5 + place) / size - 1.0
+            fine = (0.5 * (turn @ clip + shift) + 0.5) * fine_size
+            assert fine == pytest.approx(one.fine_from_pixel @ pixel + first + texel + 0.5, abs=1e-9)
+
+
+def test_a_turned_grid_has_a_place_on_each_line_along_the_pixels_sides():
+    for column in grid(0, 16).places.T:
+        assert len(set(np.round(column, 6))) == 16
+
+
 def test_the_first_few_places_are_spread_as_all_are():
-    """Of four one in each quarter of the pixel, of eight two in each row and column of fine pixels."""
-    texels = grid(0, 4).texels
-    assert len({tuple(quarter) for quarter in texels[:4] // 2}) == 4
-    for column in texels[:8].T:
-        assert (np.bincount(column) == 2).all()
+    """Of four one in each quarter along either side, of eight one in each eighth."""
+    for few in (4, 8):
+        for column in grid(0, 16).places[:few].T:
+            assert len(set(np.floor((column + 0.5) * few + 1e-9))) == few
 
 
 @pytest.mark.parametrize("reach", [0.01, 0.5])

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.spaces import anchor_of, camera_position, jittered, orthonormal, view_from_anchor
+from ism_addon.spaces import anchor_of, camera_position, orthonormal, view_from_anchor
 
 from .studio import look
 
@@ -35,15 +35,6 @@ def test_the_anchor_stays_while_the_camera_moves_about():
 def test_the_anchor_takes_any_extent():
     for extent in (0.0, 1e-30, 1e30):
         assert np.isfinite(anchor_of(np.array([1.0, 2.0, 3.0]), extent)).all()
-
-
-def test_jitter_brings_a_pixels_neighbourhood_to_its_centre():
-    view = look((3.0, -2.0, 1.0), size=(40, 30))
-    offset = np.array([0.3, -0.2])
-    point = np.array([0.4, 0.3, -2.0, 1.0])
-    before, after = (matrix @ point for matrix in (view.clip_from_view, jittered(view.clip_from_view, offset, 40, 30)))
-    pixels = [(0.5 + 0.5 * clip[:2] / clip[3]) * (40, 30) for clip in (before, after)]
-    assert pixels[0] - pixels[1] == pytest.approx(offset)
 
 
 def test_orthonormal_bases_have_no_pole():

@@ -37,8 +37,8 @@ def predicting(device, scene, view, part: float, doubt: float, samples: int) -> 
                 for texture in renderer.tables["predictions"].values():
                     pixels = np.tile(np.array([255 * part, 255 * doubt], np.uint8), (texture.height, texture.width, 1))
                     texture.write(pixels)
-                for blocks in renderer.tables["doubts"].values():
-                    blocks[:] = part > 0.0, doubt > 0.0
+                for blocks in renderer.tables["found"].values():
+                    blocks[:] = part > 0.0 or doubt > 0.0, part < 1.0 or doubt > 0.0
     return means(renderer)
 
 

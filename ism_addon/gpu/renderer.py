@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..sampling import LATTICES, grid, narrow_grid
+from ..sampling import GRIDS, grid, narrow_grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
@@ -185,7 +185,7 @@ def setting(settings: Settings, path: str) -> object:
 
 def places_in_pixel(view: View, samples: int, limit: int) -> int:
     """How many samples share one drawing of the triangles, on a grid finer than the pixels' by as much."""
-    counts = [count for count in LATTICES if count <= samples and margin(view.filter_width) > 0]
+    counts = [count for count in GRIDS if count <= samples and margin(view.filter_width) > 0]
     for count in sorted(counts, reverse=True):
         _, size = grid(0, count).bounds(view.width, view.height)
         if size.max() <= limit and size.prod() <= MOST_FINE_PIXELS:

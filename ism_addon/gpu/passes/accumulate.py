@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Average the samples of a picture: each has other places on the lights and another place in the pixels.
 
-A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there.
+A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there. Beyond its own
+block it counts more or less, as that block takes part less or more often than the pixel's own: pixels between two blocks
+would look like the one drawn more often.
 """
 
 import math
@@ -25,7 +27,7 @@ def margin(reach: float) -> int:
 class Accumulate(Pass):
     """The sums of all samples so far: what was predicted, what corrects it, and the weights."""
 
-    reads = ("blocks", "color", "color_correction", "shown")
+    reads = ("blocks", "chances", "color", "color_correction", "shown")
     writes = {"sum": Target(4, "f4"), "sum_correction": Target(4, "f4"), "weights": Target(4, "f4")}
     settings = ("show",)
     depends_on = (Change.SAMPLE,)
@@ -45,6 +47,7 @@ class Accumulate(Pass):
             program,
             color=frame.targets["color" if colored else "shown"],
             correction=frame.targets["color_correction"],
+            chances=frame.tables["chances"],
             reach=reach,
         )
         self.draw_blocks(frame, target, program, margin=margin(reach))

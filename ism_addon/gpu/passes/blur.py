@@ -16,7 +16,7 @@ from . import Frame, Pass
 class Blur(Pass):
     """The smoothed occlusion at half resolution."""
 
-    reads = ("position", "depth", "occlusion")
+    reads = ("position", "normal", "depth", "occlusion")
     writes = {
         "occlusion_across": Target(1, "f2", neutral=(1.0,), divisor=2),
         "smooth_occlusion": Target(1, "f2", neutral=(1.0,), divisor=2),
@@ -39,6 +39,7 @@ class Blur(Pass):
             bind(
                 self.pixels.program,
                 position=frame.targets["position"],
+                normals=frame.targets["normal"],
                 depth=frame.targets["depth"],
                 occlusion=frame.targets[source],
                 along=along,

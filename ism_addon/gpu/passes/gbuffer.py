@@ -42,7 +42,13 @@ class GBuffer(Pass):
 
     def draw(self, frame: Frame) -> None:
         count = len(frame.grid.places)
-        drawn = frame.sample // count, count, frame.part(Change.VIEW), frame.tables["geometry"], frame.tables["placement"]
+        drawn = (
+            frame.sample // count,
+            count,
+            frame.part(Change.VIEW),
+            frame.tables["geometry"],
+            frame.tables["placement"],
+        )
         if drawn != self.drawn:
             self.draw_triangles(frame)
             self.drawn = drawn

@@ -28,7 +28,7 @@ RENEWED = {0, *(2 * 4**k for k in range(16))}
 class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
-    reads = ("scouted", "position", "depth")
+    reads = ("scouted", "position", "normal", "depth")
     makes = ("predictions", "seen", "found")
     depends_on = (Change.SAMPLE,)
 
@@ -88,6 +88,7 @@ class Predict(Pass):
         bind(
             self.pixels,
             position=frame.targets["position"],
+            normals=frame.targets["normal"],
             depth=frame.targets["depth"],
             scouted=frame.tables["scouted"][light],
             seen=frame.tables["seen"][light],

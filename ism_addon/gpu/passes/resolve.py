@@ -20,7 +20,7 @@ EVENNESS = 0.35
 class Resolve(Pass):
     """The sums as one picture."""
 
-    reads = ("sum", "sum_correction", "weights", "counts", "position", "depth")
+    reads = ("sum", "sum_correction", "weights", "counts", "position", "normal", "depth")
     writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
@@ -52,6 +52,7 @@ class Resolve(Pass):
         bind(
             self.near,
             position=frame.targets["position"],
+            normals=frame.targets["normal"],
             depth=frame.targets["depth"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],

@@ -19,7 +19,7 @@ class Shade(Pass):
     """The picture of one sample, alpha premultiplied, and what corrects it."""
 
     reads = (
-        *("blocks", "position", "depth", "albedo"),
+        *("blocks", "position", "normal", "depth", "albedo"),
         *("irradiance", "predicted", "correction", "smooth_occlusion"),
     )
     writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4")}
@@ -34,6 +34,7 @@ class Shade(Pass):
         bind(
             self.pixels,
             position=frame.targets["position"],
+            normals=frame.targets["normal"],
             depth=frame.targets["depth"],
             albedo=frame.targets["albedo"],
             irradiance=frame.targets["irradiance"],

@@ -32,7 +32,7 @@ class Sift(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
     writes = {"noise": Target(2, "f4", divisor=BLOCK)}
-    makes = ("blocks", "counts")
+    makes = ("blocks", "counts", "chances")
     settings = ("shadow.method",)
     depends_on = (Change.VIEW, Change.SAMPLE)
 
@@ -47,7 +47,8 @@ class Sift(Pass):
             noise, frame.tables["brightness"] = self.so_far(frame)
             if frame.fitted and frame.sample >= SAMPLES_FOR_ALL:
                 enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), ROUNDING * frame.tables["brightness"], TINY)
-                self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0)
+                self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0).astype(np.float32)
+                frame.tables["chances"].write(self.chance)
         turn = additive_sequence(frame.sample, 1, 1)[0, 0]
         takes_part = np.mod(self.phase + turn, 1.0) < self.chance
         frame.tables["blocks"] = self.blocks(frame, takes_part)
@@ -60,7 +61,9 @@ class Sift(Pass):
         self.counts = np.zeros((height, width), np.float32)
         self.chance = np.ones((height, width), np.float32)
         self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
-        frame.tables["counts"] = Target(1, "f4").create(gl, (width, height))
+        for name in ("counts", "chances"):
+            frame.tables[name] = Target(1, "f4").create(gl, (width, height))
+        frame.tables["chances"].write(self.chance)
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""

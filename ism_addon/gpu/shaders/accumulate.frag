@@ -2,7 +2,8 @@
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
-uniform float reach; // px
+uniform sampler2D chances; // of blocks to take part
+uniform float reach;        // px
 flat in vec2 own_block;
 flat in vec4 place;
 flat in float own_number;
@@ -20,9 +21,10 @@ float blackman_harris(float x) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
+    float share = texelFetch(chances, at / BLOCK, 0).x / texelFetch(chances, ivec2(own_block), 0).x;
     sum = sum_correction = weights = vec4(0.0);
     for (int y = -MARGIN; y <= MARGIN; ++y) {
-        float along_y = blackman_harris(float(y) + place.w);
+        float along_y = share * blackman_harris(float(y) + place.w);
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
             bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));

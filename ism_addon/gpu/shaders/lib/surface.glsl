@@ -2,13 +2,14 @@
 #include "lib/octahedron.glsl"
 #include "lib/packed_normal.glsl"
 uniform sampler2D position; // in alpha, the normal, packed
+uniform sampler2D normals;
 uniform sampler2D depth;
 
 struct Surface { vec3 position; vec3 normal; float depth; bool seen; };
 
 Surface surface_at(ivec2 pixel) {
     vec4 p = texelFetch(position, pixel, 0);
-    return Surface(p.xyz, direction_from_octahedron(octahedron_of(p.w)), texelFetch(depth, pixel, 0).x, p.w > 0.0);
+    return Surface(p.xyz, direction_from_octahedron(texelFetch(normals, pixel, 0).xy), texelFetch(depth, pixel, 0).x, p.w > 0.0);
 }
 
 // 1 for one plane, 0 where the other lies off the plane by more than a hundredth of its depth, or faces away.
