@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.tree import LARGE, NOWHERE, Tree, build
+from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, Tree, build
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +20,7 @@ def boxes(count: int, seed: int = 0, size: float = 0.1) -> tuple[np.ndarray, np.
 def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> None:
     """All that a ray relies on."""
     count, leaves = len(low), tree.leaves
-    assert leaves & (leaves - 1) == 0
+    assert leaves == 4 ** round(np.log(leaves) / np.log(4))
     assert tree.per_leaf * leaves == len(tree.order)
     assert 1 <= tree.per_leaf <= most_per_leaf
     repeats = np.bincount(tree.order, minlength=count)
@@ -50,7 +50,27 @@ def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> 
     assert np.array_equal(tree.nodes[1:leaves, 1][inner], expected_high[inner])
     assert np.array_equal(inner, ~gone.all(1))
     assert np.array_equal(tree.nodes[1], [low.min(0), high.max(0)])
-    assert np.array_equal(tree.pairs[1:].reshape(-1, 2, 2, 3), children)
+    check_packed(tree)
+
+
+def check_packed(tree: Tree) -> None:
+    """As bytes, boxes are around those they stand for, and no more than a unit wider; those of nothing hold nothing."""
+    rows = tree.packed()
+    assert rows.dtype.itemsize == 32
+    assert len(rows) == tree.leaves // 2
+    packed, inside = rows[1:], tree.nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)
+    unit = 2.0 ** (packed["unit"][:, None] >> np.array([0, 4, 8]) & 15)[:, None]
+    low, high = (packed["begin"][:, None] + packed[side].swapaxes(1, 2) * unit for side in ("low", "high"))
+    nothing = inside[:, :, 0, 0] == np.float32(NOWHERE)
+    assert (low > high)[nothing].all()
+    with np.errstate(over="ignore"):
+        true_low, true_high = (tree.steps(inside[:, :, k]) / PLANE for k in (0, 1))
+        around = tree.steps(tree.nodes[1 : len(rows)]) / PLANE
+    for packed_too_far in (true_low - low, high - true_high):
+        assert (packed_too_far >= 0.0)[~nothing].all()
+        assert (packed_too_far < unit + 1.0)[~nothing].all()
+    extent = (around[:, 1] - around[:, 0])[:, None]
+    assert (unit <= np.maximum(1.0, (extent + 2.0) / 127.5))[~nothing.all(1)].all()
 
 
 @pytest.mark.parametrize("most_per_leaf", [1, 4])
@@ -72,6 +92,16 @@ def test_any_boxes(count, most_per_leaf, seed, size, scale):
     """Points, huge ones, all in one plane, on one line, or in one place."""
     low, high = (corner * np.array(scale, np.float32) for corner in boxes(count, seed, size))
     check(build(low, high, most_per_leaf), low, high, most_per_leaf)
+
+
+def test_what_is_at_the_end_of_the_grid_is_there_exactly():
+    """The floor and the ceiling of a room, as bytes: no thicker than they are, so no ray starts within them."""
+    walls = np.array([[-1, -1, -1, 1, 1, -1], [-1, -1, 1, 1, 1, 1], [-1, -1, -1, -1, 1, 1], [1, -1, -1, 1, 1, 1]])
+    low, high = np.split((walls * (0.3, 5.1, 7.7, 0.3, 5.1, 7.7)).astype(np.float32), 2, 1)
+    row = build(low, high, 1).packed()[1]
+    flat = row["low"] == row["high"]
+    assert flat.sum(1).tolist() == [2, 0, 2]
+    assert sorted(row["low"][flat]) == [0, 0, 255, 255]
 
 
 def test_the_same_boxes_make_the_same_tree():

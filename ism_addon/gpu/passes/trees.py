@@ -15,7 +15,7 @@ from ...scene import Change, Mesh
 from ..buffers import centre_of, joined
 from ..context import Device
 from ..layout import CASTER, WIDTH, upload_array
-from ..tree import NOWHERE, Tree, build
+from ..tree import NODE, NOWHERE, Tree, build
 from . import Frame, Pass
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
@@ -34,7 +34,8 @@ class MeshTree:
     """A mesh's tree, about the middle of its box, and its triangles leaf by leaf."""
 
     tree: Tree
-    triangles: np.ndarray  # (leaves * per_leaf, 3, 4) float32: a corner and its two edges; w: the triangle's number
+    nodes: np.ndarray  # (leaves // 2,) NODE
+    triangles: np.ndarray  # (leaves * per_leaf, 2, 4) uint32: see packed_triangles
 
     @property
     def parts(self) -> np.ndarray:
@@ -47,14 +48,23 @@ class MeshTree:
 
 def mesh_tree(mesh: Mesh) -> MeshTree:
     """The tree of a mesh that has triangles."""
-    corners = (mesh.positions - centre_of(mesh.positions)).astype(np.float32)[mesh.triangles]
+    positions = (mesh.positions - centre_of(mesh.positions)).astype(np.float32)
+    corners = positions[mesh.triangles]
     tree = build(corners.min(1), corners.max(1), TRIANGLES_PER_LEAF)
-    sorted_corners = corners[tree.order]
-    triangles = np.zeros((len(tree.order), 3, 4), np.float32)
-    triangles[:, 0, :3] = sorted_corners[:, 0]
-    triangles[:, 1:, :3] = sorted_corners[:, 1:] - sorted_corners[:, :1]
-    triangles[:, 0, 3] = tree.order
-    return MeshTree(tree, triangles)
+    steps = np.rint(tree.steps(positions)).astype(np.int32)[mesh.triangles]
+    return MeshTree(tree, tree.packed(), packed_triangles(steps, np.arange(len(steps)))[tree.order])
+
+
+def packed_triangles(corners: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """(T,2,4) uint32: corners (T,3,3) int32 of 25 bits, numbers (T,) of 28.
+
+    The upper bits of the words are all coordinates but the last; the lower seven are that one, and the number.
+    """
+    words = corners.reshape(-1, 9)[:, :8].view(np.uint32) << np.uint32(7)
+    lower = np.stack([corners[:, 2, 2], numbers], 1).astype(np.uint32)
+    for k in range(4):
+        words[:, k::4] |= lower >> np.uint32(7 * k) & np.uint32(127)
+    return words.reshape(-1, 2, 4)
 
 
 class MeshTrees(Pass):
@@ -82,24 +92,26 @@ class MeshTextures:
     """The trees of all meshes one behind the other, and before them room for the tree over the instances."""
 
     def __init__(self, gl: moderngl.Context, trees: list[MeshTree], leaves: int):
-        self.lines = -(-3 * leaves // WIDTH)
-        sizes = [tree.tree.leaves for tree in trees]
-        room = np.zeros((self.lines * WIDTH, 4), np.float32)
-        pairs = [tree.tree.pairs.reshape(-1, 4) for tree in trees]
-        triangles = joined([tree.triangles.reshape(-1, 4) for tree in trees], (0, 4), "f4")
-        # Texel 3 k is node k's: room is whole lines, which need not be whole nodes, so the meshes' count on from there.
-        self.first_nodes = np.cumsum([-(-len(room) // 3)] + sizes)[:-1]
-        gap = np.zeros((-len(room) % 3, 4), np.float32)
-        self.nodes = upload_array(gl, np.concatenate([room, gap, *pairs]), "f4")
-        self.triangles = upload_array(gl, triangles, "f4")
+        self.lines = -(-leaves // WIDTH)
+        room = np.zeros(self.lines * WIDTH // 2, NODE)
+        nodes = np.concatenate([room, *(tree.nodes for tree in trees)])
+        triangles = joined([tree.triangles.reshape(-1, 4) for tree in trees], (0, 4), "u4")
+        self.nodes = upload_array(gl, texels(nodes), "u4")
+        self.first_nodes = np.cumsum([len(room)] + [len(tree.nodes) for tree in trees])[:-1]
+        self.triangles = upload_array(gl, triangles, "u4")
         self.first_triangles = np.cumsum([0] + [len(tree.triangles) for tree in trees])[:-1]
-        self.bytes = triangles.nbytes + 48 * sum(sizes)
+        self.bytes = triangles.nbytes + nodes.nbytes
 
-    def write_instances(self, pairs: np.ndarray) -> None:
-        """The tree over the instances: pairs (leaves, 12)."""
-        texels = np.zeros((self.lines * WIDTH, 4), np.float32)
-        texels[: 3 * len(pairs)] = pairs.reshape(-1, 4)
-        self.nodes.write(texels, viewport=(0, 0, WIDTH, self.lines))
+    def write_instances(self, nodes: np.ndarray) -> None:
+        """The tree over the instances: nodes (leaves // 2,) NODE."""
+        room = np.zeros(self.lines * WIDTH // 2, NODE)
+        room[: len(nodes)] = nodes
+        self.nodes.write(texels(room), viewport=(0, 0, WIDTH, self.lines))
+
+
+def texels(nodes: np.ndarray) -> np.ndarray:
+    """(2 N,4) uint32: rows of NODE as a texture holds them."""
+    return nodes.view(np.uint32).reshape(-1, 4)
 
 
 class InstanceTree(Pass):
@@ -125,14 +137,16 @@ class InstanceTree(Pass):
         centres = frame.tables["geometry"].centres[mesh]
         offsets = instances.world_from_object[chosen, :3, 3] - frame.anchor + np.einsum("nij,nj->ni", linear, centres)
         parts = np.array([tree.parts for tree in trees])[mesh]
-        tree = build(*boxes_around(linear, offsets, parts), 1)
-        if self.textures is None or self.trees is not trees or 3 * tree.leaves > self.textures.lines * WIDTH:
+        low, high = boxes_around(linear, offsets, parts)
+        middle = (low.min(0) + high.max(0)) / 2.0
+        tree = build(low - middle, high - middle, 1)
+        if self.textures is None or self.trees is not trees or tree.leaves > self.textures.lines * WIDTH:
             self.trees, self.textures = trees, MeshTextures(self.device.gl, trees, tree.leaves)
             frame.counts["bytes_uploaded"] += self.textures.bytes
-        self.textures.write_instances(tree.pairs)
+        nodes = tree.packed()
+        self.textures.write_instances(nodes)
         table = np.zeros(len(chosen), CASTER.dtype)
-        inverse = inverse_of(linear)
-        rows = np.concatenate([inverse, -np.einsum("nij,nj->ni", inverse, offsets)[:, :, None]], 2)
+        rows = inverse_of(linear, offsets) * np.array([tree.tree.scale for tree in trees])[mesh, :, None]
         for k in range(3):
             table[f"row{k}"] = rows[:, k]
         table["first_node"] = self.textures.first_nodes[mesh]
@@ -146,8 +160,10 @@ class InstanceTree(Pass):
             "tree_triangles": self.textures.triangles,
             "casters": CASTER.upload(self.device.gl, table[tree.order]),
             "caster_leaves": tree.leaves,
+            "casters_middle": tuple(middle),
+            "casters_scale": tuple(tree.scale),
         }
-        frame.counts["bytes_uploaded"] += table.nbytes + tree.pairs.nbytes
+        frame.counts["bytes_uploaded"] += table.nbytes + nodes.nbytes
 
 
 def boxes_around(linear: np.ndarray, offsets: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -160,8 +176,9 @@ def boxes_around(linear: np.ndarray, offsets: np.ndarray, parts: np.ndarray) -> 
     return (low - slack).astype(np.float32), (high + slack).astype(np.float32)
 
 
-def inverse_of(linear: np.ndarray) -> np.ndarray:
-    """(I,3,3): the inverses of matrices, of which those that flatten are taken to leave a little thickness."""
+def inverse_of(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """(I,3,4): the inverses of matrices (I,3,3) and offsets (I,3); those that flatten leave a little thickness."""
     u, scales, v = np.linalg.svd(linear)
     scales = np.maximum(scales, np.maximum(FLATTEST * scales[:, :1], np.finfo(np.float32).tiny))
-    return np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)
+    inverse = np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)
+    return np.concatenate([inverse, -np.einsum("nij,nj->ni", inverse, offsets)[:, :, None]], 2)
