@@ -15,12 +15,17 @@ uniform float intensity;
 uniform float attenuation;
 out float occlusion; // 1 is open
 
-float occluded_by(vec3 p, vec3 facet, vec3 s) {
-    vec4 clip = clip_from_anchor * vec4(s, 1.0);
-    vec2 uv = 0.5 * clip.xy / clip.w + 0.5;
-    if (clip.w <= 0.0 || any(lessThan(uv, vec2(0.0))) || any(greaterThanEqual(uv, vec2(1.0)))) return 0.0;
-    ivec2 size = textureSize(depth, 0);
-    ivec2 at = ivec2(uv * vec2(size));
+// In pixels, and whether it is ahead at all.
+vec3 on_screen(vec3 p) {
+    vec4 clip = clip_from_anchor * vec4(p, 1.0);
+    return vec3((0.5 * clip.xy / clip.w + 0.5) * vec2(textureSize(depth, 0)), clip.w);
+}
+
+// `place`: of this sample, from the pixels' centres.
+float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
+    vec3 seen_at = on_screen(s);
+    ivec2 size = textureSize(depth, 0), at = ivec2(floor(seen_at.xy - place));
+    if (seen_at.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return 0.0;
     if (texelFetch(depth, at, 0).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
     vec3 to = texelFetch(position, at, 0).xyz - p;
     float square = dot(to, to) / (radius * radius);
@@ -35,6 +40,7 @@ void main() {
     if (here.w == 0.0) return;
     vec4 octahedra = texelFetch(normals, at, 0);
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
+    vec2 place = on_screen(here.xyz).xy - (vec2(at) + 0.5);
     mat3 cone = basis(n);
     vec2 noise = 0.5 * texelFetch(random, ivec2(gl_FragCoord.xy) % TILE, 0).xy + 0.5;
     float hidden = 0.0;
@@ -43,7 +49,7 @@ void main() {
         float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * fract(c.y + noise.x + turn);
         vec3 direction = cone * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - sine * sine));
         float reach = fract(c.z + noise.y + turn);
-        hidden += occluded_by(here.xyz, facet, here.xyz + direction * radius * sqrt(reach));
+        hidden += occluded_by(here.xyz, facet, place, here.xyz + direction * radius * sqrt(reach));
     }
     occlusion = clamp(1.0 - intensity * hidden / float(POINTS), 0.0, 1.0);
 }
