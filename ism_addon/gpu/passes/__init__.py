@@ -22,6 +22,9 @@ from ..targets import Target, Targets
 #: Pixels along a block: what takes part in a sample, or does not.
 BLOCK = 8
 
+#: Pixels from one scout to the next, along either side.
+SCOUTS_APART = 2
+
 #: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number, and for
 #: Trace the chance of a block where nothing is in doubt.
 BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4")])

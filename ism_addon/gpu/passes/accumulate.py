@@ -2,8 +2,8 @@
 """Average the samples of a picture: each has other places on the lights and another place in the pixels.
 
 A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there. Beyond its own
-block it counts more or less, as that block takes part less or more often than the pixel's own: pixels between two blocks
-would look like the one drawn more often.
+block it counts more or less, as that block takes part less or more often than the pixel's own: or pixels between two
+blocks would look like the one drawn more often.
 """
 
 import math

@@ -12,8 +12,7 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
-from . import BLOCK, Frame, Pass, blocks_at
-from .scout import SCOUTED
+from . import BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
 PREDICTION = Target(2, "f1")
@@ -46,9 +45,9 @@ class Predict(Pass):
         tables, first = frame.tables, frame.sample == 0
         if first:
             tables["seen"] = self.unseen(frame)
-            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTED)
+            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
         else:
-            for light, found in self.by_blocks(frame, tables["seen"], SEEN).items():
+            for light, found in self.by_blocks(frame, tables["seen"], 1).items():
                 tables["found"][light] |= found
         tables["predictions"] = {light: self.predicted(frame, light, not first) for light in tables["found"]}
 
@@ -61,7 +60,7 @@ class Predict(Pass):
             gl.framebuffer([texture]).clear()
         return seen
 
-    def by_blocks(self, frame: Frame, rays: dict, target: Target) -> dict[int, np.ndarray]:
+    def by_blocks(self, frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
         """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
         gl, (columns, rows) = self.device.gl, frame.blocks
         texture = gl.texture((columns, rows * len(rays)), 2)
@@ -70,7 +69,7 @@ class Predict(Pass):
         gl.enable_only(moderngl.NOTHING)
         for number, found in enumerate(rays.values()):
             into.viewport = 0, number * rows, columns, rows
-            bind(self.blocks, rays=found, first_row=number * rows, width=BLOCK // target.divisor)
+            bind(self.blocks, rays=found, first_row=number * rows, width=BLOCK // apart)
             gl.vertex_array(self.blocks, []).render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
         found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(rays), rows, columns, 2) > 0

@@ -10,10 +10,10 @@ from ..context import Device
 from ..layout import CASTER, LIGHT
 from ..program import bind
 from ..targets import Target
-from . import Frame, Pass
+from . import SCOUTS_APART, Frame, Pass
 
 #: Of each light: rays that arrived, and rays.
-SCOUTED = Target(2, "f1", divisor=2)
+SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
 
 class Scout(Pass):
