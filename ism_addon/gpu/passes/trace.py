@@ -24,7 +24,7 @@ ENOUGH = 0.2
 
 #: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
 TRUST = 0.0625
-LEAST_CHANCE = 0.02
+LEAST_CHANCE = 0.2
 
 #: The chance of a block in which nothing is in doubt.
 SURE_CHANCE = 0.125
