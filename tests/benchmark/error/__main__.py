@@ -6,7 +6,7 @@ Out come error.md, error.json, error.png and a plot for each scene. It reports; 
 
 import argparse
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ism_addon.gpu.context import Device, open_device
@@ -48,6 +48,7 @@ def main() -> int:
     options = parser.parse_args()
     effort = QUICK if options.quick else WHOLE
     scenes = tuple(options.scenes.split(",")) if options.scenes else effort.scenes
+    effort = replace(effort, scenes=scenes, rounds=options.rounds or effort.rounds)
     if unknown := [name for name in scenes if name not in SCENES]:
         parser.error(f"no such scene: {', '.join(unknown)}")
     options.output.mkdir(parents=True, exist_ok=True)
@@ -55,7 +56,7 @@ def main() -> int:
     results = {}
     for name in scenes:
         stage = set_up(name, int(options.tuning), effort.size, effort.truth, options.output)
-        found = race(stage, engines(stage, effort, device, options.blender), options.rounds or effort.rounds)
+        found = race(stage, engines(stage, effort, device, options.blender), effort.rounds)
         print(report.scene(name, found), flush=True)
         results[name] = found
     write(results, effort, device, options)
