@@ -157,8 +157,8 @@ class Pass:
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, *target.size
 
-    def full_screen(self, *records: Record, **constants: int | float) -> moderngl.VertexArray:
-        """The triangle that covers all pixels, shaded by the file named like this pass."""
-        name = type(self).__module__.rsplit(".", 1)[-1]
+    def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
+        """The triangle that covers all pixels, shaded by the file named like this pass, and like a part of it if given."""
+        name = "_".join(filter(None, (type(self).__module__.rsplit(".", 1)[-1], part)))
         program = compile_program(self.device, "full_screen.vert", f"{name}.frag", records=records, **constants)
         return self.device.gl.vertex_array(program, [])

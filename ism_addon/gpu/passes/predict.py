@@ -10,7 +10,7 @@ import numpy as np
 
 from ...scene import Change
 from ..context import Device
-from ..program import bind, compile_program
+from ..program import bind
 from ..targets import Target
 from . import BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
@@ -33,8 +33,8 @@ class Predict(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.in_blocks()
-        self.blocks = compile_program(device, "full_screen.vert", "predict_blocks.frag")
+        self.pixels = self.in_blocks(scouts_apart=SCOUTS_APART)
+        self.blocks = self.full_screen(part="blocks")
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -69,8 +69,8 @@ class Predict(Pass):
         gl.enable_only(moderngl.NOTHING)
         for number, found in enumerate(rays.values()):
             into.viewport = 0, number * rows, columns, rows
-            bind(self.blocks, rays=found, first_row=number * rows, width=BLOCK // apart)
-            gl.vertex_array(self.blocks, []).render(moderngl.TRIANGLES, vertices=3)
+            bind(self.blocks.program, rays=found, first_row=number * rows, width=BLOCK // apart)
+            self.blocks.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
         found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(rays), rows, columns, 2) > 0
         return dict(zip(rays, found, strict=True))

@@ -9,7 +9,7 @@ import moderngl
 
 from ...scene import Change
 from ..context import Device
-from ..program import bind, compile_program
+from ..program import bind
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
@@ -26,17 +26,16 @@ class Resolve(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.near = compile_program(device, "full_screen.vert", "resolve_near.frag")
-        self.pixels = compile_program(device, "full_screen.vert", "resolve.frag", block=BLOCK, evenness=EVENNESS)
+        self.near = self.full_screen(part="near")
+        self.pixels = self.full_screen(block=BLOCK, evenness=EVENNESS)
 
     def draw(self, frame: Frame) -> None:
-        gl = self.device.gl
-        gl.enable_only(moderngl.NOTHING)
+        self.device.gl.enable_only(moderngl.NOTHING)
         if frame.sample > 0:  # the first one has no corrections
             self.look_around(frame)
         frame.targets.into("resolved").use()
         bind(
-            self.pixels,
+            self.pixels.program,
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
@@ -44,17 +43,17 @@ class Resolve(Pass):
             near=frame.targets["near"],
             stand_out=frame.targets["stand_out"],
         )
-        gl.vertex_array(self.pixels, []).render(moderngl.TRIANGLES, vertices=3)
+        self.pixels.render(moderngl.TRIANGLES, vertices=3)
 
     def look_around(self, frame: Frame) -> None:
         """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
         frame.targets.into("near", "stand_out").use()
         bind(
-            self.near,
+            self.near.program,
             position=frame.targets["position"],
             normals=frame.targets["normal"],
             depth=frame.targets["depth"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
         )
-        self.device.gl.vertex_array(self.near, []).render(moderngl.TRIANGLES, vertices=3)
+        self.near.render(moderngl.TRIANGLES, vertices=3)

@@ -25,7 +25,7 @@ class Scout(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen(LIGHT, CASTER)
+        self.pixels = self.full_screen(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample == 0

@@ -1,8 +1,7 @@
 // What part of a light a pixel sees, by the rays of its neighbours on the same surface.
-#include "lib/half.glsl"
 #include "lib/surface.glsl"
 
-uniform sampler2D scouted; // at half resolution: rays that arrived, and rays
+uniform sampler2D scouted; // by the pixels that scouted: rays that arrived, and rays
 uniform sampler2D seen;    // at full resolution, if there are any yet
 uniform bool traced;
 out vec2 prediction; // part of the light, and whether that is in doubt
@@ -19,10 +18,10 @@ void main() {
     Surface here = surface_at(at);
     vec2 all = vec2(0.0), near = vec2(0.0);
     for (int k = 0; k < TAPS; ++k) {
-        ivec2 other = neighbour(at / 2, k, scouted);
+        ivec2 other = neighbour(at / SCOUTS_APART, k, scouted);
         vec2 found = texelFetch(scouted, other, 0).xy;
         all += found;
-        near += alike(here, full_from_half(other, size)) * found;
+        near += alike(here, min(SCOUTS_APART * other, size - 1)) * found;
     }
     for (int k = 0; k < more; ++k) {
         ivec2 other = neighbour(at, k, seen);

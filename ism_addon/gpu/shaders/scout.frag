@@ -1,5 +1,4 @@
 // One ray from every fourth pixel.
-#include "lib/half.glsl"
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
 uniform sampler2D lights;
@@ -8,7 +7,7 @@ uniform vec2 place;
 out vec2 seen; // rays that arrived, and rays
 
 void main() {
-    ivec2 at = full_from_half(ivec2(gl_FragCoord.xy), textureSize(position, 0));
+    ivec2 at = min(SCOUTS_APART * ivec2(gl_FragCoord.xy), textureSize(position, 0) - 1);
     seen = vec2(0.0);
     Receiver here = receiver_at(at);
     if (!here.seen) return;
