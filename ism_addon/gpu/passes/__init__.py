@@ -158,7 +158,7 @@ class Pass:
         target.viewport = 0, 0, *target.size
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
-        """The triangle that covers all pixels, shaded by the file named like this pass, and like a part of it if given."""
+        """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""
         name = "_".join(filter(None, (type(self).__module__.rsplit(".", 1)[-1], part)))
         program = compile_program(self.device, "full_screen.vert", f"{name}.frag", records=records, **constants)
         return self.device.gl.vertex_array(program, [])
