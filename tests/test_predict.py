@@ -15,6 +15,7 @@ from .studio import SMALL_SETTINGS, draw, from_above, light, quad, stage, with_q
 
 FLOOR = quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))
 LAMP = light(position=(0.0, 0.0, 5.0))
+TENT = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 3.0
 
 
 def prediction(renderer) -> np.ndarray:
@@ -46,19 +47,24 @@ def test_one_ray_that_differs_is_felt_two_pixels_around_it(device):
     rows[8, 5] = 0.0
     found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
     doubt = np.zeros((32, 32), bool)
-    doubt[12:22, 6:16] = True  # two half-resolution pixels to all sides
+    doubt[11:22, 5:16] = True  # two scouts to all sides, and the pixels between those and the next
     assert np.array_equal(found[..., 1] == 1.0, doubt)
-    assert found[doubt][:, 0] == pytest.approx(24 / 25, abs=0.5 / 255 + 1e-6)
+    felt = 1.0 - np.outer(TENT, TENT) / TENT.sum() ** 2
+    assert found[12:22:2, 6:16:2, 0] == pytest.approx(felt, abs=0.5 / 255 + 1e-6)
     assert (found[~doubt] == (1.0, 0.0)).all()
 
 
-def test_on_a_plane_neighbours_count_alike(device):
-    """Random rays: the mean of the 25 that are nearest."""
+def test_on_a_plane_neighbours_count_by_how_near_they_are(device):
+    """Random rays: the mean of the 25 that are nearest; between scouts, the means between theirs."""
     rows = np.random.default_rng(0).integers(0, 2, (16, 16)).astype(float)
     found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
     padded = np.pad(rows, 2, mode="edge")
-    means = np.mean([padded[y : y + 16, x : x + 16] for y in range(5) for x in range(5)], 0)
-    assert found[..., 0] == pytest.approx(means.repeat(2, 0).repeat(2, 1), abs=0.5 / 255 + 1e-6)
+    weights = np.outer(TENT, TENT) / TENT.sum() ** 2
+    means = sum(weights[y, x] * padded[y : y + 16, x : x + 16] for y in range(5) for x in range(5))
+    places = np.minimum(np.arange(32) / 2, 15)
+    rows = np.array([np.interp(places, np.arange(16), row) for row in means])
+    between = np.array([np.interp(places, np.arange(16), column) for column in rows.T]).T
+    assert found[..., 0] == pytest.approx(between, abs=1 / 255 + 1e-6)  # rounded at the scouts, and again
 
 
 def test_nothing_is_taken_from_another_surface(device):
@@ -92,5 +98,6 @@ def test_more_rays_make_better_predictions(device):
     for last in (0, 16):
         found = prediction(draw(device, scene, view, settings, last=last).renderer)[..., 0].ravel()
         errors.append(np.sqrt(((found[lit] - truth) ** 2).mean()))
+    assert errors[0] < 0.2
     assert errors[0] < 0.2
     assert errors[1] < 0.75 * errors[0]

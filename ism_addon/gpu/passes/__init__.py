@@ -131,9 +131,9 @@ class Pass:
         """Make what the pass writes."""
         raise NotImplementedError
 
-    def in_blocks(self, *records: Record, **constants: int | float) -> moderngl.Program:
-        """The program of the file named like this pass, for draw_blocks."""
-        name = type(self).__module__.rsplit(".", 1)[-1]
+    def in_blocks(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
+        """The program of the file named like this pass, or like a part of it, for draw_blocks."""
+        name = self.name_of(part)
         return compile_program(self.device, "blocks.vert", f"{name}.frag", records=records, block=BLOCK, **constants)
 
     def draw_blocks(
@@ -143,22 +143,30 @@ class Pass:
         program: moderngl.Program,
         blocks: np.ndarray | None = None,
         margin: int = 0,
+        block: int = BLOCK,
     ) -> None:
-        """Draw the pixels of some blocks, or of all that take part in this sample, see sift, and `margin` px around."""
+        """Draw the pixels of some blocks, or of all that take part in this sample, see sift, and `margin` px around.
+
+        In a target of lower resolution a block has fewer.
+        """
         blocks = frame.tables["blocks"] if blocks is None else blocks
         if not len(blocks):
             return
         gl, (columns, rows) = self.device.gl, frame.blocks
-        target.viewport = 0, 0, columns * BLOCK, rows * BLOCK
+        target.viewport = 0, 0, columns * block, rows * block
         target.use()
         gl.enable(moderngl.PROGRAM_POINT_SIZE)
-        bind(program, blocks=(columns, rows), size=float(BLOCK + 2 * margin))
+        bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
         content = gl.buffer(blocks), "2f 4f 1f 1f", "block", "where", "number", "sure"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, *target.size
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""
-        name = "_".join(filter(None, (type(self).__module__.rsplit(".", 1)[-1], part)))
+        name = self.name_of(part)
         program = compile_program(self.device, "full_screen.vert", f"{name}.frag", records=records, **constants)
         return self.device.gl.vertex_array(program, [])
+
+    def name_of(self, part: str) -> str:
+        """Of the shader file of this pass, or of a part of it."""
+        return "_".join(filter(None, (type(self).__module__.rsplit(".", 1)[-1], part)))

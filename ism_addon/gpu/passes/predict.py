@@ -20,6 +20,9 @@ PREDICTION = Target(2, "f1")
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
+#: What tells surfaces apart, by the names in the shaders.
+SURFACES = {"position": "position", "normals": "normal", "depth": "depth"}
+
 #: Samples before which predictions are made: as often as the number of rays is four times what it was.
 RENEWED = {0, *(2 * 4**k for k in range(16))}
 
@@ -33,6 +36,7 @@ class Predict(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
+        self.scouts = self.in_blocks(part="scouts", scouts_apart=SCOUTS_APART)
         self.pixels = self.in_blocks(scouts_apart=SCOUTS_APART)
         self.blocks = self.full_screen(part="blocks")
 
@@ -76,22 +80,26 @@ class Predict(Pass):
         return dict(zip(rays, found, strict=True))
 
     def predicted(self, frame: Frame, light: int, traced: bool) -> moderngl.Texture:
-        """All or nothing of a light in blocks whose rays agree; pixel by pixel in the others."""
-        found = frame.tables["found"][light]
-        gl, size = self.device.gl, (frame.view.width, frame.view.height)
-        prediction = PREDICTION.create(gl, size)
-        whole = np.zeros((*found.shape[:2], 2), np.uint8)
-        whole[..., 0] = np.where(found[..., 0], 255, 0)
-        pixels = whole.repeat(BLOCK, 0).repeat(BLOCK, 1)[: size[1], : size[0]]
+        """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""
+        surfaces = {name: frame.targets[target] for name, target in SURFACES.items()}
+        around = self.by_whole_blocks(frame, light, SCOUTS_APART)
+        rays = {"scouted": frame.tables["scouted"][light], "seen": frame.tables["seen"][light], "traced": traced}
+        doubtful = blocks_at(frame.tables["found"][light].all(2))
+        gl = self.device.gl
+        bind(self.scouts, **surfaces, **rays)
+        self.draw_blocks(frame, gl.framebuffer([around]), self.scouts, doubtful, block=BLOCK // SCOUTS_APART)
+        prediction = self.by_whole_blocks(frame, light, 1)
+        bind(self.pixels, **surfaces, around=around)
+        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
+        return prediction
+
+    def by_whole_blocks(self, frame: Frame, light: int, apart: int) -> moderngl.Texture:
+        """For each pixel, or those so far apart, whether any ray about its block arrived, and no doubt in that."""
+        arrived = frame.tables["found"][light][..., 0]
+        width, height = -(-frame.view.width // apart), -(-frame.view.height // apart)
+        whole = np.zeros((*arrived.shape, 2), np.uint8)
+        whole[..., 0] = np.where(arrived, 255, 0)
+        pixels = whole.repeat(BLOCK // apart, 0).repeat(BLOCK // apart, 1)[:height, :width]
+        prediction = PREDICTION.create(self.device.gl, (width, height))
         prediction.write(np.ascontiguousarray(pixels), alignment=1)
-        bind(
-            self.pixels,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            depth=frame.targets["depth"],
-            scouted=frame.tables["scouted"][light],
-            seen=frame.tables["seen"][light],
-            traced=traced,
-        )
-        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, blocks_at(found.all(2)))
         return prediction

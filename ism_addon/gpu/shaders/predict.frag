@@ -1,35 +1,20 @@
-// What part of a light a pixel sees, by the rays of its neighbours on the same surface.
+// What part of a light a pixel sees: between the pixels that scouted, as far as they show the surface that is here.
 #include "lib/surface.glsl"
-
-uniform sampler2D scouted; // by the pixels that scouted: rays that arrived, and rays
-uniform sampler2D seen;    // at full resolution, if there are any yet
-uniform bool traced;
-out vec2 prediction; // part of the light, and whether that is in doubt
-
-const int TAPS = 25;
-
-ivec2 neighbour(ivec2 at, int k, sampler2D of) {
-    return clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), textureSize(of, 0) - 1);
-}
+uniform sampler2D around; // see predict_scouts.frag
+out vec2 prediction;      // part of the light, and whether that is in doubt
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(position, 0);
-    int more = traced ? TAPS : 0;
+    ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(position, 0), last = textureSize(around, 0) - 1;
     Surface here = surface_at(at);
-    vec2 all = vec2(0.0), near = vec2(0.0);
-    for (int k = 0; k < TAPS; ++k) {
-        ivec2 other = neighbour(at / SCOUTS_APART, k, scouted);
-        vec2 found = texelFetch(scouted, other, 0).xy;
-        all += found;
-        near += alike(here, min(SCOUTS_APART * other, size - 1)) * found;
+    vec2 offset = vec2(at % SCOUTS_APART) / float(SCOUTS_APART);
+    float sum = 0.0, weights = 0.0, doubt = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        ivec2 step = ivec2(k & 1, k >> 1), other = min(at / SCOUTS_APART + step, last);
+        vec2 found = texelFetch(around, other, 0).xy, near = mix(1.0 - offset, offset, vec2(step));
+        float weight = near.x * near.y * (alike(here, min(SCOUTS_APART * other, size - 1)) + 1e-4);
+        sum += weight * found.x;
+        weights += weight;
+        doubt = max(doubt, weight > 0.0 ? found.y : 0.0);
     }
-    for (int k = 0; k < more; ++k) {
-        ivec2 other = neighbour(at, k, seen);
-        vec2 found = texelFetch(seen, other, 0).xy;
-        all += found;
-        near += alike(here, other) * found;
-    }
-    bool sure = all.x == 0.0 || all.x == all.y || !here.seen;
-    if (near.y < 1e-3) near = all;
-    prediction = sure ? vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(near.x / near.y, 1.0);
+    prediction = vec2(sum / weights, doubt);
 }
