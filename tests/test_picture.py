@@ -18,7 +18,7 @@ from .studio import draw, with_quality
 #: to 0.015 of the pillars' is the reference itself.
 BOUNDS = {
     "box over plane": (8, {Method.FITTED: 0.007, Method.CLASSIC: 0.03}),
-    "sphere in corner": (7, {Method.FITTED: 0.007, Method.CLASSIC: 0.035}),
+    "sphere in corner": (10, {Method.FITTED: 0.007, Method.CLASSIC: 0.035}),
     "pillar field": (12, {Method.FITTED: 0.033, Method.CLASSIC: 0.10}),
 }
 

@@ -20,6 +20,9 @@ PREDICTION = Target(2, "f1")
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
+#: Pixels along a block among those that scouted.
+SCOUTED_BLOCK = BLOCK // SCOUTS_APART
+
 #: What tells surfaces apart, by the names in the shaders.
 SURFACES = {"position": "position", "normals": "normal", "depth": "depth"}
 
@@ -31,6 +34,7 @@ class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
     reads = ("scouted", "position", "normal", "depth")
+    writes = {"around": Target(2, "f1", divisor=SCOUTS_APART)}  # a light's prediction where scouts were
     makes = ("predictions", "seen", "found")
     depends_on = (Change.SAMPLE,)
 
@@ -48,21 +52,23 @@ class Predict(Pass):
             return
         tables, first = frame.tables, frame.sample == 0
         if first:
-            tables["seen"] = self.unseen(frame)
+            tables["seen"] = self.of_each_light(frame, "seen", SEEN)
+            for texture in tables["seen"].values():
+                self.device.gl.framebuffer([texture]).clear()
             tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
         else:
             for light, found in self.by_blocks(frame, tables["seen"], 1).items():
                 tables["found"][light] |= found
-        tables["predictions"] = {light: self.predicted(frame, light, not first) for light in tables["found"]}
+        tables["predictions"] = self.of_each_light(frame, "predictions", PREDICTION)
+        for light, prediction in tables["predictions"].items():
+            self.predict(frame, light, prediction, not first)
 
-    def unseen(self, frame: Frame) -> dict[int, moderngl.Texture]:
-        """No rays yet; where there were textures of the size, in those."""
-        gl, size, kept = self.device.gl, (frame.view.width, frame.view.height), frame.tables.get("seen", {})
-        fits = {light: seen for light, seen in kept.items() if seen.size == size}
-        seen = {light: fits[light] if light in fits else SEEN.create(gl, size) for light in frame.tables["scouted"]}
-        for texture in seen.values():
-            gl.framebuffer([texture]).clear()
-        return seen
+    def of_each_light(self, frame: Frame, table: str, target: Target) -> dict[int, moderngl.Texture]:
+        """A texture of the picture's size; that which the table has, if it fits."""
+        size, kept = (frame.view.width, frame.view.height), frame.tables.get(table, {})
+        fits = {light: texture for light, texture in kept.items() if texture.size == size}
+        lights = frame.tables["scouted"]
+        return {light: fits[light] if light in fits else target.create(self.device.gl, size) for light in lights}
 
     def by_blocks(self, frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
         """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
@@ -79,27 +85,21 @@ class Predict(Pass):
         found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(rays), rows, columns, 2) > 0
         return dict(zip(rays, found, strict=True))
 
-    def predicted(self, frame: Frame, light: int, traced: bool) -> moderngl.Texture:
+    def predict(self, frame: Frame, light: int, prediction: moderngl.Texture, traced: bool) -> None:
         """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""
+        found = frame.tables["found"][light]
         surfaces = {name: frame.targets[target] for name, target in SURFACES.items()}
-        around = self.by_whole_blocks(frame, light, SCOUTS_APART)
         rays = {"scouted": frame.tables["scouted"][light], "seen": frame.tables["seen"][light], "traced": traced}
-        doubtful = blocks_at(frame.tables["found"][light].all(2))
-        gl = self.device.gl
+        gl, around, doubtful = self.device.gl, frame.targets.into("around"), blocks_at(found.all(2))
+        frame.targets["around"].write(whole_blocks(found[..., 0], SCOUTED_BLOCK, around.size), alignment=1)
         bind(self.scouts, **surfaces, **rays)
-        self.draw_blocks(frame, gl.framebuffer([around]), self.scouts, doubtful, block=BLOCK // SCOUTS_APART)
-        prediction = self.by_whole_blocks(frame, light, 1)
-        bind(self.pixels, **surfaces, around=around)
+        self.draw_blocks(frame, around, self.scouts, doubtful, block=SCOUTED_BLOCK)
+        prediction.write(whole_blocks(found[..., 0], BLOCK, prediction.size), alignment=1)
+        bind(self.pixels, **surfaces, around=frame.targets["around"])
         self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
-        return prediction
 
-    def by_whole_blocks(self, frame: Frame, light: int, apart: int) -> moderngl.Texture:
-        """For each pixel, or those so far apart, whether any ray about its block arrived, and no doubt in that."""
-        arrived = frame.tables["found"][light][..., 0]
-        width, height = -(-frame.view.width // apart), -(-frame.view.height // apart)
-        whole = np.zeros((*arrived.shape, 2), np.uint8)
-        whole[..., 0] = np.where(arrived, 255, 0)
-        pixels = whole.repeat(BLOCK // apart, 0).repeat(BLOCK // apart, 1)[:height, :width]
-        prediction = PREDICTION.create(self.device.gl, (width, height))
-        prediction.write(np.ascontiguousarray(pixels), alignment=1)
-        return prediction
+
+def whole_blocks(arrived: np.ndarray, block: int, size: tuple[int, int]) -> np.ndarray:
+    """(H,W) bool of blocks as pixels of PREDICTION: all of a light or nothing, and no doubt about it."""
+    pixels = np.where(arrived, np.uint16(255), np.uint16(0)).astype("<u2")  # the high byte, doubt, is 0
+    return np.ascontiguousarray(pixels.repeat(block, 1).repeat(block, 0)[: size[1], : size[0]])

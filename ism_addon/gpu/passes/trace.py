@@ -72,7 +72,7 @@ class Trace(Pass):
             targets = [frame.targets["predicted"], frame.targets["correction"]]
             program = self.program(*kind, 0, 1)
             bind(program, **shared)
-            self.draw_blocks(frame, gl.framebuffer(targets), program, shown)
+            self.draw_blocks(frame, gl.framebuffer(targets[:1]), program, shown)
             if casts and len(traced):
                 program = self.program(*kind, 1, len(frame.grid.places))
                 enough = ENOUGH * frame.tables["brightness"]

@@ -10,13 +10,18 @@ uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
 flat in float own_sure;
 layout(location = 0) out vec4 predicted;
+#if RAYS
 layout(location = 1) out vec4 correction;
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
+#endif
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    predicted = correction = vec4(0.0);
+    predicted = vec4(0.0);
+#if RAYS
+    correction = vec4(0.0);
     seen = vec2(0.0);
+#endif
     Receiver here = receiver_at(at);
     if (!here.seen) return;
     Light light = fetch_Light(lights, light_index);
