@@ -57,10 +57,12 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device):
         drawn = draw(device, scene, view, settings, last=sample)
         color, correction = drawn.target("color"), drawn.target("color_correction")
         bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
-        weights = np.concatenate([bright**2, ones, ones if sample else nothing, nothing], 2)
+        corrected = [ones, correction[..., 3:]] if sample else [nothing, nothing]
+        weights = np.concatenate([bright**2, ones, *corrected], 2)
+        squares = (correction[..., :3] @ LUMINANCE)[..., None] ** 2
         sums["sum"] += spread(color, drawn, 1.5)
         sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, 1.5)
-        sums["sum_correction"][..., 3:] += spread(correction[..., 3:], drawn, 1.5, power=2)
+        sums["sum_correction"][..., 3:] += spread(squares, drawn, 1.5, power=2)
         sums["weights"] += spread(weights, drawn, 1.5)
     assert not drawn.part.all(), "no block was left out of the last sample"
     for name, expected in sums.items():

@@ -31,18 +31,21 @@ def test_albedo_times_what_arrives(device, settings, arriving):
 
 
 def test_a_correction_is_sent_as_what_arrives_is(device):
-    """And in its alpha stands the square of its luminance."""
+    """And in its alpha stands the luminance that is in doubt."""
     settings = with_quality(SMALL_SETTINGS, samples=2)
     drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
     drawn.renderer.targets["correction"].write(corrections.astype(np.float32))
+    drawn.renderer.targets["predicted"].write(np.abs(corrections).astype(np.float32))
     frame = drawn.renderer.frame(lit_floor(), look((0.0, -4.0, 3.0)), settings, 1, Profile())
     drawn.renderer.passes[Shade].draw(frame)
     seen = drawn.target("position")[..., 3] > 0.0
     found = drawn.target("color_correction")
-    expected = np.where(seen[..., None], np.array([0.8, 0.4, 0.1]) / np.pi * corrections[..., :3], 0.0)
+    part = np.array([0.8, 0.4, 0.1]) / np.pi
+    expected = np.where(seen[..., None], part * corrections[..., :3], 0.0)
     assert found[..., :3] == pytest.approx(expected, rel=2e-3)
-    assert found[..., 3] == pytest.approx((found[..., :3] @ [0.2126, 0.7152, 0.0722]) ** 2, rel=1e-4, abs=1e-7)
+    doubt = np.where(seen, part @ [0.2126, 0.7152, 0.0722] * np.abs(corrections[..., 3]), 0.0)
+    assert found[..., 3] == pytest.approx(doubt, rel=2e-3)
 
 
 def test_the_world_stands_behind(device):

@@ -9,7 +9,7 @@ flat in vec4 place;
 flat in float own_number;
 layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted luminances
-layout(location = 2) out vec4 weights;        // of squared luminances, of samples, and of corrections
+layout(location = 2) out vec4 weights;        // of squared luminances, samples, corrections, luminances in doubt
 
 // Blackman-Harris at x from its middle (Harris 1978). Without a margin the samples themselves are spread like it.
 float blackman_harris(float x) {
@@ -31,10 +31,11 @@ void main() {
             float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
             from = clamp(from, first, last);
             vec4 sampled = texelFetch(color, from, 0), wrong = CORRECTED == 1 ? texelFetch(correction, from, 0) : vec4(0.0);
-            float bright = luminance(sampled.rgb + wrong.rgb);
+            float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
-            sum_correction += weight * vec4(wrong.rgb, weight * wrong.a);
-            weights += weight * vec4(bright * bright, 1.0, own_number > 0.0 ? 1.0 : 0.0, 0.0);
+            sum_correction += weight * vec4(wrong.rgb, 0.0);
+            sum_correction.a += amount * amount;
+            weights += weight * vec4(bright * bright, 1.0, own_number > 0.0 ? vec2(1.0, wrong.a) : vec2(0.0));
         }
     }
 }

@@ -9,18 +9,23 @@ layout(location = 1) out vec4 stand_out; // squared luminance and variance of th
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
     Surface here = surface_at(at);
-    float all = 0.0, squares = 0.0, own = max(texelFetch(weights, at, 0).z, 1e-30);
+    vec2 mine = texelFetch(weights, at, 0).zw;
+    float all = 0.0, squares = 0.0, in_doubt = 0.0, own = max(mine.x, 1e-30);
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        float like = k == 4 ? 1.0 : alike(here, other), weight = max(texelFetch(weights, other, 0).z, 1e-30);
+        float like = k == 4 ? 1.0 : alike(here, other), weight;
+        vec2 theirs = texelFetch(weights, other, 0).zw;
+        weight = max(theirs.x, 1e-30);
         near += like * texelFetch(sum_correction, other, 0);
         all += like * weight;
+        in_doubt += like * theirs.y;
         squares += like * like * weight * weight;
     }
-    near /= all;
-    vec4 mine = texelFetch(sum_correction, at, 0) / own;
-    float difference = luminance(mine.rgb - near.rgb), mean = luminance(near.rgb), variance = mine.a / own;
+    // A part of what is in doubt, so that the edges of textures stay.
+    near *= in_doubt > 1e-12 * all ? mine.y / (own * in_doubt) : 1.0 / all;
+    vec4 correction = texelFetch(sum_correction, at, 0) / own;
+    float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
     stand_out = vec4(difference * difference, variance * (1.0 - own / all),
                      mean * mean, variance * squares / (all * all));
 }

@@ -10,7 +10,7 @@ uniform sampler2D occlusion;
 uniform vec3 world;
 uniform float background;
 layout(location = 0) out vec4 color;
-layout(location = 1) out vec4 color_correction; // in alpha, the square of its luminance
+layout(location = 1) out vec4 color_correction; // in alpha, the luminance that is in doubt
 
 // Bilinear between the four nearest half-resolution pixels, as far as they show the surface that is here.
 float open_part(ivec2 at, Surface here) {
@@ -31,7 +31,7 @@ float open_part(ivec2 at, Surface here) {
 }
 
 // Of a target that is 1 × 1 where nobody draws it.
-vec3 at_pixel(sampler2D target, ivec2 at) { return texelFetch(target, min(at, textureSize(target, 0) - 1), 0).rgb; }
+vec4 at_pixel(sampler2D target, ivec2 at) { return texelFetch(target, min(at, textureSize(target, 0) - 1), 0); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -44,9 +44,8 @@ void main() {
     // A Lambertian surface sends its albedo's part of what arrives, spread over pi; from a world of one radiance
     // arrives pi times that.
     vec3 part = texelFetch(albedo, at, 0).rgb, sent = part / 3.141592653589793;
-    vec3 arriving = at_pixel(irradiance, at) + at_pixel(predicted, at);
-    color = vec4(sent * arriving + part * world * open_part(at, here), 1.0);
-    color_correction.rgb = sent * at_pixel(correction, at);
-    float bright = luminance(color_correction.rgb);
-    color_correction.a = bright * bright;
+    vec4 expected = at_pixel(predicted, at);
+    color = vec4(sent * (at_pixel(irradiance, at).rgb + expected.rgb) + part * world * open_part(at, here), 1.0);
+    color_correction.rgb = sent * at_pixel(correction, at).rgb;
+    color_correction.a = luminance(sent) * expected.a;
 }

@@ -9,7 +9,7 @@ uniform vec2 shift; // of places on the light
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
 flat in float own_sure;
-layout(location = 0) out vec4 predicted;
+layout(location = 0) out vec4 predicted; // in alpha, the luminance of what is in doubt, if none of it were hidden
 #if RAYS
 layout(location = 1) out vec4 correction;
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
@@ -27,7 +27,7 @@ void main() {
     Light light = fetch_Light(lights, light_index);
     float full = unshadowed_irradiance(light, here.position, here.normal);
     vec2 known = texelFetch(prediction, min(at, textureSize(prediction, 0) - 1), 0).xy;
-    predicted.rgb = light.radiance * full * known.x;
+    predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? luminance(light.radiance) : 0.0);
 #if RAYS
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
     float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.05)) : TRUST;
