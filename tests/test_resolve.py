@@ -80,7 +80,7 @@ def test_in_the_end_all_is_believed(device):
 
 
 def test_the_neighbours_mean_keeps_the_edges_of_textures(device):
-    """A third too much of all that is in doubt, which is much or little from pixel to pixel; noise hides the difference."""
+    """A third too much of all that is in doubt, which changes from pixel to pixel; noise hides the difference."""
     means, doubt = random_picture(), 0.2 + random_picture(1)[..., :1]
     corrections = np.repeat(-0.3 * doubt, 3, 2)
     found = resolved(device, means, corrections, np.full((HEIGHT, WIDTH), 0.15), 5, doubt) - means
