@@ -23,9 +23,6 @@ SEEN = Target(2, "f4")
 #: Pixels along a block among those that scouted.
 SCOUTED_BLOCK = BLOCK // SCOUTS_APART
 
-#: What tells surfaces apart, by the names in the shaders.
-SURFACES = {"position": "position", "normals": "normal", "depth": "depth"}
-
 #: Samples before which predictions are made: as often as the number of rays is four times what it was.
 RENEWED = {0, *(2 * 4**k for k in range(16))}
 
@@ -87,15 +84,16 @@ class Predict(Pass):
 
     def predict(self, frame: Frame, light: int, prediction: moderngl.Texture, traced: bool) -> None:
         """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""
-        found = frame.tables["found"][light]
-        surfaces = {name: frame.targets[target] for name, target in SURFACES.items()}
-        rays = {"scouted": frame.tables["scouted"][light], "seen": frame.tables["seen"][light], "traced": traced}
-        gl, around, doubtful = self.device.gl, frame.targets.into("around"), blocks_at(found.all(2))
-        frame.targets["around"].write(whole_blocks(found[..., 0], SCOUTED_BLOCK, around.size), alignment=1)
+        tables, targets = frame.tables, frame.targets
+        found = tables["found"][light]
+        surfaces = {"position": targets["position"], "normals": targets["normal"], "depth": targets["depth"]}
+        rays = {"scouted": tables["scouted"][light], "seen": tables["seen"][light], "traced": traced}
+        gl, around, doubtful = self.device.gl, targets.into("around"), blocks_at(found.all(2))
+        targets["around"].write(whole_blocks(found[..., 0], SCOUTED_BLOCK, around.size), alignment=1)
         bind(self.scouts, **surfaces, **rays)
         self.draw_blocks(frame, around, self.scouts, doubtful, block=SCOUTED_BLOCK)
         prediction.write(whole_blocks(found[..., 0], BLOCK, prediction.size), alignment=1)
-        bind(self.pixels, **surfaces, around=frame.targets["around"])
+        bind(self.pixels, **surfaces, around=targets["around"])
         self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
 
 

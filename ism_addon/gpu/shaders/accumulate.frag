@@ -33,8 +33,7 @@ void main() {
             vec4 sampled = texelFetch(color, from, 0), wrong = CORRECTED == 1 ? texelFetch(correction, from, 0) : vec4(0.0);
             float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
-            sum_correction += weight * vec4(wrong.rgb, 0.0);
-            sum_correction.a += amount * amount;
+            sum_correction += vec4(weight * wrong.rgb, amount * amount);
             weights += weight * vec4(bright * bright, 1.0, own_number > 0.0 ? vec2(1.0, wrong.a) : vec2(0.0));
         }
     }

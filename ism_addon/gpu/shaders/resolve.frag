@@ -17,7 +17,8 @@ void main() {
     resolved = texelFetch(sum, at, 0) / own.x;
     if (own.y == 0.0) return;
     vec4 found = vec4(0.0);
-    for (int k = 0; k < (own.y == 0.0 ? 0 : 25); ++k)
+    int taps = own.y == 0.0 ? 0 : 25; // for those processors that walk on after "return", but skip empty loops
+    for (int k = 0; k < taps; ++k)
         found += texelFetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), 0);
     found.yw *= pow(max(corrections, 1.0), -EVENNESS);
     vec3 mean = texelFetch(near, at, 0).rgb, difference = texelFetch(sum_correction, at, 0).rgb / own.y - mean;

@@ -14,9 +14,8 @@ void main() {
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        float like = k == 4 ? 1.0 : alike(here, other), weight;
         vec2 theirs = texelFetch(weights, other, 0).zw;
-        weight = max(theirs.x, 1e-30);
+        float like = k == 4 ? 1.0 : alike(here, other), weight = max(theirs.x, 1e-30);
         near += like * texelFetch(sum_correction, other, 0);
         all += like * weight;
         in_doubt += like * theirs.y;
