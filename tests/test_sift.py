@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.sift import LEAST_CHANCE, SAMPLES_FOR_ALL
+from ism_addon.gpu.passes.sift import BESIDE, LEAST_CHANCE, SAMPLES_FOR_ALL
 
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
@@ -62,6 +62,16 @@ def test_the_blocks_that_vary_take_part_most(device):
     assert counted(drawn)[varies].mean() > 1.5 * counted(drawn)[~varies].mean()
     assert counted(drawn)[varies].max() == 64
     assert counted(drawn).min() > SAMPLES_FOR_ALL
+
+
+def test_blocks_beside_busy_ones_are_not_rare(device):
+    """An edge in one column of blocks: those beside it have nothing to find, but count for its pixels."""
+    plate = quad((-50.0, -50.0, 0.0), (50.0, 0.0, 0.0), (0.0, 100.0, 0.0))
+    view = from_above(2.0, (56, 8), filter_width=1.5, transparent=True)
+    counts = counted(draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64)))[0]
+    assert counts[3] == 64
+    assert (counts[[2, 4]] > 0.9 * BESIDE * 64).all()
+    assert (counts[[0, 1, 5, 6]] < 0.5 * BESIDE * 64).all()
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 9), (8, 16), (17, 3), (1, 30)])

@@ -54,6 +54,28 @@ def test_the_mean_is_right_whatever_is_predicted(device, make, part, doubt):
     assert (predicted + corrections).mean() == pytest.approx(truth.mean(), rel=0.01)
 
 
+def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
+    """A lit plate's edge over a floor in the shade, amid pixels: neighbours know of what samples show there."""
+    edge, sun = 0.3 * 4.0 / 32.0, light(position=(2, 0, 5), axis_u=(1e-3, 0, 0), axis_v=(0, -1e-3, 0), radiance=1e6)
+    plate, roof = quad((-10, -10, 1), (10 + edge, 0, 0), (0, 20, 0)), quad((1.117, -10, 3), (20, 0, 0), (0, 20, 0))
+    scene = stage([FLOOR, plate, roof], sun)
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, True, False])))
+    view, settings = from_above(4.0, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=16)
+    renderer, profile = Renderer(device), Profile()
+    for sample in range(16):
+        for name in renderer.sample(scene, view, settings, sample, profile):
+            if name == "Predict":
+                of = np.frombuffer(renderer.targets["foreseen"].read(), "f4").reshape(32, 32, 4)
+                lit = of[..., 2] > of[..., 2].mean()
+                renderer.tables["predictions"][0].write(np.stack([255 * lit, 0 * lit], -1).astype(np.uint8))
+                renderer.tables["found"][0][:] = True
+    predicted, corrections = means(renderer)
+    columns = predicted[:, 0].reshape(32, 32).mean(0)
+    assert columns[14] > 0.0 == columns[19]
+    assert 0.1 * columns[14] < columns[16] < 0.9 * columns[14], "samples of both surfaces"
+    assert not corrections.any()
+
+
 def test_more_samples_come_closer(device):
     scene, view = box_over_plane(24, 16)
     truth, _ = reference.picture(scene, view, 16)

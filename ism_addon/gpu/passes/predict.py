@@ -24,14 +24,17 @@ SEEN = Target(2, "f4")
 SCOUTED_BLOCK = BLOCK // SCOUTS_APART
 
 #: Samples before which predictions are made: as often as the number of rays is four times what it was.
-RENEWED = {0, *(2 * 4**k for k in range(16))}
+RENEWED = {0, *(4**k for k in range(1, 16))}
 
 
 class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
     reads = ("scouted", "position", "normal", "depth")
-    writes = {"around": Target(2, "f1", divisor=SCOUTS_APART)}  # a light's prediction where scouts were
+    writes = {
+        "around": Target(2, "f1", divisor=SCOUTS_APART),  # a light's prediction where scouts were
+        "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
+    }
     makes = ("predictions", "seen", "found")
     depends_on = (Change.SAMPLE,)
 
@@ -56,6 +59,7 @@ class Predict(Pass):
         else:
             for light, found in self.by_blocks(frame, tables["seen"], 1).items():
                 tables["found"][light] |= found
+        self.device.gl.copy_framebuffer(frame.targets.into("foreseen"), frame.targets.into("position"))
         tables["predictions"] = self.of_each_light(frame, "predictions", PREDICTION)
         for light, prediction in tables["predictions"].items():
             self.predict(frame, light, prediction, not first)

@@ -17,14 +17,18 @@ from ..targets import Target
 from . import BLOCK, Frame, Pass, blocks_at
 
 #: Samples that every block takes part in.
-SAMPLES_FOR_ALL = 4
+SAMPLES_FOR_ALL = 2
 
 #: The least chance of a block after them, and the part of the blocks that still take part for sure.
-LEAST_CHANCE = 0.125
+LEAST_CHANCE = 0.06
 FOR_SURE = 0.1
 
+#: The least chance of a block beside another, as a part of the other's: its samples count for that one's pixels too, by
+#: as much more as it takes part less often, and a few that count for many make borders that show.
+BESIDE = 0.25
+
 #: What sums of float32 leave of no noise at all, as a part of the mean luminance.
-ROUNDING = 4e-3
+ROUNDING = 5e-4
 TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -46,7 +50,9 @@ class Sift(Pass):
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
             if frame.fitted and frame.sample >= SAMPLES_FOR_ALL:
-                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), ROUNDING * frame.tables["brightness"], TINY)
+                noise = np.maximum(noise, BESIDE * most_around(noise))
+                rounding = ROUNDING * frame.tables["brightness"] / LEAST_CHANCE
+                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), rounding, TINY)
                 self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0).astype(np.float32)
                 frame.tables["chances"].write(self.chance)
         turn = additive_sequence(frame.sample, 1, 1)[0, 0]
@@ -89,3 +95,9 @@ class Sift(Pass):
         found = np.empty((*self.counts.shape, 2), np.float32)
         frame.targets["noise"].read_into(found)
         return np.sqrt(found[..., 0]), float(found[..., 1].mean())
+
+
+def most_around(values: np.ndarray) -> np.ndarray:
+    """(H,W): the largest of each one and its eight neighbours."""
+    padded = np.pad(values, 1, mode="edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).max((2, 3))

@@ -23,17 +23,17 @@ from . import Frame, Pass
 ENOUGH = 0.2
 
 #: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
-TRUST = 0.0625
-LEAST_CHANCE = 0.2
+TRUST = 0.03
+LEAST_CHANCE = 0.1
 
 #: The chance of a block in which nothing is in doubt.
-SURE_CHANCE = 0.125
+SURE_CHANCE = 0.0625
 
 
 class Trace(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
-    reads = ("blocks", "position", "normal", "albedo", "lights", "casters", "predictions")
+    reads = ("blocks", "position", "normal", "depth", "albedo", "lights", "casters", "predictions", "foreseen")
     writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
     settings = ("shadow.enabled",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
@@ -67,6 +67,8 @@ class Trace(Pass):
                 "triangles": frame.targets["triangle"],
                 "lights": frame.tables["lights"],
                 "light_index": light,
+                "depth": frame.targets["depth"],
+                "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if casts else self.all_seen,
             }
             targets = [frame.targets["predicted"], frame.targets["correction"]]

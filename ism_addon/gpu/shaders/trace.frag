@@ -1,10 +1,13 @@
 // One light on each pixel: what is predicted of it, and perhaps a ray that says how far that is wrong.
+#include "lib/alike.glsl"
 #include "lib/luminance.glsl"
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
 uniform sampler2D lights;
 uniform int light_index;
 uniform sampler2D prediction;
+uniform sampler2D foreseen; // positions and normals of what was predicted
+uniform sampler2D depth;
 uniform vec2 shift; // of places on the light
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
@@ -14,6 +17,24 @@ layout(location = 0) out vec4 predicted; // in alpha, the luminance of what is i
 layout(location = 1) out vec4 correction;
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
 #endif
+
+// A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
+vec2 known_of(Receiver here, ivec2 at) {
+    ivec2 last = textureSize(prediction, 0) - 1;
+    vec2 known = texelFetch(prediction, min(at, last), 0).xy;
+#if RAYS
+    float z = texelFetch(depth, at, 0).x, best = alike(here.position, here.normal, z, texelFetch(foreseen, at, 0));
+    int taps = best > 0.5 ? 0 : 9;
+    for (int k = 0; k < taps; ++k) {
+        ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
+        float like = alike(here.position, here.normal, z, texelFetch(foreseen, other, 0));
+        if (like > best) known = texelFetch(prediction, other, 0).xy;
+        best = max(best, like);
+    }
+    if (best < 0.5) known.y = 1.0;
+#endif
+    return known;
+}
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -26,7 +47,7 @@ void main() {
     if (!here.seen) return;
     Light light = fetch_Light(lights, light_index);
     float full = unshadowed_irradiance(light, here.position, here.normal);
-    vec2 known = texelFetch(prediction, min(at, textureSize(prediction, 0) - 1), 0).xy;
+    vec2 known = known_of(here, at);
     predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? luminance(light.radiance) : 0.0);
 #if RAYS
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
