@@ -42,6 +42,11 @@ def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarra
     return (np.zeros((3, 3)), across + along) if perspective else (across, along)
 
 
+def clip_from_anchor(view: View, anchor: np.ndarray) -> np.ndarray:
+    """(4,4) float64."""
+    return view.clip_from_view @ view_from_anchor(view.view_from_world, anchor)
+
+
 def frame_block(view: View, anchor: np.ndarray) -> np.ndarray:
     """One row of DTYPE."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
@@ -51,7 +56,7 @@ def frame_block(view: View, anchor: np.ndarray) -> np.ndarray:
     origins[0] -= from_anchor[:3, :3].T @ from_anchor[:3, 3]
     directions = directions @ to_anchor
     block = np.zeros((), DTYPE)
-    block["clip_from_anchor"] = (view.clip_from_view @ from_anchor).T.ravel()
+    block["clip_from_anchor"] = clip_from_anchor(view, anchor).T.ravel()
     block["view_from_anchor"] = from_anchor.T.ravel()
     for name, rows in (("ray_origin", origins), ("ray_direction", directions)):
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):

@@ -5,13 +5,15 @@ All meshes lie one behind the other in common arrays, so one triangle number nam
 The G-buffer needs positions alone; normals and texture coordinates are fetched by triangle where it is seen.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
 from ..scene import Image, Instances, Materials, Mesh
+from .cull import in_view, runs
 from .layout import INSTANCE, MATERIAL, WIDTH, octahedron_from_directions, upload_array
 
 SRGB8_ALPHA8 = 0x8C43
@@ -19,7 +21,7 @@ SRGB8_ALPHA8 = 0x8C43
 
 @dataclass(frozen=True)
 class Draw:
-    """The instances of one mesh: one draw call."""
+    """Instances of one mesh: one draw call."""
 
     first_triangle: int
     triangles: int
@@ -35,9 +37,9 @@ class Geometry:
         self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
         # A mesh far from its own origin would lose digits in float32 products: it is moved to its centre.
         self.centres = np.array([centre_of(mesh.positions) for mesh in meshes]).reshape(-1, 3)
-        positions = joined(
-            [(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres, strict=True)], (0, 3), "f4"
-        )
+        centred = [(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres, strict=True)]
+        self.half_sizes = np.array([np.abs(points).max(0, initial=0.0) for points in centred]).reshape(-1, 3)
+        positions = joined(centred, (0, 3), "f4")
         triangles = joined([m.triangles + first for m, first in zip(meshes, vertices[:-1], strict=True)], (0, 3), "u4")
         uvs = [m.uvs if len(m.uvs) else np.zeros((len(m.triangles), 3, 2), np.float32) for m in meshes]
         normals = joined([snorm(mesh.normals) for mesh in meshes], (0, 2), "i2")
@@ -56,7 +58,7 @@ class Geometry:
 
 
 class Placement:
-    """Where the instances stand in anchor space, sorted so that each mesh is one draw."""
+    """Where the instances stand in anchor space, those of a mesh one behind the other."""
 
     def __init__(self, gl: moderngl.Context, geometry: Geometry, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
@@ -67,18 +69,29 @@ class Placement:
         mesh = instances.mesh[order]
         matrices = instances.world_from_object[order]
         offsets = np.einsum("nij,nj->ni", matrices[:, :3, :3], geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
-        rows = np.concatenate([matrices[:, :3, :3], offsets[:, :, None]], 2)
+        self.matrices = np.concatenate([matrices[:, :3, :3], offsets[:, :, None]], 2)
         table = np.zeros(len(order), INSTANCE.dtype)
         for k in range(3):
-            table[f"row{k}"] = rows[:, k]
+            table[f"row{k}"] = self.matrices[:, k]
         self.table = INSTANCE.upload(gl, table)
         self.bytes = table.nbytes
         kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
         spans = np.diff(geometry.first_triangle)
-        self.draws = [
+        self.meshes = [
             Draw(int(geometry.first_triangle[k]), int(spans[k]), int(f), int(c))
             for k, f, c in zip(kinds, first, count, strict=True)
         ]
+        self.half_sizes = geometry.half_sizes[mesh]
+
+    def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[Draw]:
+        """The instances that can be in the picture, or as far beyond it as cull.py says."""
+        clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
+        clip_from_centre[..., 3] += clip_from_anchor[:, 3]
+        seen = in_view(self.half_sizes, clip_from_centre, margin)
+        for mesh in self.meshes:
+            first = mesh.first_instance
+            for start, count in runs(seen[first : first + mesh.instances]):
+                yield replace(mesh, first_instance=first + start, instances=count)
 
 
 class Surfaces:

@@ -9,6 +9,7 @@ store depth, normals and positions likewise.
 import moderngl
 
 from ...scene import Change
+from ..block import clip_from_anchor
 from ..context import Device
 from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
@@ -82,7 +83,9 @@ class GBuffer(Pass):
         mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
         bind(self.triangles, instances=frame.tables["placement"].table, turn=tuple(turn.T.ravel()), shift=tuple(shift))
-        for draw in frame.tables["placement"].draws:
+        a_pixel = 2.0 / min(frame.view.width, frame.view.height)
+        for draw in frame.tables["placement"].draws(clip_from_anchor(frame.view, frame.anchor), a_pixel):
+            frame.counts["triangles_drawn"] += draw.triangles * draw.instances
             bind(self.triangles, first_triangle=draw.first_triangle, first_instance=draw.first_instance)
             mesh.render(
                 moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
