@@ -38,13 +38,14 @@ class Geometry:
         # A mesh far from its own origin would lose digits in float32 products: it is moved to its centre.
         self.centres = np.array([centre_of(mesh.positions) for mesh in meshes]).reshape(-1, 3)
         centred = [(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres, strict=True)]
-        self.half_sizes = np.array([np.abs(points).max(0, initial=0.0) for points in centred]).reshape(-1, 3)
+        self.half_sizes = np.array([points.max(0, initial=0.0) for points in centred]).reshape(-1, 3)
         positions = joined(centred, (0, 3), "f4")
         triangles = joined([m.triangles + first for m, first in zip(meshes, vertices[:-1], strict=True)], (0, 3), "u4")
         uvs = [m.uvs if len(m.uvs) else np.zeros((len(m.triangles), 3, 2), np.float32) for m in meshes]
         normals = joined([snorm(mesh.normals) for mesh in meshes], (0, 2), "i2")
-        self.vertices = gl.buffer(positions) if len(positions) else None
-        self.indices = gl.buffer(triangles) if len(triangles) else None
+        corners, indices = numbered(triangles, len(positions))
+        self.vertices = gl.buffer(positions.take(corners, 0)) if len(triangles) else None
+        self.indices = gl.buffer(indices) if len(triangles) else None
         self.textures = {
             "positions": upload_array(gl, positions, "f4"),
             "triangles": upload_array(gl, triangles, "u4"),
@@ -52,9 +53,8 @@ class Geometry:
             "uvs": upload_array(gl, joined([uv.reshape(-1, 2) for uv in uvs], (0, 2), "f4"), "f4"),
             "materials": upload_array(gl, joined([m.materials[:, None] for m in meshes], (0, 1), "u4"), "u4"),
         }
-        self.bytes = (
-            positions.nbytes * 2 + triangles.nbytes * 2 + normals.nbytes + len(normals) * 8 + len(triangles) * 4
-        )
+        self.bytes = positions.nbytes + 12 * len(corners) + triangles.nbytes * 2 + normals.nbytes
+        self.bytes += 8 * len(normals) + 4 * len(triangles)
 
 
 class Placement:
@@ -113,6 +113,21 @@ class Surfaces:
         texels = joined(blocks, (0, 4), "u1")
         self.texels = upload_array(gl, texels, "f1", internal_format=SRGB8_ALPHA8)
         self.bytes = table.nbytes + texels.nbytes
+
+
+def numbered(triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Copies (N,) of `count` vertices, and triangles (T,3) uint32 of them whose last corners have the numbers of theirs.
+
+    So no shader needs gl_PrimitiveID, for which some drivers copy all corners of all triangles.
+    """
+    last, numbers = triangles[:, 2], np.arange(len(triangles), dtype=np.uint32)
+    copies, alone = np.zeros(count, np.uint32), np.ones(count, bool)
+    copies[last], alone[last] = numbers, False
+    others = np.flatnonzero(alone).astype(np.uint32)
+    copies[others] = np.arange(len(last), len(last) + len(others))
+    indices = copies[triangles]
+    indices[:, 2] = numbers
+    return np.concatenate([last, others]), indices
 
 
 def snorm(normals: np.ndarray) -> np.ndarray:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the camera sees: first which triangle, then its depth, position, normals and albedo.
 
-A visibility buffer (Burns & Hunt 2013): the triangles are drawn with nothing but their positions, so the
-vertex stage handles each vertex once; all else is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3,
-store depth, normals and positions likewise.
+A visibility buffer (Burns & Hunt 2013): the triangles are drawn with nothing but their positions and numbers; all else
+is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3, store depth, normals and positions likewise.
 """
 
 import moderngl
@@ -86,7 +85,7 @@ class GBuffer(Pass):
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         for draw in frame.tables["placement"].draws(clip_from_anchor(frame.view, frame.anchor), a_pixel):
             frame.counts["triangles_drawn"] += draw.triangles * draw.instances
-            bind(self.triangles, first_triangle=draw.first_triangle, first_instance=draw.first_instance)
+            bind(self.triangles, first_instance=draw.first_instance)
             mesh.render(
                 moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
             )

@@ -1,8 +1,7 @@
 // Numbers start at 1: 0 is the background.
-uniform int first_triangle;
-flat in int instance;
+flat in uvec2 numbers;
 out uvec2 id;
 
 void main() {
-    id = uvec2(first_triangle + gl_PrimitiveID + 1, instance);
+    id = numbers;
 }
