@@ -116,7 +116,7 @@ class Surfaces:
 
 
 def numbered(triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Copies (N,) of `count` vertices, and triangles (T,3) uint32 of them whose last corners have the numbers of theirs.
+    """Copies (N,) of `count` vertices, and triangles (T,3) uint32 of them whose last corners bear their numbers.
 
     So no shader needs gl_PrimitiveID, for which some drivers copy all corners of all triangles.
     """
