@@ -51,7 +51,7 @@ void main() {
     predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? luminance(light.radiance) : 0.0);
 #if RAYS
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
-    float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.02)) : TRUST;
+    float doubt = known.y > 0.0 ? sqrt(max(known.x * (1.0 - known.x), 0.05)) : TRUST;
     float chance = own_sure > 0.0 ? own_sure : clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
     // Rays are numbered, so that they go through places that are spread evenly, however rare they are. Pixels close by take
     // turns together: processors work on several at once.
