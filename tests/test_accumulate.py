@@ -52,17 +52,16 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device):
     scene, view = box_over_plane(48, 32)
     view, settings = replace(view, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=12)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
-    ones, nothing = np.ones((32, 48, 1)), np.zeros((32, 48, 1))
+    ones = np.ones((32, 48, 1))
     for sample in range(12):
         drawn = draw(device, scene, view, settings, last=sample)
         color, correction = drawn.target("color"), drawn.target("color_correction")
         bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
-        corrected = [ones, correction[..., 3:]] if sample else [nothing, nothing]
-        weights = np.concatenate([bright**2, ones, *corrected], 2)
-        squares = (correction[..., :3] @ LUMINANCE)[..., None] ** 2
+        amounts = (correction[..., :3] @ LUMINANCE)[..., None]
+        weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:] * (sample > 0)], 2)
         sums["sum"] += spread(color, drawn, 1.5)
         sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, 1.5)
-        sums["sum_correction"][..., 3:] += spread(squares, drawn, 1.5, power=2)
+        sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, 1.5, power=2)
         sums["weights"] += spread(weights, drawn, 1.5)
     assert not drawn.part.all(), "no block was left out of the last sample"
     for name, expected in sums.items():

@@ -14,10 +14,13 @@ WIDTH, HEIGHT = 40, 24
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def resolved(device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count, doubt=1.0) -> np.ndarray:
+def resolved(
+    device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count, doubt=1.0, sizes=None
+) -> np.ndarray:
     """(H,W,3) of the mean prediction and correction of `count` samples (blocks or one), and their mean square (H,W).
 
-    `doubt`, (H,W,1) or one: the luminance that is in doubt.
+    `doubt`, (H,W,1) or one: the luminance that is in doubt. `sizes` (H,W): the mean luminance of corrections without
+    sign, if some have another one than their mean.
     """
     drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=2))
     renderer = drawn.renderer
@@ -28,7 +31,8 @@ def resolved(device, means: np.ndarray, corrections: np.ndarray, squares: np.nda
     renderer.targets["sum"].write(whole.astype(np.float32))
     renderer.targets["sum_correction"].write(parts.astype(np.float32))
     corrected = samples - 1.0  # each counts for its own pixel alone
-    weights = np.concatenate([samples, samples, corrected, doubt * corrected], 2)
+    sizes = np.abs(corrections @ LUMINANCE) if sizes is None else sizes
+    weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
     renderer.targets["weights"].write(weights.astype(np.float32))
     renderer.tables["counts"].write(np.ascontiguousarray(blocks))
     color = drawn.color  # resolved now, for the first time
@@ -54,16 +58,16 @@ def test_a_correction_without_noise_is_believed_whole(device, count):
     assert found == pytest.approx(means + corrections, abs=1e-5)
 
 
-def noisy(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """(H,W,3) and (H,W): mean and mean square of `count` - 1 grey corrections."""
+def noisy(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(H,W,3) and (H,W) twice: of `count` - 1 grey corrections, their mean, mean square and mean without sign."""
     found = np.random.default_rng(2).normal(mean, deviation, (count - 1, HEIGHT, WIDTH))
-    return np.repeat(found.mean(0)[..., None], 3, 2), (found**2).mean(0)
+    return np.repeat(found.mean(0)[..., None], 3, 2), (found**2).mean(0), np.abs(found).mean(0)
 
 
 def test_noise_about_nothing_is_hardly_believed(device):
     for count in (2, 4, 16):
-        corrections, squares = noisy(count, 0.0)
-        left = resolved(device, random_picture(), corrections, squares, count) - random_picture()
+        corrections, squares, sizes = noisy(count, 0.0)
+        left = resolved(device, random_picture(), corrections, squares, count, sizes=sizes) - random_picture()
         believed = 1.0 - count**-EVENNESS
         assert np.sqrt((left**2).mean()) < (believed + 0.15) * np.sqrt((corrections**2).mean())
 
@@ -72,11 +76,22 @@ def test_in_the_end_all_is_believed(device):
     """However small it is against the noise of a sample."""
     off = []
     for count in (4, 64, 4096):
-        corrections, squares = noisy(count, 0.3)
-        left = resolved(device, random_picture(), corrections, squares, count) - random_picture() - corrections
+        corrections, squares, sizes = noisy(count, 0.3)
+        found = resolved(device, random_picture(), corrections, squares, count, sizes=sizes)
+        left = found - random_picture() - corrections
         off.append(np.sqrt((left**2).mean()) / 0.3)
     assert off[1] < 0.5 * off[0]
     assert off[2] < 0.01
+
+
+@pytest.mark.parametrize("count", [4, 64])
+def test_a_single_ray_is_not_believed_however_many_samples_had_none(device, count):
+    """One pixel in a hundred has one ray that says: all of it is wrong."""
+    rare = (np.random.default_rng(4).random((HEIGHT, WIDTH)) < 0.01).astype(float)
+    corrections = np.repeat(-rare[..., None], 3, 2)
+    found = resolved(device, np.ones((HEIGHT, WIDTH, 3)), corrections, (count - 1) * rare, count)
+    assert rare.any()
+    assert found.min() > 0.9
 
 
 def test_the_neighbours_mean_keeps_the_edges_of_textures(device):

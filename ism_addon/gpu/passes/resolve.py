@@ -13,7 +13,7 @@ from ..program import bind
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
-#: Places that are spread evenly make less noise than chance would, by this power of their number; as measured.
+#: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
 EVENNESS = 0.35
 
 
@@ -26,8 +26,8 @@ class Resolve(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.near = self.full_screen(part="near")
-        self.pixels = self.full_screen(block=BLOCK, evenness=EVENNESS)
+        self.near = self.full_screen(part="near", block=BLOCK, evenness=EVENNESS)
+        self.pixels = self.full_screen(block=BLOCK)
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
@@ -55,5 +55,6 @@ class Resolve(Pass):
             depth=frame.targets["depth"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
+            counts=frame.tables["counts"],
         )
         self.near.render(moderngl.TRIANGLES, vertices=3)

@@ -9,7 +9,7 @@ flat in vec4 place;
 flat in float own_number;
 layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted luminances
-layout(location = 2) out vec4 weights;        // of squared luminances, samples, corrections, luminances in doubt
+layout(location = 2) out vec4 weights;        // of squared luminances, samples, corrections without sign, luminances in doubt
 
 // Blackman-Harris at x from its middle (Harris 1978). Without a margin the samples themselves are spread like it.
 float blackman_harris(float x) {
@@ -34,7 +34,7 @@ void main() {
             float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
             sum_correction += vec4(weight * wrong.rgb, amount * amount);
-            weights += weight * vec4(bright * bright, 1.0, own_number > 0.0 ? vec2(1.0, wrong.a) : vec2(0.0));
+            weights += weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), own_number > 0.0 ? wrong.a : 0.0);
         }
     }
 }

@@ -12,15 +12,14 @@ float believed(float square, float noise) { return square > 0.0 ? max(1.0 - nois
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
-    vec2 own = texelFetch(weights, at, 0).yz;
-    float corrections = texelFetch(counts, at / BLOCK, 0).x - 1.0; // all samples but the first were corrected
-    resolved = texelFetch(sum, at, 0) / own.x;
-    if (own.y == 0.0) return;
+    float count = texelFetch(counts, at / BLOCK, 0).x, own = texelFetch(weights, at, 0).y;
+    resolved = texelFetch(sum, at, 0) / own;
+    if (count == 1.0) return;
+    own *= (count - 1.0) / count;
     vec4 found = vec4(0.0);
-    int taps = own.y == 0.0 ? 0 : 25; // for those processors that walk on after "return", but skip empty loops
+    int taps = count == 1.0 ? 0 : 25; // for those processors that walk on after "return", but skip empty loops
     for (int k = 0; k < taps; ++k)
         found += texelFetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), 0);
-    found.yw *= pow(max(corrections, 1.0), -EVENNESS);
-    vec3 mean = texelFetch(near, at, 0).rgb, difference = texelFetch(sum_correction, at, 0).rgb / own.y - mean;
+    vec3 mean = texelFetch(near, at, 0).rgb, difference = texelFetch(sum_correction, at, 0).rgb / own - mean;
     resolved.rgb += believed(found.z, found.w) * mean + believed(found.x, found.y) * difference;
 }

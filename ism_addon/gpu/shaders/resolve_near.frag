@@ -3,28 +3,37 @@
 #include "lib/surface.glsl"
 uniform sampler2D sum_correction; // in alpha, the squares of their weighted luminances
 uniform sampler2D weights;
+uniform sampler2D counts;
 layout(location = 0) out vec4 near;      // mean of the corrections
 layout(location = 1) out vec4 stand_out; // squared luminance and variance of the own one's difference, and of the mean
+
+// Of the corrections: all samples but the first have one.
+float corrected(ivec2 at, float weight) {
+    float count = texelFetch(counts, at / BLOCK, 0).x;
+    return max(weight * (count - 1.0) / count, 1e-30);
+}
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
     Surface here = surface_at(at);
-    vec2 mine = texelFetch(weights, at, 0).zw;
-    float all = 0.0, squares = 0.0, in_doubt = 0.0, own = max(mine.x, 1e-30);
+    vec4 mine = texelFetch(weights, at, 0);
+    float all = 0.0, squares = 0.0, in_doubt = 0.0, own = corrected(at, mine.y);
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        vec2 theirs = texelFetch(weights, other, 0).zw;
-        float like = k == 4 ? 1.0 : alike(here, other), weight = max(theirs.x, 1e-30);
+        vec2 theirs = texelFetch(weights, other, 0).yw;
+        float like = k == 4 ? 1.0 : alike(here, other), weight = corrected(other, theirs.x);
         near += like * texelFetch(sum_correction, other, 0);
         all += like * weight;
         in_doubt += like * theirs.y;
         squares += like * like * weight * weight;
     }
     // A part of what is in doubt, so that the edges of textures stay.
-    near *= in_doubt > 1e-12 * all ? mine.y / (own * in_doubt) : 1.0 / all;
+    near *= in_doubt > 1e-12 * all ? mine.w / (own * in_doubt) : 1.0 / all;
     vec4 correction = texelFetch(sum_correction, at, 0) / own;
     float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
+    // As many alike would have this size and these squares: one that stands for many samples is still one.
+    variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-30), 1.0), -EVENNESS);
     stand_out = vec4(difference * difference, variance * (1.0 - own / all),
                      mean * mean, variance * squares / (all * all));
 }
