@@ -1,7 +1,6 @@
 // Composition in linear light.
-#include "lib/half.glsl"
+#include "lib/between.glsl"
 #include "lib/luminance.glsl"
-#include "lib/surface.glsl"
 uniform sampler2D albedo;
 uniform sampler2D irradiance; // by shadow maps
 uniform sampler2D predicted;  // or by rays
@@ -12,20 +11,15 @@ uniform float background;
 layout(location = 0) out vec4 color;
 layout(location = 1) out vec4 color_correction; // in alpha, the luminance that is in doubt
 
-// Bilinear between the four nearest half-resolution pixels, as far as they show the surface that is here.
+// Of the world's light. Occlusion is at half resolution.
 float open_part(ivec2 at, Surface here) {
-    ivec2 size = textureSize(occlusion, 0), full_size = textureSize(position, 0);
+    ivec2 size = textureSize(occlusion, 0);
     if (size == ivec2(1)) return texelFetch(occlusion, ivec2(0), 0).x;
-    ivec2 low = at / 2;
-    vec2 f = 0.5 * vec2(at & 1);
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
-        ivec2 step = ivec2(k & 1, k >> 1);
-        ivec2 neighbour = min(low + step, size - 1);
-        vec2 near = mix(1.0 - f, f, vec2(step));
-        float weight = near.x * near.y * (alike(here, full_from_half(neighbour, full_size)) + 1e-4);
-        sum += weight * texelFetch(occlusion, neighbour, 0).x;
-        weights += weight;
+        Neighbour other = neighbour(k, at, here, 2, size);
+        sum += other.weight * texelFetch(occlusion, other.at, 0).x;
+        weights += other.weight;
     }
     return sum / weights;
 }

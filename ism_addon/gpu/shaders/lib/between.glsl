@@ -1,0 +1,13 @@
+// Between the pixels of a coarser target, as far as they show the surface that is here.
+#include "lib/surface.glsl"
+
+struct Neighbour { ivec2 at; float weight; };
+
+// One of the four nearest in a target of `size` that has a pixel for every `apart` ones along either side: bilinear.
+Neighbour neighbour(int k, ivec2 at, Surface here, int apart, ivec2 size) {
+    vec2 offset = vec2(at % apart) / float(apart);
+    ivec2 step = ivec2(k & 1, k >> 1), other = min(at / apart + step, size - 1);
+    vec2 near = mix(1.0 - offset, offset, vec2(step));
+    ivec2 stands_for = min(apart * other, textureSize(position, 0) - 1);
+    return Neighbour(other, near.x * near.y * (alike(here, stands_for) + 1e-4));
+}
