@@ -4,7 +4,7 @@
 uniform sampler2D sum_correction; // in alpha, the squares of their weighted luminances
 uniform sampler2D weights;
 uniform sampler2D counts;
-layout(location = 0) out vec4 near;      // mean of the corrections
+layout(location = 0) out vec4 near;      // mean of the corrections; in alpha, the weight of the own ones
 layout(location = 1) out vec4 stand_out; // squared luminance and variance of the own one's difference, and of the mean
 
 // Of the corrections: all samples but the first have one.
@@ -34,6 +34,7 @@ void main() {
     float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
     // As many alike would have this size and these squares: one that stands for many samples is still one.
     variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-30), 1.0), -EVENNESS);
+    near.a = own;
     stand_out = vec4(difference * difference, variance * (1.0 - own / all),
                      mean * mean, variance * squares / (all * all));
 }
