@@ -124,6 +124,12 @@ STEP = 3045
 #: How fine pixels lie to pixels, by the number of places that share a grid: the lattice's shortest steps are its own.
 GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 
+#: Steps of a ray's place on its light, from a pixel's ray to its next one, and from pixel to pixel in the order of
+#: place_of_pixel in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
+#: pixel, which say how much a ray counts, and over neighbours: found by search among half-seen lights, see the tests.
+RAY_STEPS = (0.7311, 0.5920)
+PIXEL_STEPS = (0.5622, 0.7520)
+
 
 def van_der_corput(numbers: np.ndarray) -> np.ndarray:
     """Members (N,) of the sequence in [0,1): binary digits the other way round."""

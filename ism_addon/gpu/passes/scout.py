@@ -4,7 +4,7 @@
 import moderngl
 import numpy as np
 
-from ...sampling import additive_sequence
+from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT
@@ -46,6 +46,7 @@ class Scout(Pass):
                 triangles=frame.targets["triangle"],
                 lights=frame.tables["lights"],
                 light_index=light,
+                pixel_steps=PIXEL_STEPS,
                 place=tuple(place),
                 **frame.tables["casters"],
             )

@@ -11,7 +11,7 @@ to how much they may change the picture, and weigh more the rarer they are.
 import moderngl
 import numpy as np
 
-from ...sampling import additive_sequence
+from ...sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence
 from ...scene import Change, LightShape
 from ..context import Device
 from ..layout import CASTER, LIGHT
@@ -67,6 +67,7 @@ class Trace(Pass):
                 "triangles": frame.targets["triangle"],
                 "lights": frame.tables["lights"],
                 "light_index": light,
+                "pixel_steps": PIXEL_STEPS,
                 "depth": frame.targets["depth"],
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if casts else self.all_seen,
@@ -78,7 +79,7 @@ class Trace(Pass):
             if casts and len(traced):
                 program = self.program(*kind, 1, len(frame.grid.places))
                 enough = ENOUGH * frame.tables["brightness"]
-                bind(program, **shared, shift=tuple(shift[:2]), enough=enough, **frame.tables["casters"])
+                bind(program, **shared, shift=tuple(shift[:2]), ray_steps=RAY_STEPS, enough=enough, **frame.tables["casters"])
                 self.draw_blocks(frame, gl.framebuffer([*targets, frame.tables["seen"][light]]), program, traced)
 
     def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:

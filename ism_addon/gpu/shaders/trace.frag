@@ -9,6 +9,7 @@ uniform sampler2D prediction;
 uniform sampler2D foreseen; // positions and normals of what was predicted
 uniform sampler2D depth;
 uniform vec2 shift; // of places on the light
+uniform vec2 ray_steps;
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
 flat in float own_sure;
@@ -55,12 +56,13 @@ void main() {
     float chance = own_sure > 0.0 ? own_sure : clamp(bright * doubt / enough, LEAST_CHANCE, 1.0);
     // Rays are numbered, so that they go through places that are spread evenly, however rare they are. Pixels close by take
     // turns together: processors work on several at once.
-    float phase = place_of_pixel(at / 4, vec2(0.0)).x, number = floor(own_number * chance + phase);
+    float phase = place_of_pixel(at / 4, vec2(0.0)).x;
     // After each round of the places in the pixel at another time, or rays would only ever start at some of them.
-    phase += floor(own_number / float(PLACES_IN_PIXEL)) * ADDITIVE.x;
-    bool turn = floor((own_number + 1.0) * chance + phase) > floor(own_number * chance + phase);
+    if (chance < 1.0) phase += floor(own_number / float(PLACES_IN_PIXEL)) * ray_steps.x;
+    float number = floor(own_number * chance + phase);
+    bool turn = floor((own_number + 1.0) * chance + phase) > number;
     if (full <= 0.0 || !(turn || own_sure > 0.0)) return;
-    vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ADDITIVE));
+    vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
     seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);

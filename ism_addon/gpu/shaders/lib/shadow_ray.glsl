@@ -6,19 +6,17 @@
 // Cosine to a triangle below which the curved surface counts that it stands for: Cycles' default.
 const float GRAZING = 0.1;
 
-// Steps of the additive sequence of two dimensions (Roberts 2018). Samples go along it by steps of its own, pixels by steps
-// with the axes exchanged, so that no two do what others did before.
-const vec2 ADDITIVE = vec2(0.7548776662, 0.5698402910);
+uniform vec2 pixel_steps; // see sampling.py
 
-// The place for one pixel: neighbours in blocks of 2, 4, 8 and 16 pixels have neighbouring members of an additive
-// sequence (in the order of Ahmed & Wonka 2020), so what they find on average is found by all of the light.
+// The place for one pixel: neighbours in blocks of 2, 4, 8 and 16 pixels have neighbouring members of a sequence (in the
+// order of Ahmed & Wonka 2020), so what they find on average is found by all of the light.
 vec2 place_of_pixel(ivec2 at, vec2 place) {
     uvec2 bits = uvec2(at) & 63u;
     bits = (bits | (bits << 4)) & 0x30fu; // six bits of each, interleaved
     bits = (bits | (bits << 2)) & 0x333u;
     bits = (bits | (bits << 1)) & 0x555u;
     float member = float(bits.x | (bits.y << 1));
-    return fract(place + member * ADDITIVE.yx);
+    return fract(place + member * pixel_steps);
 }
 
 // The point of the light, from its position, that a place of the unit square stands for: equal areas.
