@@ -27,15 +27,17 @@ class Resolve(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.near = self.full_screen(part="near", block=BLOCK, evenness=EVENNESS)
-        self.pixels = self.full_screen(block=BLOCK)
+        self.pixels = [self.full_screen(block=BLOCK, corrected=corrected) for corrected in (0, 1)]
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        if frame.sample > 0:  # the first one has no corrections
+        corrected = frame.sample > 0  # the first one has no corrections
+        if corrected:
             self.look_around(frame)
+        pixels = self.pixels[corrected]
         frame.targets.into("resolved").use()
         bind(
-            self.pixels.program,
+            pixels.program,
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
@@ -43,7 +45,7 @@ class Resolve(Pass):
             near=frame.targets["near"],
             stand_out=frame.targets["stand_out"],
         )
-        self.pixels.render(moderngl.TRIANGLES, vertices=3)
+        pixels.render(moderngl.TRIANGLES, vertices=3)
 
     def look_around(self, frame: Frame) -> None:
         """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""

@@ -12,14 +12,15 @@ float believed(float square, float noise) { return square > 0.0 ? max(1.0 - nois
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
-    bool corrected = texelFetch(counts, at / BLOCK, 0).x > 1.0;
     resolved = texelFetch(sum, at, 0) / texelFetch(weights, at, 0).y;
-    if (!corrected) return;
+#if CORRECTED
+    // For those processors that walk through both sides of every "if", but skip empty loops.
+    int taps = texelFetch(counts, at / BLOCK, 0).x > 1.0 ? 25 : 0;
     vec4 found = vec4(0.0);
-    int taps = corrected ? 25 : 0; // for those processors that walk on after "return", but skip empty loops
     for (int k = 0; k < taps; ++k)
         found += texelFetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), 0);
     vec4 mean = texelFetch(near, at, 0);
     vec3 difference = texelFetch(sum_correction, at, 0).rgb / mean.a - mean.rgb;
-    resolved.rgb += believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
+    if (taps > 0) resolved.rgb += believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
+#endif
 }
