@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-#: Shortest time between two pictures that are read back while samples remain. s
-PICTURE_INTERVAL = 0.1
+#: The part of the time that pictures may take which are only shown until there is a better one.
+SHOWING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +232,8 @@ class Studio:
 def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile = job.request, Profile()
-    start = shown = time.perf_counter()
+    start = time.perf_counter()
+    next_picture = start
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
     for sample in range(job.samples):
         for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
@@ -242,9 +243,10 @@ def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
             surfaces = renderer.depth_and_normal()
         job.samples_done = sample + 1
         job.statistics = profile.statistics(request.scene, sample + 1, now - start)
-        if sample == 0 or sample + 1 == job.samples or now - shown > PICTURE_INTERVAL:
+        if sample + 1 == job.samples or now >= next_picture:
             job._picture = Picture(renderer.picture(), *surfaces, sample + 1)
-            shown = now
+            shown = time.perf_counter()
+            next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
         job.tell()
         yield
 
