@@ -16,17 +16,21 @@ from . import BLOCK, Frame, Pass
 #: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
 EVENNESS = 0.35
 
+#: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where surfaces
+#: meet, that tells more than the newest sample's positions and normals do.
+STRICTNESS = 20.0
+
 
 class Resolve(Pass):
     """The sums as one picture."""
 
-    reads = ("sum", "sum_correction", "weights", "counts", "position", "normal", "depth")
+    reads = ("sum", "sum_correction", "weights", "counts")
     writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.near = self.full_screen(part="near", block=BLOCK, evenness=EVENNESS)
+        self.near = self.full_screen(part="near", block=BLOCK, evenness=EVENNESS, strictness=STRICTNESS)
         self.pixels = [self.full_screen(block=BLOCK, corrected=corrected) for corrected in (0, 1)]
 
     def draw(self, frame: Frame) -> None:
@@ -52,9 +56,7 @@ class Resolve(Pass):
         frame.targets.into("near", "stand_out").use()
         bind(
             self.near.program,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            depth=frame.targets["depth"],
+            sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
             counts=frame.tables["counts"],

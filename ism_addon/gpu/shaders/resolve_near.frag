@@ -1,6 +1,6 @@
-// Corrections as their neighbours on the same surface have them, and how both stand to their noise.
+// Corrections as neighbours that look alike have them, and how both stand to their noise.
 #include "lib/luminance.glsl"
-#include "lib/surface.glsl"
+uniform sampler2D sum; // as predicted
 uniform sampler2D sum_correction; // in alpha, the squares of their weighted luminances
 uniform sampler2D weights;
 uniform sampler2D counts;
@@ -13,16 +13,23 @@ float corrected(ivec2 at, float weight) {
     return max(weight * (count - 1.0) / count, 1e-30);
 }
 
+// Of two luminances: 1 where they are one, little where one is twice the other.
+float alike(float a, float b) {
+    float apart = (a - b) / max(a + b, 1e-30), square = 1.0 + STRICTNESS * apart * apart;
+    return 1.0 / (square * square);
+}
+
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
-    Surface here = surface_at(at);
     vec4 mine = texelFetch(weights, at, 0);
+    float bright = luminance(texelFetch(sum, at, 0).rgb) / mine.y;
     float all = 0.0, squares = 0.0, in_doubt = 0.0, own = corrected(at, mine.y);
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
         vec2 theirs = texelFetch(weights, other, 0).yw;
-        float like = k == 4 ? 1.0 : alike(here, other), weight = corrected(other, theirs.x);
+        float like = alike(bright, luminance(texelFetch(sum, other, 0).rgb) / theirs.x);
+        float weight = corrected(other, theirs.x);
         near += like * texelFetch(sum_correction, other, 0);
         all += like * weight;
         in_doubt += like * theirs.y;
