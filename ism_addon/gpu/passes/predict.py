@@ -23,8 +23,8 @@ SEEN = Target(2, "f4")
 #: Pixels along a block among those that scouted.
 SCOUTED_BLOCK = BLOCK // SCOUTS_APART
 
-#: Samples before which predictions are made: as often as the number of rays is four times what it was.
-RENEWED = {0, *(4**k for k in range(1, 16))}
+#: Samples before which predictions are made: when there are a few rays, and as often as their number has doubled since.
+RENEWED = {0, 4, *(2**k for k in range(4, 32))}
 
 
 class Predict(Pass):

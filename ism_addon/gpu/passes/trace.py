@@ -92,6 +92,8 @@ class Trace(Pass):
             return blocks[:0], blocks[seen]
         columns, rows = frame.blocks
         phase = additive_sequence(0, columns * rows, 1)[row * columns + column, 0] + shift
+        # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
+        phase += blocks["number"] // len(frame.grid.places) * RAY_STEPS[0]
         turn = (blocks["number"] + 1.0) * SURE_CHANCE + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - SURE_CHANCE))
         blocks["sure"] = np.where(doubtful, 0.0, SURE_CHANCE)
