@@ -12,7 +12,7 @@ SIZE, REACH = 16, 1.5
 
 
 def order_of_pixels() -> np.ndarray:
-    """(SIZE,SIZE) each pixel's member of the sequence: the bits of its column and row in turn, as place_of_pixel has it."""
+    """(SIZE,SIZE) each pixel's member of the sequence: the bits of its column and row in turn, see place_of_pixel."""
     bits = (np.arange(SIZE)[:, None] >> np.arange(4)) & 1
     return (bits @ 4 ** np.arange(4))[None] + 2 * (bits @ 4 ** np.arange(4))[:, None]
 
@@ -45,7 +45,7 @@ def errors(ray_steps, pixel_steps, samples: int) -> tuple[float, float]:
 
 
 def test_rays_are_even_together_with_the_places_in_the_pixel():
-    """The additive sequence of two dimensions (Roberts 2018), which is even by itself, leaves half as much error again."""
+    """The additive sequence of two dimensions (Roberts 2018), which is even by itself, leaves half as much again."""
     steps = np.diff(additive_sequence(0, 2, 2), axis=0)[0] % 1.0
     for samples in (16, 32, 64):
         ours, theirs = errors(RAY_STEPS, PIXEL_STEPS, samples), errors(steps, steps[::-1], samples)

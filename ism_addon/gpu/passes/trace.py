@@ -79,7 +79,8 @@ class Trace(Pass):
             if casts and len(traced):
                 program = self.program(*kind, 1, len(frame.grid.places))
                 enough = ENOUGH * frame.tables["brightness"]
-                bind(program, **shared, shift=tuple(shift[:2]), ray_steps=RAY_STEPS, enough=enough, **frame.tables["casters"])
+                places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
+                bind(program, **shared, **places, enough=enough, **frame.tables["casters"])
                 self.draw_blocks(frame, gl.framebuffer([*targets, frame.tables["seen"][light]]), program, traced)
 
     def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
