@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.passes.trace import Trace
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import LightShape
@@ -52,6 +53,25 @@ def test_the_mean_is_right_whatever_is_predicted(device, make, part, doubt):
     # Wrong and undoubted predictions are corrected by rarer rays.
     assert reference.nrmse(predicted + corrections, truth) < (0.03 if doubt else 0.08)
     assert (predicted + corrections).mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+def test_a_block_without_doubt_has_one_ray_a_round_and_in_time_at_every_place_in_the_pixel(device):
+    renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
+    scene, view = box_over_plane(24, 16)
+    for sample in range(2):
+        list(renderer.sample(scene, replace(view, filter_width=1.5), settings, sample, Profile()))
+    frame, _ = renderer.last
+    blocks, places = frame.tables["blocks"], len(frame.grid.places)
+    frame.tables["found"][0][:] = True, False
+    turns = np.zeros((64 * places, len(blocks)), int)
+    for number, turn in enumerate(turns):
+        blocks["number"] = number
+        traced, _ = renderer.passes[Trace].chosen(frame, 0, 0.3)
+        turn += (blocks["block"][:, None] == traced["block"]).all(2).any(1)
+    rounds = turns.reshape(64, places, len(blocks))
+    assert places == 16
+    assert (rounds.sum(1) == 1).all()
+    assert rounds.any(0).all()
 
 
 def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
