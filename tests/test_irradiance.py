@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ism_addon.gpu.layout import LIGHT
 from ism_addon.gpu.passes.light_points import light_tables
-from ism_addon.gpu.program import FOLDER, expand
+from ism_addon.gpu.program import FOLDER, expand, head
 from ism_addon.radiometry import MIN_SPREAD
 from ism_addon.scene import Lights, LightShape
 
@@ -34,10 +34,10 @@ void main() {
 def shader(opened_device):
     """shader(lights, points (N,3), normals (N,3)): (N,) irradiance by the first light, of radiance 1; N ≤ RECEIVERS."""
     with opened_device.gl as gl:
-        head = "#version 410 core\n#define WIDTH 4096\n"
+        begin = head((LIGHT,), {})
         program = gl.program(
-            head + (FOLDER / "full_screen.vert").read_text(),
-            fragment_shader=head + LIGHT.glsl() + expand(FOLDER / "lib/spread.glsl", []) + MAIN,
+            begin + (FOLDER / "full_screen.vert").read_text(),
+            fragment_shader=begin + expand(FOLDER / "lib/spread.glsl", []) + MAIN,
         )
         triangle = gl.vertex_array(program, [])
         target = gl.texture((RECEIVERS, 1), 4, dtype="f4")

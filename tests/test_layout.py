@@ -13,7 +13,7 @@ from ism_addon.gpu.layout import (
     octahedron_from_directions,
     upload_array,
 )
-from ism_addon.gpu.program import FOLDER
+from ism_addon.gpu.program import FOLDER, head
 
 ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4")
 
@@ -21,7 +21,7 @@ ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="ve
 def run(device, declarations: str, expression: str, count: int, uniforms: dict) -> np.ndarray:
     """(count,4) of an expression in `row`, by transform feedback."""
     program = device.gl.program(
-        vertex_shader=f"#version 410 core\n#define WIDTH {WIDTH}\n{declarations}\nout vec4 told;\n"
+        vertex_shader=f"{head((), {})}{declarations}\nout vec4 told;\n"
         f"void main() {{ int row = gl_VertexID; told = {expression}; }}",
         varyings=["told"],
     )

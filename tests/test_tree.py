@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, Tree, build
+from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
@@ -54,7 +54,7 @@ def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> 
 
 
 def check_packed(tree: Tree) -> None:
-    """As bytes, boxes are around those they stand for, and no more than a unit wider; those of nothing hold nothing."""
+    """As bytes, boxes are around those they stand for and the slack, and no more than a unit wider; or hold nothing."""
     rows = tree.packed()
     assert rows.dtype.itemsize == 32
     assert len(rows) == tree.leaves // 2
@@ -67,8 +67,8 @@ def check_packed(tree: Tree) -> None:
         true_low, true_high = (tree.steps(inside[:, :, k]) / PLANE for k in (0, 1))
         around = tree.steps(tree.nodes[1 : len(rows)]) / PLANE
     for packed_too_far in (true_low - low, high - true_high):
-        assert (packed_too_far >= 0.0)[~nothing].all()
-        assert (packed_too_far < unit + 1.0)[~nothing].all()
+        assert (packed_too_far >= (SLACK - 2.0) / PLANE)[~nothing].all()
+        assert (packed_too_far < unit + 1.0 + SLACK / PLANE)[~nothing].all()
     extent = (around[:, 1] - around[:, 0])[:, None]
     assert (unit <= np.maximum(1.0, (extent + 2.0) / 127.5))[~nothing.all(1)].all()
 
@@ -94,14 +94,32 @@ def test_any_boxes(count, most_per_leaf, seed, size, scale):
     check(build(low, high, most_per_leaf), low, high, most_per_leaf)
 
 
-def test_what_is_at_the_end_of_the_grid_is_there_exactly():
-    """The floor and the ceiling of a room, as bytes: no thicker than they are, so no ray starts within them."""
-    walls = np.array([[-1, -1, -1, 1, 1, -1], [-1, -1, 1, 1, 1, 1], [-1, -1, -1, -1, 1, 1], [1, -1, -1, 1, 1, 1]])
-    low, high = np.split((walls * (0.3, 5.1, 7.7, 0.3, 5.1, 7.7)).astype(np.float32), 2, 1)
-    row = build(low, high, 1).packed()[1]
-    flat = row["low"] == row["high"]
-    assert flat.sum(1).tolist() == [2, 0, 2]
-    assert sorted(row["low"][flat]) == [0, 0, 255, 255]
+def test_the_slack_is_more_than_rays_err():
+    """Where a ray passes a plane, in the shader's order of float32, as far off as that moves the plane."""
+    random = np.random.default_rng(0)
+    count = 1_000_000
+    origin = random.uniform(-2.0 * REACH, 2.0 * REACH, count).astype(np.float32)
+    origin[::2] /= np.float32(2.0) ** random.integers(0, 24, count // 2)
+    inverse_ray = (random.choice([-1.0, 1.0], count) / random.uniform(1.0, REACH, count)).astype(np.float32)
+    power, byte = random.integers(0, 9, count), random.integers(0, 256, count)
+    begin = random.integers(-(2**15) + 128, 2**15, count) * PLANE
+    unit = (PLANE << power).astype(np.float32)
+    passes = byte.astype(np.float32) * (unit * inverse_ray) + (begin.astype(np.float32) - origin) * inverse_ray
+    assert passes.dtype == np.float32
+    plane = begin + byte * unit.astype(np.float64)
+    near = np.abs(plane) <= REACH + PLANE
+    off = np.abs(passes / inverse_ray.astype(np.float64) + origin.astype(np.float64) - plane)[near]
+    assert near.mean() > 0.3
+    assert SLACK / 8.0 < off.max() < SLACK / 2.0
+
+
+def test_the_outermost_boxes_end_in_the_last_planes():
+    """A room: its walls take all of a byte, and coordinates with the slack all of the grid."""
+    low, high = (np.full((1, 3), corner, np.float32) for corner in (-5.1, 5.1))
+    row = build(np.repeat(low, 5, 0), np.repeat(high, 5, 0), 1).packed()[1]
+    assert row["begin"].tolist() == [-255 * 128] * 3
+    assert row["unit"] == 8 * (1 + 16 + 256)
+    assert row["low"].max(1).tolist() == [255] * 3 and row["low"].min(1).tolist() == [0] * 3
 
 
 def test_the_same_boxes_make_the_same_tree():

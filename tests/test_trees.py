@@ -11,7 +11,7 @@ from ism_addon.gpu.layout import CASTER, WIDTH, upload_array
 from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees, packed_triangles
 from ism_addon.gpu.passes.upload import Meshes, Place
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.program import FOLDER, bind, expand
+from ism_addon.gpu.program import FOLDER, bind, expand, head
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.tree import LARGE, REACH
 
@@ -43,8 +43,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     for kind in (Meshes, Place, MeshTrees, InstanceTree):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
-    head = f"#version 410 core\n#define WIDTH {WIDTH}\n{CASTER.glsl()}"
-    shader = "\n".join([head, expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
+    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
     program = device.gl.program(vertex_shader=shader, varyings=["told"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     textures = {name: upload_array(device.gl, rows.astype(np.float32), "f4") for name, rows in rays.items()}

@@ -30,7 +30,7 @@ class Record:
     def glsl(self) -> str:
         """A struct of this name and `Name fetch(sampler2D table, int row)`."""
         struct = "".join(f"    {kind} {key};\n" for key, kind in self.members.items())
-        fetches = "".join(f"    vec4 t{k} = texelFetch(table, at + ivec2({k}, 0), 0);\n" for k in range(self.texels))
+        fetches = "".join(f"    vec4 t{k} = fetch(table, at + ivec2({k}, 0));\n" for k in range(self.texels))
         values, first = [], 0
         for kind in self.members.values():
             floats = [f"t{k // 4}.{'xyzw'[k % 4]}" for k in range(first, first + SIZES[kind])]

@@ -2,7 +2,7 @@
 """Load, complete and compile shaders; say in which file an error is.
 
 A shader's text is its file with `#include "lib/name.glsl"` resolved (each file once), after a head that
-holds the GLSL version, the frame's block, the records it reads and the constants that Python also knows.
+holds the GLSL version, fetch.glsl, the frame's block, the records it reads and the constants that Python also knows.
 """
 
 import re
@@ -37,6 +37,14 @@ def expand(path: Path, files: list[Path]) -> str:
     return "\n".join(lines)
 
 
+def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
+    """What stands before every shader's own text."""
+    lines = ["#version 410 core", f"#define WIDTH {WIDTH}"]
+    lines += [f"#define {name.upper()} {value}" for name, value in constants.items()]
+    lines += [(FOLDER / "lib" / "fetch.glsl").read_text(), block.GLSL, *(record.glsl() for record in records), ""]
+    return "\n".join(lines)
+
+
 def compile_program(
     device: Device, *names: str, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
@@ -51,14 +59,12 @@ def compile_stages(
     gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: dict[str, int | float]
 ) -> moderngl.Program:
     """Compile and link, with the frame's block bound."""
-    head = ["#version 410 core", f"#define WIDTH {WIDTH}"]
-    head += [f"#define {name.upper()} {value}" for name, value in constants.items()]
-    head += [block.GLSL, *(record.glsl() for record in records)]
+    begin = head(records, constants)
     listing: list[str] = []
     stages = {}
     for name in names:
         files: list[Path] = []
-        stages[STAGES[Path(name).suffix]] = "\n".join([*head, expand(FOLDER / name, files)])
+        stages[STAGES[Path(name).suffix]] = begin + expand(FOLDER / name, files)
         listing.append(", ".join(f"{k} is {file.name}" for k, file in enumerate(files)))
     try:
         program = gl.program(**stages)

@@ -19,11 +19,15 @@ NOWHERE = 1e30
 LARGE = 1 << 14
 
 
-#: Rays see a tree on a grid of so many steps on either side of the origin: the most that float32 tells apart, nearly.
-REACH = 255 << 16
-
 #: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
 PLANE = 512
+
+#: Steps that boxes reach beyond what is in them: more than rays err that start as far away as the tree is large.
+SLACK = 32
+
+#: Rays see a tree on a grid of so many steps on either side of the origin: as many as float32 tells apart, nearly, and
+#: boxes that reach a little farther still end in the last planes.
+REACH = 255 * 128 * PLANE - 2 * SLACK
 
 #: A node as rays read it, two texels: the plane where its box begins; how many planes are the unit of the rest, as a
 #: power of two of four bits an axis; and on each axis, from where to where the four boxes two levels below reach.
@@ -47,17 +51,18 @@ class Tree:
     def scale(self) -> np.ndarray:
         """(3,) float32: steps of the grid a unit of length. What is flat counts as thicker, lest products overflow."""
         reach = np.abs(self.nodes[1]).max(0)
-        return np.float32(REACH * (1.0 + 2.0**-22)) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20))
+        return np.float32(REACH) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20))
 
     def steps(self, points: np.ndarray) -> np.ndarray:
-        """Points (…,3) float32 of the tree on its grid: outermost walls lie in its last planes to the last bit."""
-        return np.clip(points * self.scale, -REACH, REACH)
+        """Points (…,3) float32 of the tree on its grid."""
+        return points * self.scale
 
     def packed(self) -> np.ndarray:
         """(leaves // 2,) NODE: rounded outwards, and inside out where there is nothing."""
         count = self.leaves // 2
         nowhere = self.nodes[: 4 * count, 0, 0] == np.float32(NOWHERE)
         corners = self.steps(np.where(nowhere[:, None, None], np.float32(0.0), self.nodes[: 4 * count]))
+        corners += np.float32([[-SLACK], [SLACK]])
         corners /= np.float32(PLANE)
         low, high = np.floor(corners[:, 0]).astype(np.int32), np.ceil(corners[:, 1]).astype(np.int32)
         begin = low[:count]

@@ -40,7 +40,8 @@ class Trace(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.all_seen = device.gl.texture((1, 1), 2, bytes([255, 0]))
+        self.all_seen = Target(2, "f1").create(device.gl, (1, 1))
+        self.all_seen.write(bytes([255, 0]))
 
     def program(self, rectangle: bool, spread: bool, rays: int, places: int) -> moderngl.Program:
         """For one kind of light: what the others would need, many drivers would walk through too."""

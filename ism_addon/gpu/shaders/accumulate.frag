@@ -21,7 +21,7 @@ float blackman_harris(float x) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
-    float share = texelFetch(chances, at / BLOCK, 0).x / texelFetch(chances, ivec2(own_block), 0).x;
+    float share = fetch(chances, at / BLOCK).x / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         float along_y = share * blackman_harris(float(y) + place.w);
@@ -30,7 +30,7 @@ void main() {
             bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
             float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
             from = clamp(from, first, last);
-            vec4 sampled = texelFetch(color, from, 0), wrong = CORRECTED == 1 ? texelFetch(correction, from, 0) : vec4(0.0);
+            vec4 sampled = fetch(color, from), wrong = CORRECTED == 1 ? fetch(correction, from) : vec4(0.0);
             float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
             sum_correction += vec4(weight * wrong.rgb, amount * amount);

@@ -9,12 +9,12 @@ void main() {
     ivec2 half_size = textureSize(occlusion, 0), full_size = textureSize(position, 0);
     ivec2 at = ivec2(gl_FragCoord.xy);
     Surface here = surface_at(full_from_half(at, full_size));
-    float sum = texelFetch(occlusion, at, 0).x * 4.0, weights = 4.0;
+    float sum = fetch(occlusion, at).x * 4.0, weights = 4.0;
     for (int k = -3; k <= 3; ++k) {
         ivec2 neighbour = at + k * along;
         if (k == 0 || any(lessThan(neighbour, ivec2(0))) || any(greaterThanEqual(neighbour, half_size))) continue;
         float weight = (4.0 - abs(float(k))) * alike(here, full_from_half(neighbour, full_size));
-        sum += weight * texelFetch(occlusion, neighbour, 0).x;
+        sum += weight * fetch(occlusion, neighbour).x;
         weights += weight;
     }
     smooth_occlusion = sum / weights;

@@ -30,7 +30,7 @@ float visibility(vec2 turn, int index, vec3 v, vec3 n) {
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
     int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
     ivec2 corner = ivec2(index - row * columns, row) * side;
-    return texelFetch(maps, corner + texel, 0).x >= receiver ? 1.0 : 0.0;
+    return fetch(maps, corner + texel).x >= receiver ? 1.0 : 0.0;
 }
 
 vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
@@ -58,10 +58,10 @@ vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 p = texelFetch(position, at, 0);
+    vec4 p = fetch(position, at);
     irradiance = vec4(0.0);
     if (p.w == 0.0) return;
-    vec4 octahedra = texelFetch(normals, at, 0);
+    vec4 octahedra = fetch(normals, at);
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
     for (int k = 0; k < light_count; ++k) {
         Light light = fetch_Light(lights, k);

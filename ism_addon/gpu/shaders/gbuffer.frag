@@ -35,7 +35,7 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
 void main() {
     ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
     vec2 pixel = gl_FragCoord.xy + place.zw;
-    uvec2 id = texelFetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1), 0).xy;
+    uvec2 id = fetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1)).xy;
     triangle_seen = id;
     if (id.x == 0u) {
         depth = FAR_AWAY;
@@ -47,10 +47,10 @@ void main() {
     mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
     vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
 
-    uvec3 vertex = texelFetch(triangles, element(triangle), 0).xyz;
-    vec3 a = texelFetch(positions, element(int(vertex.x)), 0).xyz;
-    vec3 u = linear * (texelFetch(positions, element(int(vertex.y)), 0).xyz - a);
-    vec3 v = linear * (texelFetch(positions, element(int(vertex.z)), 0).xyz - a);
+    uvec3 vertex = fetch(triangles, element(triangle)).xyz;
+    vec3 a = fetch(positions, element(int(vertex.x))).xyz;
+    vec3 u = linear * (fetch(positions, element(int(vertex.y))).xyz - a);
+    vec3 v = linear * (fetch(positions, element(int(vertex.z))).xyz - a);
     a = linear * a + offset;
     vec3 facet = cross(u, v);
 
@@ -68,10 +68,10 @@ void main() {
     vec2 uv[3];
     for (int k = 0; k < 3; ++k) {
         int corner = 3 * triangle + k;
-        vec2 octahedra = vec2(texelFetch(normals, element(corner), 0).xy) / 32767.0;
+        vec2 octahedra = vec2(fetch(normals, element(corner)).xy) / 32767.0;
         corner_normals[k] = direction_from_octahedron(octahedra);
         smooth_normal += b[k] * corner_normals[k];
-        uv[k] = texelFetch(uvs, element(corner), 0).xy;
+        uv[k] = fetch(uvs, element(corner)).xy;
     }
     smooth_normal = normalize(cofactor * smooth_normal);
     facet = normalize(facet);
@@ -81,7 +81,7 @@ void main() {
     normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
     position = vec4(p, number_of(normal.xy));
 
-    Material material = fetch_Material(material_table, int(texelFetch(materials, element(triangle), 0).x));
+    Material material = fetch_Material(material_table, int(fetch(materials, element(triangle)).x));
     albedo = vec4(material.color, rise);
     if (material.width > 0) {
         vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));

@@ -9,7 +9,7 @@ void main() {
     float sum = 0.0, weights = 0.0, doubt = 0.0;
     for (int k = 0; k < 4; ++k) {
         Neighbour other = neighbour(k, at, here, SCOUTS_APART, textureSize(around, 0));
-        vec2 found = texelFetch(around, other.at, 0).xy;
+        vec2 found = fetch(around, other.at).xy;
         sum += other.weight * found.x;
         weights += other.weight;
         doubt = max(doubt, other.weight > 0.0 ? found.y : 0.0);

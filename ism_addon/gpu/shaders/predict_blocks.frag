@@ -11,7 +11,7 @@ void main() {
     int across = width + 2 * MARGIN;
     found = vec2(0.0);
     for (int k = 0; k < across * across; ++k) {
-        vec2 tap = texelFetch(rays, clamp(block * width - MARGIN + ivec2(k % across, k / across), ivec2(0), last), 0).xy;
+        vec2 tap = fetch(rays, clamp(block * width - MARGIN + ivec2(k % across, k / across), ivec2(0), last)).xy;
         found = max(found, vec2(tap.x, tap.y - tap.x));
     }
     found = vec2(greaterThan(found, vec2(0.0)));

@@ -20,13 +20,13 @@ void main() {
     vec2 all = vec2(0.0), near = vec2(0.0);
     for (int k = 0; k < TAPS; ++k) {
         ivec2 other = clamp(at + tap(k), ivec2(0), last_scout);
-        vec2 found = texelFetch(scouted, other, 0).xy;
+        vec2 found = fetch(scouted, other).xy;
         all += found;
         near += tent(tap(k)) * alike(here, min(SCOUTS_APART * other, last)) * found;
     }
     for (int k = 0; k < more; ++k) {
         ivec2 other = clamp(own + tap(k), ivec2(0), last);
-        vec2 found = texelFetch(seen, other, 0).xy;
+        vec2 found = fetch(seen, other).xy;
         all += found;
         near += tent(tap(k)) * alike(here, other) * found;
     }

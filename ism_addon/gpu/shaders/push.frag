@@ -15,7 +15,7 @@ void main() {
     float nearest = EMPTY;
     for (int k = 0; k < 4; ++k) {
         ivec2 neighbour = clamp(low + ivec2(k & 1, k >> 1), first, first + coarse_side - 1);
-        four[k] = texelFetch(coarse, neighbour, 0).xy;
+        four[k] = fetch(coarse, neighbour).xy;
         if (four[k].y > 0.0) nearest = min(nearest, four[k].x);
     }
     float depth = 0.0, coverage = 0.0;

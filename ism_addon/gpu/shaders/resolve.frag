@@ -12,15 +12,15 @@ float believed(float square, float noise) { return square > 0.0 ? max(1.0 - nois
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
-    resolved = texelFetch(sum, at, 0) / texelFetch(weights, at, 0).y;
+    resolved = fetch(sum, at) / fetch(weights, at).y;
 #if CORRECTED
     // For those processors that walk through both sides of every "if", but skip empty loops.
-    int taps = texelFetch(counts, at / BLOCK, 0).x > 1.0 ? 25 : 0;
+    int taps = fetch(counts, at / BLOCK).x > 1.0 ? 25 : 0;
     vec4 found = vec4(0.0);
     for (int k = 0; k < taps; ++k)
-        found += texelFetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), 0);
-    vec4 mean = texelFetch(near, at, 0);
-    vec3 difference = texelFetch(sum_correction, at, 0).rgb / mean.a - mean.rgb;
+        found += fetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last));
+    vec4 mean = fetch(near, at);
+    vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
     if (taps > 0) resolved.rgb += believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
 #endif
 }

@@ -9,7 +9,7 @@ layout(location = 1) out vec4 stand_out; // squared luminance and variance of th
 
 // Of the corrections: all samples but the first have one.
 float corrected(ivec2 at, float weight) {
-    float count = texelFetch(counts, at / BLOCK, 0).x;
+    float count = fetch(counts, at / BLOCK).x;
     return max(weight * (count - 1.0) / count, 1e-30);
 }
 
@@ -21,23 +21,23 @@ float alike(float a, float b) {
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
-    vec4 mine = texelFetch(weights, at, 0);
-    float bright = luminance(texelFetch(sum, at, 0).rgb) / mine.y;
+    vec4 mine = fetch(weights, at);
+    float bright = luminance(fetch(sum, at).rgb) / mine.y;
     float all = 0.0, squares = 0.0, in_doubt = 0.0, own = corrected(at, mine.y);
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        vec2 theirs = texelFetch(weights, other, 0).yw;
-        float like = alike(bright, luminance(texelFetch(sum, other, 0).rgb) / theirs.x);
+        vec2 theirs = fetch(weights, other).yw;
+        float like = alike(bright, luminance(fetch(sum, other).rgb) / theirs.x);
         float weight = corrected(other, theirs.x);
-        near += like * texelFetch(sum_correction, other, 0);
+        near += like * fetch(sum_correction, other);
         all += like * weight;
         in_doubt += like * theirs.y;
         squares += like * like * weight * weight;
     }
     // A part of what is in doubt, so that the edges of textures stay.
     near *= in_doubt > 1e-12 * all ? mine.w / (own * in_doubt) : 1.0 / all;
-    vec4 correction = texelFetch(sum_correction, at, 0) / own;
+    vec4 correction = fetch(sum_correction, at) / own;
     float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
     // As many alike would have this size and these squares: one that stands for many samples is still one.
     variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-30), 1.0), -EVENNESS);

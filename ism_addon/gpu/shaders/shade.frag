@@ -14,18 +14,18 @@ layout(location = 1) out vec4 color_correction; // in alpha, the luminance that 
 // Of the world's light. Occlusion is at half resolution.
 float open_part(ivec2 at, Surface here) {
     ivec2 size = textureSize(occlusion, 0);
-    if (size == ivec2(1)) return texelFetch(occlusion, ivec2(0), 0).x;
+    if (size == ivec2(1)) return fetch(occlusion, ivec2(0)).x;
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
         Neighbour other = neighbour(k, at, here, 2, size);
-        sum += other.weight * texelFetch(occlusion, other.at, 0).x;
+        sum += other.weight * fetch(occlusion, other.at).x;
         weights += other.weight;
     }
     return sum / weights;
 }
 
 // Of a target that is 1 × 1 where nobody draws it.
-vec4 at_pixel(sampler2D target, ivec2 at) { return texelFetch(target, min(at, textureSize(target, 0) - 1), 0); }
+vec4 at_pixel(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -37,7 +37,7 @@ void main() {
     }
     // A Lambertian surface sends its albedo's part of what arrives, spread over pi; from a world of one radiance
     // arrives pi times that.
-    vec3 part = texelFetch(albedo, at, 0).rgb, sent = part / 3.141592653589793;
+    vec3 part = fetch(albedo, at).rgb, sent = part / 3.141592653589793;
     vec4 expected = at_pixel(predicted, at);
     color = vec4(sent * (at_pixel(irradiance, at).rgb + expected.rgb) + part * world * open_part(at, here), 1.0);
     color_correction.rgb = sent * at_pixel(correction, at).rgb;

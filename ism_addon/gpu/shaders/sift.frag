@@ -10,8 +10,8 @@ void main() {
     noise = vec2(0.0);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);
-        vec2 weight = texelFetch(weights, at, 0).xy;
-        float mean = luminance(texelFetch(sum, at, 0).rgb + texelFetch(sum_correction, at, 0).rgb) / weight.y;
+        vec2 weight = fetch(weights, at).xy;
+        float mean = luminance(fetch(sum, at).rgb + fetch(sum_correction, at).rgb) / weight.y;
         noise += vec2(max(weight.x / weight.y - mean * mean, 0.0), mean);
     }
     noise /= float(BLOCK * BLOCK);

@@ -26,8 +26,8 @@ float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
     vec3 seen_at = on_screen(s);
     ivec2 size = textureSize(depth, 0), at = ivec2(floor(seen_at.xy - place));
     if (seen_at.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return 0.0;
-    if (texelFetch(depth, at, 0).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
-    vec3 to = texelFetch(position, at, 0).xyz - p;
+    if (fetch(depth, at).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
+    vec3 to = fetch(position, at).xyz - p;
     float square = dot(to, to) / (radius * radius);
     // What lies in the pixel's own plane occludes nothing; what is far in front of it is not a neighbour.
     return square > 1.0 || dot(to, facet) <= 0.02 * length(to) ? 0.0 : 1.0 / (1.0 + attenuation * square);
@@ -35,14 +35,14 @@ float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
 
 void main() {
     ivec2 at = full_from_half(ivec2(gl_FragCoord.xy), textureSize(depth, 0));
-    vec4 here = texelFetch(position, at, 0);
+    vec4 here = fetch(position, at);
     occlusion = 1.0;
     if (here.w == 0.0) return;
-    vec4 octahedra = texelFetch(normals, at, 0);
+    vec4 octahedra = fetch(normals, at);
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
     vec2 place = on_screen(here.xyz).xy - (vec2(at) + 0.5);
     mat3 cone = basis(n);
-    vec2 noise = 0.5 * texelFetch(random, ivec2(gl_FragCoord.xy) % TILE, 0).xy + 0.5;
+    vec2 noise = 0.5 * fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + 0.5;
     float hidden = 0.0;
     for (int k = 0; k < POINTS; ++k) {
         vec3 c = cone_points[k];

@@ -22,14 +22,14 @@ layout(location = 2) out vec2 seen; // rays that arrived, and rays
 // A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
 vec2 known_of(Receiver here, ivec2 at) {
     ivec2 last = textureSize(prediction, 0) - 1;
-    vec2 known = texelFetch(prediction, min(at, last), 0).xy;
+    vec2 known = fetch(prediction, min(at, last)).xy;
 #if RAYS
-    float z = texelFetch(depth, at, 0).x, best = alike(here.position, here.normal, z, texelFetch(foreseen, at, 0));
+    float z = fetch(depth, at).x, best = alike(here.position, here.normal, z, fetch(foreseen, at));
     int taps = best > 0.5 ? 0 : 9;
     for (int k = 0; k < taps; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        float like = alike(here.position, here.normal, z, texelFetch(foreseen, other, 0));
-        if (like > best) known = texelFetch(prediction, other, 0).xy;
+        float like = alike(here.position, here.normal, z, fetch(foreseen, other));
+        if (like > best) known = fetch(prediction, other).xy;
         best = max(best, like);
     }
     if (best < 0.5) known.y = 1.0;

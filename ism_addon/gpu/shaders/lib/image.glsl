@@ -4,7 +4,7 @@ uniform sampler2D texels;
 
 vec3 texel(Material image, int first, ivec2 size, ivec2 at) {
     at = image.repeat != 0 ? at - size * ivec2(floor(vec2(at) / vec2(size))) : clamp(at, ivec2(0), size - 1);
-    return texelFetch(texels, element(first + at.y * size.x + at.x) + ivec2(0, image.first_line), 0).rgb;
+    return fetch(texels, element(first + at.y * size.x + at.x) + ivec2(0, image.first_line)).rgb;
 }
 
 vec3 bilinear(Material image, int level, vec2 uv) {

@@ -4,6 +4,6 @@ uniform bool finest;
 uniform float threshold;
 
 vec2 fine_texel(ivec2 at) {
-    vec2 texel = texelFetch(fine, at, 0).xy;
+    vec2 texel = fetch(fine, at).xy;
     return finest ? vec2(texel.x, texel.x < EMPTY ? 1.0 : 0.0) : texel;
 }

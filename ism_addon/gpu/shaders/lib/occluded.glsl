@@ -14,7 +14,8 @@ uniform vec3 casters_scale;
 // latest eight levels in x. Node 0: nowhere.
 struct Place { int node; uvec2 trail; };
 
-ivec2 tree_texel(int i) { return ivec2(i & (WIDTH - 1), i / WIDTH); }
+// Where texel i is in the unit square, see fetch.glsl and array.glsl; `texel` is the size of one.
+vec2 tree_place(int i, vec2 texel) { return (vec2(i & (WIDTH - 1), i / WIDTH) + 0.5) * texel; }
 
 Place next_place(Place here) {
     if (here.trail.x == 0u) here = Place(here.node >> 16, uvec2(here.trail.y, 0u));
@@ -26,37 +27,36 @@ Place next_place(Place here) {
 
 vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
 
-// Where the ray passes the planes of four boxes on one axis.
-vec4 passes(uint bytes, float unit, float begin, float origin, float inverse_ray) {
-    return (vec4(uvec4(bytes) >> uvec4(0, 8, 16, 24) & 255u) * unit + begin - origin) * inverse_ray;
-}
+vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// On to the nearest of four that the ray meets, or to what waits. A rounding error may not lose one.
-Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray) {
-    int texel = 2 * (first_node + here.node);
-    uvec4 one = texelFetch(tree_nodes, tree_texel(texel), 0), other = texelFetch(tree_nodes, tree_texel(texel + 1), 0);
+// On to the nearest of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
+Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 texel) {
+    vec2 at = tree_place(2 * (first_node + here.node), texel);
+    uvec4 one = textureLod(tree_nodes, at, 0.0), other = textureLod(tree_nodes, at + vec2(texel.x, 0.0), 0.0);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
+    vec3 first = (begin - origin) * inverse_ray, step = unit * inverse_ray;
     uvec3 low = uvec3(one.zw, other.x), high = other.yzw;
     vec4 enter = vec4(0.0), leave = vec4(1.0);
     for (int k = 0; k < 3; ++k) {
         bool back = inverse_ray[k] < 0.0;
-        enter = max(enter, passes(back ? high[k] : low[k], unit[k], begin[k], origin[k], inverse_ray[k]));
-        leave = min(leave, passes(back ? low[k] : high[k], unit[k], begin[k], origin[k], inverse_ray[k]));
+        enter = max(enter, bytes(back ? high[k] : low[k]) * step[k] + first[k]);
+        leave = min(leave, bytes(back ? low[k] : high[k]) * step[k] + first[k]);
     }
     enter = mix(enter, vec4(2.0), greaterThan(enter, leave * 1.000001));
-    float first = min(min(enter.x, enter.y), min(enter.z, enter.w));
-    int nearest = enter.x == first ? 0 : enter.y == first ? 1 : enter.z == first ? 2 : 3;
+    vec2 nearer = min(enter.xz, enter.yw);
+    int nearest = nearer.x <= nearer.y ? (enter.x <= enter.y ? 0 : 1) : (enter.z <= enter.w ? 2 : 3);
     uvec4 met = uvec4(lessThan(enter, vec4(2.0))) << uvec4(0, 1, 2, 3);
     uint others = (met.x | met.y | met.z | met.w) & ~(1u << nearest);
     uvec2 trail = uvec2(here.trail.x << 4 | others, here.trail.y << 4 | here.trail.x >> 28);
-    return first < 2.0 ? Place(4 * here.node + nearest, trail) : next_place(here);
+    return min(nearer.x, nearer.y) < 2.0 ? Place(4 * here.node + nearest, trail) : next_place(here);
 }
 
 // A triangle is two texels, see packed_triangles.
-bool crosses(int triangle, vec3 origin, vec3 ray, int own) {
-    uvec4 one = texelFetch(tree_triangles, tree_texel(2 * triangle), 0);
-    uvec4 other = texelFetch(tree_triangles, tree_texel(2 * triangle + 1), 0);
+bool crosses(int triangle, vec3 origin, vec3 ray, int own, vec2 texel) {
+    vec2 place = tree_place(2 * triangle, texel);
+    uvec4 one = textureLod(tree_triangles, place, 0.0);
+    uvec4 other = textureLod(tree_triangles, place + vec2(texel.x, 0.0), 0.0);
     uvec4 last = (one & 127u) << uvec4(7, 14, 21, 28), number = (other & 127u) << uvec4(0, 7, 14, 21);
     ivec3 corner = ivec3(one.xyz) >> 7;
     vec3 u = vec3((ivec3(one.w, other.xy) >> 7) - corner);
@@ -72,10 +72,12 @@ bool crosses(int triangle, vec3 origin, vec3 ray, int own) {
 bool occluded(vec3 from, vec3 to, int triangle, int instance) {
     vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
     vec3 whole_origin = (from - casters_middle) * casters_scale;
+    vec2 node_texel = texel_size(tree_nodes), triangle_texel = texel_size(tree_triangles); // out of the loops
     Place outside = Place(1, uvec2(0u));
     bool hit = false;
     while (outside.node > 0) {
-        while (outside.node > 0 && outside.node < caster_leaves) outside = descend(0, outside, whole_origin, whole_inverse);
+        while (outside.node > 0 && outside.node < caster_leaves)
+            outside = descend(0, outside, whole_origin, whole_inverse, node_texel);
         if (outside.node == 0) break;
         Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
@@ -83,10 +85,11 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance) {
         int own = caster.instance == instance ? triangle - caster.first_own : -1;
         Place here = Place(1, uvec2(0u));
         while (here.node > 0) {
-            while (here.node > 0 && here.node < caster.leaves) here = descend(caster.first_node, here, origin, inverse_ray);
+            while (here.node > 0 && here.node < caster.leaves)
+                here = descend(caster.first_node, here, origin, inverse_ray, node_texel);
             int first = caster.first_triangle + (here.node - caster.leaves) * caster.per_leaf;
             int last = here.node > 0 ? first + caster.per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || crosses(k, origin, ray, own);
+            for (int k = first; k < last; ++k) hit = hit || crosses(k, origin, ray, own, triangle_texel);
             here = hit ? Place(0, uvec2(0u)) : next_place(here);
         }
         outside = hit ? Place(0, uvec2(0u)) : next_place(outside);

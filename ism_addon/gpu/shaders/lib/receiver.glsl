@@ -8,8 +8,8 @@ uniform usampler2D triangles;
 struct Receiver { vec3 position; vec3 normal; vec3 facet; vec3 albedo; float rise; int triangle; int instance; bool seen; };
 
 Receiver receiver_at(ivec2 at) {
-    vec4 p = texelFetch(position, at, 0), octahedra = texelFetch(normals, at, 0), color = texelFetch(albedo, at, 0);
-    uvec2 id = texelFetch(triangles, at, 0).xy;
+    vec4 p = fetch(position, at), octahedra = fetch(normals, at), color = fetch(albedo, at);
+    uvec2 id = fetch(triangles, at).xy;
     return Receiver(p.xyz, direction_from_octahedron(octahedra.xy), direction_from_octahedron(octahedra.zw), color.rgb,
                     color.a, int(id.x) - 1, int(id.y), p.w > 0.0);
 }

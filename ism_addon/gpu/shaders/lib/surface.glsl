@@ -7,8 +7,8 @@ uniform sampler2D depth;
 struct Surface { vec3 position; vec3 normal; float depth; bool seen; };
 
 Surface surface_at(ivec2 pixel) {
-    vec4 p = texelFetch(position, pixel, 0);
-    return Surface(p.xyz, direction_from_octahedron(texelFetch(normals, pixel, 0).xy), texelFetch(depth, pixel, 0).x, p.w > 0.0);
+    vec4 p = fetch(position, pixel);
+    return Surface(p.xyz, direction_from_octahedron(fetch(normals, pixel).xy), fetch(depth, pixel).x, p.w > 0.0);
 }
 
-float alike(Surface a, ivec2 pixel) { return alike(a.position, a.normal, a.depth, texelFetch(position, pixel, 0)); }
+float alike(Surface a, ivec2 pixel) { return alike(a.position, a.normal, a.depth, fetch(position, pixel)); }

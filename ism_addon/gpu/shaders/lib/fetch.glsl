@@ -1,0 +1,9 @@
+// One texel, as texelFetch finds it. But that looks up a level of detail for each pixel, which takes processors longer than
+// all the rest. No texture of ours has levels, and none is filtered.
+vec2 texel_size(sampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
+vec2 texel_size(usampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
+vec2 texel_size(isampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
+
+vec4 fetch(sampler2D from, ivec2 at) { return textureLod(from, (vec2(at) + 0.5) * texel_size(from), 0.0); }
+uvec4 fetch(usampler2D from, ivec2 at) { return textureLod(from, (vec2(at) + 0.5) * texel_size(from), 0.0); }
+ivec4 fetch(isampler2D from, ivec2 at) { return textureLod(from, (vec2(at) + 0.5) * texel_size(from), 0.0); }
