@@ -43,13 +43,10 @@ Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 te
         enter = max(enter, bytes(back ? high[k] : low[k]) * step[k] + first[k]);
         leave = min(leave, bytes(back ? low[k] : high[k]) * step[k] + first[k]);
     }
-    enter = mix(enter, vec4(2.0), greaterThan(enter, leave * 1.000001));
-    vec2 nearer = min(enter.xz, enter.yw);
-    int nearest = nearer.x <= nearer.y ? (enter.x <= enter.y ? 0 : 1) : (enter.z <= enter.w ? 2 : 3);
-    uvec4 met = uvec4(lessThan(enter, vec4(2.0))) << uvec4(0, 1, 2, 3);
-    uint others = (met.x | met.y | met.z | met.w) & ~(1u << nearest);
-    uvec2 trail = uvec2(here.trail.x << 4 | others, here.trail.y << 4 | here.trail.x >> 28);
-    return min(nearer.x, nearer.y) < 2.0 ? Place(4 * here.node + nearest, trail) : next_place(here);
+    uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
+    uint all = met.x | met.y | met.z | met.w;
+    uvec2 trail = uvec2(here.trail.x << 4 | (all & (all - 1u)), here.trail.y << 4 | here.trail.x >> 28);
+    return all > 0u ? Place(4 * here.node + findLSB(all), trail) : next_place(here);
 }
 
 // A triangle is two texels, see packed_triangles.
