@@ -23,14 +23,16 @@ void main() {
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
     float share = fetch(chances, at / BLOCK).x / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
+    vec2 texel = texel_size(color), filters[2 * MARGIN + 1];
+    for (int k = -MARGIN; k <= MARGIN; ++k)
+        filters[k + MARGIN] = vec2(blackman_harris(float(k) + place.z), share * blackman_harris(float(k) + place.w));
     for (int y = -MARGIN; y <= MARGIN; ++y) {
-        float along_y = share * blackman_harris(float(y) + place.w);
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
             bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
-            float weight = mine ? along_y * blackman_harris(float(x) + place.z) : 0.0;
+            float weight = mine ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
             from = clamp(from, first, last);
-            vec4 sampled = fetch(color, from), wrong = CORRECTED == 1 ? fetch(correction, from) : vec4(0.0);
+            vec4 sampled = fetch(color, from, texel), wrong = CORRECTED == 1 ? fetch(correction, from, texel) : vec4(0.0);
             float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
             sum_correction += vec4(weight * wrong.rgb, amount * amount);

@@ -17,8 +17,9 @@ void main() {
     // For those processors that walk through both sides of every "if", but skip empty loops.
     int taps = fetch(counts, at / BLOCK).x > 1.0 ? 25 : 0;
     vec4 found = vec4(0.0);
+    vec2 texel = texel_size(stand_out);
     for (int k = 0; k < taps; ++k)
-        found += fetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last));
+        found += fetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), texel);
     vec4 mean = fetch(near, at);
     vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
     if (taps > 0) resolved.rgb += believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;

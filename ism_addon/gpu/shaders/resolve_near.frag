@@ -8,8 +8,8 @@ layout(location = 0) out vec4 near;      // mean of the corrections; in alpha, t
 layout(location = 1) out vec4 stand_out; // squared luminance and variance of the own one's difference, and of the mean
 
 // Of the corrections: all samples but the first have one.
-float corrected(ivec2 at, float weight) {
-    float count = fetch(counts, at / BLOCK).x;
+float corrected(ivec2 at, float weight, vec2 texel) {
+    float count = fetch(counts, at / BLOCK, texel).x;
     return max(weight * (count - 1.0) / count, 1e-30);
 }
 
@@ -23,14 +23,15 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
     vec4 mine = fetch(weights, at);
     float bright = luminance(fetch(sum, at).rgb) / mine.y;
-    float all = 0.0, squares = 0.0, in_doubt = 0.0, own = corrected(at, mine.y);
+    vec2 texel = texel_size(sum), texel_of_counts = texel_size(counts);
+    float all = 0.0, squares = 0.0, in_doubt = 0.0, own = corrected(at, mine.y, texel_of_counts);
     near = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        vec2 theirs = fetch(weights, other).yw;
-        float like = alike(bright, luminance(fetch(sum, other).rgb) / theirs.x);
-        float weight = corrected(other, theirs.x);
-        near += like * fetch(sum_correction, other);
+        vec2 theirs = fetch(weights, other, texel).yw;
+        float like = alike(bright, luminance(fetch(sum, other, texel).rgb) / theirs.x);
+        float weight = corrected(other, theirs.x, texel_of_counts);
+        near += like * fetch(sum_correction, other, texel);
         all += like * weight;
         in_doubt += like * theirs.y;
         squares += like * like * weight * weight;
