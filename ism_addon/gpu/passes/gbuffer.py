@@ -37,7 +37,6 @@ class GBuffer(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", records=(INSTANCE,))
-        self.surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY)
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
@@ -53,8 +52,10 @@ class GBuffer(Pass):
             self.draw_triangles(frame)
             self.drawn = drawn
         frame.device.gl.enable_only(moderngl.NOTHING)
+        # Without images no shader is ready for them: many processors would walk through that too.
+        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(len(frame.scene.images) > 0))
         bind(
-            self.surface,
+            surface,
             triangles_seen=frame.targets["triangles"],
             fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
             first=tuple(frame.grid.bounds(frame.view.width, frame.view.height)[0]),
@@ -64,7 +65,7 @@ class GBuffer(Pass):
             **frame.tables["geometry"].textures,
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
-        self.draw_blocks(frame, target, self.surface)
+        self.draw_blocks(frame, target, surface)
 
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""

@@ -3,8 +3,10 @@
 #include "lib/octahedron.glsl"
 #include "lib/packed_normal.glsl"
 #include "lib/ray.glsl"
-#include "lib/image.glsl"
 #include "lib/rise.glsl"
+#if IMAGES
+#include "lib/image.glsl"
+#endif
 
 uniform usampler2D triangles_seen;
 uniform mat2 fine_from_pixel;
@@ -31,6 +33,8 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     float s = dot(v, q) * scale, t = -dot(u, q) * scale;
     return vec3(1.0 - s - t, s, t);
 }
+
+vec2 uv_at(int corner) { return fetch(uvs, element(corner)).xy; }
 
 void main() {
     ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
@@ -65,13 +69,11 @@ void main() {
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     vec3 smooth_normal = vec3(0.0);
     vec3 corner_normals[3];
-    vec2 uv[3];
     for (int k = 0; k < 3; ++k) {
         int corner = 3 * triangle + k;
         vec2 octahedra = vec2(fetch(normals, element(corner)).xy) / 32767.0;
         corner_normals[k] = direction_from_octahedron(octahedra);
         smooth_normal += b[k] * corner_normals[k];
-        uv[k] = fetch(uvs, element(corner)).xy;
     }
     smooth_normal = normalize(cofactor * smooth_normal);
     facet = normalize(facet);
@@ -83,12 +85,14 @@ void main() {
 
     Material material = fetch_Material(material_table, int(fetch(materials, element(triangle)).x));
     albedo = vec4(material.color, rise);
+#if IMAGES
     if (material.width > 0) {
+        mat3x2 at = mat3x2(uv_at(3 * triangle), uv_at(3 * triangle + 1), uv_at(3 * triangle + 2));
         vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));
         vec3 by = barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v));
-        mat3x2 at = mat3x2(uv[0], uv[1], uv[2]);
         // A sample's share of the pixel: the more samples, the less is left to the image's smaller copies.
         float share = inversesqrt(1.0 + own_number);
         albedo.rgb = image_color(material, at * b, share * (at * (bx - exact)), share * (at * (by - exact)));
     }
+#endif
 }
