@@ -74,7 +74,8 @@ class Placement:
         for k in range(3):
             table[f"row{k}"] = self.matrices[:, k]
         self.table = INSTANCE.upload(gl, table)
-        self.bytes = table.nbytes
+        self.rows_by_instance = gl.buffer(table) if len(table) else None
+        self.bytes = 2 * table.nbytes
         kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
         spans = np.diff(geometry.first_triangle)
         self.meshes = [

@@ -36,7 +36,7 @@ class GBuffer(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", records=(INSTANCE,))
+        self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag")
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
@@ -82,11 +82,15 @@ class GBuffer(Pass):
         gl.enable_only(moderngl.DEPTH_TEST)
         mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
-        bind(self.triangles, instances=frame.tables["placement"].table, turn=tuple(turn.T.ravel()), shift=tuple(shift))
+        bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift))
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
-        for draw in frame.tables["placement"].draws(clip_from_anchor(frame.view, frame.anchor), a_pixel):
+        placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
+        for draw in placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel):
             frame.counts["triangles_drawn"] += draw.triangles * draw.instances
             bind(self.triangles, first_instance=draw.first_instance)
+            for name, (_, offset) in INSTANCE.dtype.fields.items():
+                place = self.triangles[name].location, "f", placement.rows_by_instance, "4f"
+                mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
             mesh.render(
                 moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
             )
