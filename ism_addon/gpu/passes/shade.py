@@ -9,7 +9,6 @@ from the half-resolution pixels that show the same surface.
 import moderngl
 
 from ...scene import Change
-from ..context import Device
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
@@ -25,14 +24,11 @@ class Shade(Pass):
     writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4")}
     depends_on = (Change.WORLD, Change.VIEW)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.in_blocks()
-
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
+        pixels = self.in_blocks(occluded=int(frame.occludes))
         bind(
-            self.pixels,
+            pixels,
             position=frame.targets["position"],
             normals=frame.targets["normal"],
             depth=frame.targets["depth"],
@@ -44,4 +40,4 @@ class Shade(Pass):
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        self.draw_blocks(frame, frame.targets.into("color", "color_correction"), self.pixels)
+        self.draw_blocks(frame, frame.targets.into("color", "color_correction"), pixels)

@@ -13,15 +13,17 @@ layout(location = 1) out vec4 color_correction; // in alpha, the luminance that 
 
 // Of the world's light. Occlusion is at half resolution.
 float open_part(ivec2 at, Surface here) {
-    ivec2 size = textureSize(occlusion, 0);
-    if (size == ivec2(1)) return fetch(occlusion, ivec2(0)).x;
+#if OCCLUDED
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, here, 2, size);
+        Neighbour other = neighbour(k, at, here, 2, textureSize(occlusion, 0));
         sum += other.weight * fetch(occlusion, other.at).x;
         weights += other.weight;
     }
     return sum / weights;
+#else
+    return 1.0;
+#endif
 }
 
 // Of a target that is 1 × 1 where nobody draws it.
