@@ -37,6 +37,13 @@ def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
     return np.asarray(power, np.float64) / (np.pi * area)
 
 
+def plane_normals(lights: Lights) -> np.ndarray:
+    """(L,3) unit normals of the planes that the axes span, on the side that shines. A sheared light's may differ."""
+    normals = np.cross(lights.axis_u, lights.axis_v)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.copysign(1.0, np.einsum("nk,nk->n", normals, lights.normal))[:, None] * normals
+
+
 def light_areas(lights: Lights) -> np.ndarray:
     """(L,) m²: products of the axes' lengths, as in Cycles; an ellipse fills pi/4 of its box."""
     box = np.linalg.norm(lights.axis_u, axis=1) * np.linalg.norm(lights.axis_v, axis=1)

@@ -11,6 +11,7 @@ from ism_addon.gpu.layout import octahedron_from_directions
 from ism_addon.gpu.passes.gather import Gather
 from ism_addon.gpu.passes.gbuffer import GBuffer
 from ism_addon.gpu.passes.light_points import LightPoints, points_per_light
+from ism_addon.gpu.passes.lights import Lights
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
 from ism_addon.gpu.profile import Profile
@@ -32,7 +33,8 @@ def gathered(
     settings = with_quality(replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points)
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample
-    renderer.run(LightPoints, frame, Profile())
+    for kind in (Lights, LightPoints):
+        renderer.run(kind, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
     for name, rows in (("position", surface), ("normal", packed)):

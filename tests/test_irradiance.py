@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.gpu.layout import LIGHT
-from ism_addon.gpu.passes.light_points import light_tables
+from ism_addon.gpu.passes.lights import light_table
 from ism_addon.gpu.program import FOLDER, expand, head
 from ism_addon.radiometry import MIN_SPREAD
 from ism_addon.scene import Lights, LightShape
@@ -50,7 +50,7 @@ def shader(opened_device):
                 name: gl.texture(size, 3, np.ascontiguousarray(rows, np.float32), dtype="f4")
                 for name, rows in (("points", points), ("normals", normals))
             }
-            tables["lights"] = LIGHT.upload(gl, light_tables(lights, 1, 0, np.zeros(3))[0])
+            tables["lights"] = LIGHT.upload(gl, light_table(lights, np.zeros(3)))
             gl.enable_only(moderngl.NOTHING)
             frame.use()
             for unit, (name, texture) in enumerate(tables.items()):

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.passes.light_points import light_tables, points_per_light
+from ism_addon.gpu.passes.light_points import point_tables, points_per_light
 from ism_addon.scene import LightShape
 
 from .studio import MAPS, both, draw, light, look, quad, stage, with_quality
@@ -43,10 +43,10 @@ def test_points_are_shared_out_by_power():
 
 def test_the_rows_of_a_light_lead_to_its_points():
     lights = lamps()
-    table, _, points = light_tables(lights, 100, 3, ORIGIN)
-    assert table["point_count"].sum() == len(points) == 100
+    table, _, points = point_tables(lights, 100, 3, ORIGIN)
+    assert table["count"].sum() == len(points) == 100
     for index in range(3):
-        rows = slice(int(table["first_point"][index]), int(table["first_point"][index] + table["point_count"][index]))
+        rows = slice(int(table["first"][index]), int(table["first"][index] + table["count"][index]))
         assert (points["light"][rows] == index).all()
         off = points["position"][rows] - lights.position[index]
         axes = np.stack([lights.axis_u[index], lights.axis_v[index]])
@@ -57,7 +57,7 @@ def test_the_rows_of_a_light_lead_to_its_points():
 
 
 def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
-    _, _, points = light_tables(lamps(), 60, 0, ORIGIN)
+    _, _, points = point_tables(lamps(), 60, 0, ORIGIN)
     tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
     assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
     assert np.abs((tangent * normal).sum(1)).max() < 1e-6
@@ -66,7 +66,7 @@ def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
 
 def test_each_sample_has_other_points_and_together_they_fill_the_light():
     lights = light()
-    samples = [light_tables(lights, 16, sample, ORIGIN)[2]["position"] for sample in range(64)]
+    samples = [point_tables(lights, 16, sample, ORIGIN)[2]["position"] for sample in range(64)]
     assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
     counts = np.histogram2d(*np.concatenate(samples)[:, :2].T, 8, ((-0.5, 0.5), (-0.5, 0.5)))[0]
     assert counts.min() > 0.5 * 16
@@ -74,14 +74,14 @@ def test_each_sample_has_other_points_and_together_they_fill_the_light():
 
 
 def test_two_equal_lights_have_different_points():
-    _, _, points = light_tables(both(light(), light()), 32, 0, ORIGIN)
+    _, _, points = point_tables(both(light(), light()), 32, 0, ORIGIN)
     assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
 def test_light_points_are_exact_far_away():
     far = np.array([1e7, 0.0, -1e7])
-    here = light_tables(light(), 10, 0, ORIGIN)
-    there = light_tables(light(position=far + (0.0, 0.0, 2.0)), 10, 0, far)
+    here = point_tables(light(), 10, 0, ORIGIN)
+    there = point_tables(light(position=far + (0.0, 0.0, 2.0)), 10, 0, far)
     assert there[2]["position"] == pytest.approx(here[2]["position"], abs=1e-6)
     assert there[1]["place"] == pytest.approx(here[1]["place"], abs=1e-6)
 

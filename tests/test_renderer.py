@@ -56,7 +56,7 @@ def test_the_first_picture_draws_the_passes_of_its_method(device, scene_and_view
     drawn = draw(device, *scene_and_view, settings)
     assert drawn.color.any()
     assert {name for name, row in drawn.profile.rows.items() if row.drawn} == BEFORE | expected | OCCLUSION | AFTER
-    assert drawn.profile.counts["light_points"] == 8
+    assert drawn.profile.counts["light_points"] == (8 if settings == BY_MAPS else 0)
     assert drawn.profile.counts["bytes_uploaded"] > 0
 
 
@@ -71,8 +71,8 @@ def test_equal_settings_draw_nothing(again, base):
 def test_a_moved_light_keeps_what_the_camera_sees_and_the_trees(again, scene_and_view):
     scene, _ = scene_and_view
     moved = replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.1))
-    assert again(SETTINGS, moved) == {"LightPoints"} | LIGHT | AFTER
-    assert again(BY_MAPS, moved) == {"LightPoints", "Subsets"} | SHADOWS | AFTER
+    assert again(SETTINGS, moved) == {"Lights"} | LIGHT | AFTER
+    assert again(BY_MAPS, moved) == {"Lights", "LightPoints", "Subsets"} | SHADOWS | AFTER
 
 
 def test_a_moved_camera_keeps_the_trees_and_the_shadow_maps(again):
@@ -96,7 +96,17 @@ def test_another_colour_keeps_the_shadow_maps(again, scene_and_view, base):
     materials = replace(scene.materials, base_color=np.array([[0.9, 0.1, 0.1]], np.float32))
     drawn = again(base, replace(scene, materials=materials))
     assert {"Colours", "GBuffer", "Shade"} <= drawn
-    kept = {"MeshTrees", "InstanceTree", "Splat", "PullPush", "SurfacePoints", "Meshes", "Place", "LightPoints"}
+    kept = {
+        "MeshTrees",
+        "InstanceTree",
+        "Splat",
+        "PullPush",
+        "SurfacePoints",
+        "Meshes",
+        "Place",
+        "Lights",
+        "LightPoints",
+    }
     assert not drawn & kept
 
 
@@ -125,7 +135,7 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
         ("shadow", {"enabled": False}, {"Trace"} | AFTER, {"Gather"} | AFTER),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
         ("quality", {"surface_points": 1000}, set(), {"SurfacePoints", "Subsets"} | SHADOWS | AFTER),
-        ("quality", {"light_points": 5}, {"LightPoints"} | LIGHT | AFTER, {"LightPoints"} | SHADOWS | AFTER),
+        ("quality", {"light_points": 5}, set(), {"LightPoints"} | SHADOWS | AFTER),
     ],
 )
 def test_a_setting_redraws_its_own_passes(again, section, changes, by_rays, by_maps):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.atlas import EMPTY, batches
-from ism_addon.gpu.passes.light_points import light_tables
+from ism_addon.gpu.passes.light_points import point_tables
 from ism_addon.gpu.passes.subsets import POINT
 
 from .reference_maps import disc_map, map_directions
@@ -29,7 +29,7 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     """(S,side,side) of the same points and the same light points, by numpy."""
     tables = drawn.renderer.tables
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
-    _, _, points = light_tables(scene.lights, settings.quality.light_points, 0, anchor)
+    _, _, points = point_tables(scene.lights, settings.quality.light_points, 0, anchor)
     subsets, buffer = tables["surface_points"]
     discs = np.frombuffer(buffer.read(), POINT)
     found = []

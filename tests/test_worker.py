@@ -91,7 +91,7 @@ def test_statistics_are_plain_numbers(worker):
         "seconds",
     }
     assert 0 < told["triangles_drawn"] <= told["triangles"] == 12 * 8**2 + 12 * 3**2
-    assert told["light_points"] == 8
+    assert told["light_points"] == 0 < told["triangles_drawn"]  # by rays
     assert told["samples"] == 1
     assert told["bytes_uploaded"] > 0
     assert all(set(row) == {"drawn", "reused", "skipped", "ms"} for row in told["passes"].values())

@@ -106,16 +106,13 @@ CASTER = Record(
 #: A Lambertian surface; a width of 0 means that there is no image.
 MATERIAL = Record("Material", color="vec3", first_line="int", width="int", height="int", repeat="int", levels="int")
 
-#: An area light in anchor space, and which light points stand for it. Its own space has the tangent for x and the
-#: normal for z, from its position.
+#: An area light in anchor space. Its own space has the tangent for x and the normal for z, from its position.
 LIGHT = Record(
     "Light",
     position="vec3",
     shape="int",
     axis_u="vec3",
-    first_point="int",
     axis_v="vec3",
-    point_count="int",
     normal="vec3",
     casts_shadow="int",
     tangent="vec3",
@@ -123,6 +120,9 @@ LIGHT = Record(
     radiance="vec3",
     spread_scale="float",
 )
+
+#: Which light points stand for a light.
+POINTS_OF_LIGHT = Record("PointsOfLight", first="int", count="int")
 
 #: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
 LIGHT_POINT = Record("LightPoint", place="vec2", turn="vec2")

@@ -23,6 +23,7 @@ from .passes.blur import Blur
 from .passes.gather import Gather
 from .passes.gbuffer import FAR_AWAY, GBuffer
 from .passes.light_points import LightPoints, points_per_light
+from .passes.lights import Lights
 from .passes.predict import Predict
 from .passes.pull_push import PullPush
 from .passes.resolve import Resolve
@@ -41,12 +42,12 @@ from .profile import Profile
 from .targets import DEPTH, Targets
 
 #: What the camera sees, in the parts of the picture that the sample is spent on, and the lights;
-BEFORE = (Meshes, Place, Colours, Sift, GBuffer, LightPoints)
+BEFORE = (Meshes, Place, Colours, Sift, GBuffer, Lights)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
 FITTED = (MeshTrees, InstanceTree, Scout, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
-CLASSIC = (SurfacePoints, Subsets)
+CLASSIC = (LightPoints, SurfacePoints, Subsets)
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
 #: the creases too small for either, and all of it put together; again with other points, and summed.
 AFTER = (SSAO, Blur, Shade, Show, Accumulate)

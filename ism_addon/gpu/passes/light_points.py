@@ -8,11 +8,11 @@ light; a light's radiance and area are exact (see gather), its points only say h
 import numpy as np
 
 from ...color import LUMINANCE
-from ...radiometry import light_areas, spread_terms
+from ...radiometry import light_areas, plane_normals
 from ...sampling import additive_sequence, points_on_light, shares
 from ...scene import Change, Lights
 from ...spaces import orthonormal
-from ..layout import LIGHT, LIGHT_POINT
+from ..layout import LIGHT_POINT, POINTS_OF_LIGHT
 from . import Frame, Pass
 
 
@@ -26,21 +26,17 @@ def points_per_light(lights: Lights, count: int) -> np.ndarray:
 MAP = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
 
 
-def light_tables(
+def point_tables(
     lights: Lights, count: int, sample: int, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of LIGHT, of LIGHT_POINT and of MAP for one sample."""
+    """Rows of POINTS_OF_LIGHT, of LIGHT_POINT and of MAP for one sample."""
     counts = points_per_light(lights, count)
     first = np.cumsum(counts) - counts
+    of_lights = np.zeros(len(counts), POINTS_OF_LIGHT.dtype)
+    of_lights["first"], of_lights["count"] = first, counts
+
     normals = plane_normals(lights)
     tangents, bitangents = orthonormal(normals)
-    table = np.zeros(len(counts), LIGHT.dtype)
-    table["position"], table["normal"], table["tangent"] = lights.position - anchor, normals, tangents
-    for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance"):
-        table[name] = getattr(lights, name)
-    table["first_point"], table["point_count"] = first, counts
-    table["spread_tangent"], table["spread_scale"] = spread_terms(lights.spread).T
-
     owners = np.repeat(np.arange(len(counts)), counts)
     shifts = additive_sequence(sample, 1, 2) + additive_sequence(0, len(counts), 2)
     positions = [points_on_light(lights, light, number, shifts[light]) for light, number in enumerate(counts)]
@@ -53,32 +49,25 @@ def light_tables(
     maps["position"] = offsets + (lights.position - anchor)[owners]
     maps["tangent"] = np.cos(angle) * tangents[owners] + np.sin(angle) * bitangents[owners]
     maps["normal"], maps["light"] = normals[owners], owners
-    return table, points, maps
-
-
-def plane_normals(lights: Lights) -> np.ndarray:
-    """(L,3) unit normals of the planes that the axes span, on the side that shines. A sheared light's may differ."""
-    normals = np.cross(lights.axis_u, lights.axis_v)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.copysign(1.0, np.einsum("nk,nk->n", normals, lights.normal))[:, None] * normals
+    return of_lights, points, maps
 
 
 class LightPoints(Pass):
-    """The tables of lights and of light points."""
+    """The tables of light points, and of which are whose."""
 
-    makes = ("lights", "light_points", "maps")
+    makes = ("points_of_lights", "light_points", "maps")
     settings = ("quality.light_points",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0
+        return len(frame.scene.lights.shape) > 0 and not frame.fitted
 
     def draw(self, frame: Frame) -> None:
-        lights, points, maps = light_tables(
+        of_lights, points, maps = point_tables(
             frame.scene.lights, frame.settings.quality.light_points, frame.sample, frame.anchor
         )
-        frame.tables["lights"] = LIGHT.upload(self.device.gl, lights)
+        frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device.gl, of_lights)
         frame.tables["light_points"] = LIGHT_POINT.upload(self.device.gl, points)
         frame.tables["maps"] = maps
         frame.counts["light_points"] = len(points)
-        frame.counts["bytes_uploaded"] += lights.nbytes + points.nbytes
+        frame.counts["bytes_uploaded"] += of_lights.nbytes + points.nbytes

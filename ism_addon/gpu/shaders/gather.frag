@@ -5,6 +5,7 @@
 uniform sampler2D position;
 uniform sampler2D normals;
 uniform sampler2D lights;
+uniform sampler2D points_of_lights;
 uniform sampler2D light_points;
 uniform sampler2D maps;
 uniform int light_count;
@@ -33,7 +34,7 @@ float visibility(vec2 turn, int index, vec3 v, vec3 n) {
     return fetch(maps, corner + texel).x >= receiver ? 1.0 : 0.0;
 }
 
-vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
+vec3 light_irradiance(Light light, PointsOfLight points, vec3 p, vec3 n, vec3 facet) {
     bool masked = shadows && light.casts_shadow != 0;
     vec3 full = light.radiance * unshadowed_irradiance(light, p, n);
     if (!masked) return batch.x == 0 ? full : vec3(0.0);
@@ -42,8 +43,8 @@ vec3 light_irradiance(Light light, vec3 p, vec3 n, vec3 facet) {
     n = light_from_anchor * n;
     facet = light_from_anchor * facet;
     float sent = 0.0, arrived = 0.0;
-    int last = full == vec3(0.0) ? 0 : light.first_point + light.point_count;
-    for (int k = light.first_point; k < last; ++k) {
+    int last = full == vec3(0.0) ? 0 : points.first + points.count;
+    for (int k = points.first; k < last; ++k) {
         LightPoint point = fetch_LightPoint(light_points, k);
         vec3 v = vec3(p.xy - point.place, p.z);
         float square = dot(v, v);
@@ -64,7 +65,7 @@ void main() {
     vec4 octahedra = fetch(normals, at);
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
     for (int k = 0; k < light_count; ++k) {
-        Light light = fetch_Light(lights, k);
-        irradiance.rgb += light_irradiance(light, p.xyz, n, facet);
+        PointsOfLight points = fetch_PointsOfLight(points_of_lights, k);
+        irradiance.rgb += light_irradiance(fetch_Light(lights, k), points, p.xyz, n, facet);
     }
 }
