@@ -119,7 +119,11 @@ def test_the_profile_has_a_line_a_pass(call, scene_file, tmp_path, device):
     lines = {line.split()[0]: line.split() for line in out.splitlines()}
     for name, row in drawn.profile.rows.items():
         assert lines[name][1:4] == [str(row.drawn), str(row.reused), str(row.skipped)]
-    assert "8 light points" in out
+    assert f"{drawn.profile.counts['triangles_drawn']:,} triangles drawn" in out
+    assert "light points" not in out  # rays need none
+    assert (
+        "8 light points" in call(scene_file, "-o", tmp_path / "out.png", "--profile", "--shadow-method", "classic")[1]
+    )
 
 
 def test_flags_change_settings(call, scene_file, tmp_path, device):

@@ -43,5 +43,6 @@ def table(statistics: dict) -> str:
     lines = [f"{'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
     for name, row in statistics["passes"].items():
         lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
-    counted = (f"{statistics[name]:,} {name.replace('_', ' ')}" for name in ("samples", *COUNTS, "triangles"))
+    names = [name for name in ("samples", *COUNTS, "triangles") if statistics[name]]
+    counted = (f"{statistics[name]:,} {name.replace('_', ' ')}" for name in names)
     return "\n".join([*lines, " · ".join(counted), f"{statistics['seconds']:.2f} s"])
