@@ -22,19 +22,21 @@ layout(location = 2) out vec2 seen; // rays that arrived, and rays
 // A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
 vec2 known_of(Receiver here, ivec2 at) {
     ivec2 last = textureSize(prediction, 0) - 1;
-    vec2 known = fetch(prediction, min(at, last)).xy;
 #if RAYS
-    float z = fetch(depth, at).x, best = alike(here.position, here.normal, z, fetch(foreseen, at));
-    int taps = best > 0.5 ? 0 : 9;
-    for (int k = 0; k < taps; ++k) {
-        ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
-        float like = alike(here.position, here.normal, z, fetch(foreseen, other));
-        if (like > best) known = fetch(prediction, other).xy;
+    vec2 known = vec2(0.0, 1.0), texel = texel_size(foreseen);
+    float z = fetch(depth, at).x, best = 0.0;
+    for (int k = 0, taps = 9; k < taps; ++k) { // the pixel's own first
+        ivec2 other = clamp(at + ivec2((k + 4) % 3 - 1, (k + 4) % 9 / 3 - 1), ivec2(0), last);
+        float like = alike(here.position, here.normal, z, fetch(foreseen, other, texel));
+        if (k == 0 || like > best) known = fetch(prediction, other, texel).xy;
         best = max(best, like);
+        if (k == 0 && best > 0.5) taps = 1;
     }
     if (best < 0.5) known.y = 1.0;
-#endif
     return known;
+#else
+    return fetch(prediction, min(at, last)).xy;
+#endif
 }
 
 void main() {
