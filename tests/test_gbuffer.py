@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ism_addon.color import linear_from_srgb
-from ism_addon.gpu.buffers import mip_chain
+from ism_addon.gpu.buffers import Draw, mip_chain, portions
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.renderer import places_in_pixel
 from ism_addon.sampling import grid
@@ -226,3 +226,15 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
         assert place.any()
         assert (off > 1e-3).mean() <= EDGE
+
+
+@pytest.mark.parametrize("most", [1, 7, 64, 1000])
+def test_portions_are_all_triangles_of_all_draws_once(most):
+    draws = [Draw(5, 100, 0, 3), Draw(105, 7, 3, 1), Draw(112, 0, 4, 2), Draw(112, 4, 6, 50)]
+    parts = list(portions(iter(draws), most))
+    assert all(0 < part.triangles * part.instances <= max(most, part.instances) for part in parts)
+    for draw_call in draws:
+        own = [part for part in parts if part.first_instance == draw_call.first_instance]
+        assert all(part.instances == draw_call.instances for part in own)
+        drawn = [k for part in own for k in range(part.first_triangle, part.first_triangle + part.triangles)]
+        assert drawn == list(range(draw_call.first_triangle, draw_call.first_triangle + draw_call.triangles))

@@ -29,6 +29,15 @@ class Draw:
     instances: int
 
 
+def portions(draws: Iterator[Draw], most: int) -> Iterator[Draw]:
+    """The same in draws of `most` triangles at most, or of one an instance."""
+    for draw in draws:
+        each = max(most // draw.instances, 1)
+        for first in range(0, draw.triangles, each):
+            count = min(each, draw.triangles - first)
+            yield replace(draw, first_triangle=draw.first_triangle + first, triangles=count)
+
+
 class Geometry:
     """Meshes as vertex and index buffers, and as textures that shaders read by triangle."""
 

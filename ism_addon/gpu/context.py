@@ -30,6 +30,8 @@ class Device:
     #: Returns when the GPU has done all that was asked of it, without holding the interpreter's lock:
     #: moderngl's own finish() and read() hold it while they wait, and Blender's window with it.
     wait: Callable[[], None]
+    #: Lets the GPU begin with what was asked of it so far.
+    flush: Callable[[], None]
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
 
@@ -47,5 +49,5 @@ def open_device() -> Device:
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
     gl.gc_mode = "context_gc"  # what is let go of is freed by gl.gc(), in this thread
-    finish = ctypes.CFUNCTYPE(None)(gl.mglo._context.load("glFinish"))
-    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish)
+    finish, flush = (ctypes.CFUNCTYPE(None)(gl.mglo._context.load(name)) for name in ("glFinish", "glFlush"))
+    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish, flush)

@@ -9,11 +9,16 @@ import moderngl
 
 from ...scene import Change
 from ..block import clip_from_anchor
+from ..buffers import portions
 from ..context import Device
 from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import Frame, Pass
+
+#: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not keep all
+#: of them in new memory.
+PORTION = 1 << 15
 
 #: Depth of the background, as in Cycles' depth pass. m
 FAR_AWAY = 1e10
@@ -85,8 +90,10 @@ class GBuffer(Pass):
         bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift))
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
-        for draw in placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel):
-            frame.counts["triangles_drawn"] += draw.triangles * draw.instances
+        draws, waiting = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel), 0
+        for draw in portions(draws, PORTION):
+            count = draw.triangles * draw.instances
+            frame.counts["triangles_drawn"] += count
             bind(self.triangles, first_instance=draw.first_instance)
             for name, (_, offset) in INSTANCE.dtype.fields.items():
                 place = self.triangles[name].location, "f", placement.rows_by_instance, "4f"
@@ -94,3 +101,7 @@ class GBuffer(Pass):
             mesh.render(
                 moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
             )
+            waiting += count
+            if waiting >= PORTION:
+                self.device.flush()
+                waiting = 0
