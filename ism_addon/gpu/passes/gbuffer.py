@@ -16,8 +16,8 @@ from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import Frame, Pass
 
-#: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not keep all
-#: of them in new memory.
+#: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
+#: memory for all of them.
 PORTION = 1 << 15
 
 #: Depth of the background, as in Cycles' depth pass. m
