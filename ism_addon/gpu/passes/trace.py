@@ -57,6 +57,7 @@ class Trace(Pass):
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         shifts = additive_sequence(0, len(lights.shape), 3)
+        predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
             casts = frame.traces and bool(lights.casts_shadow[light])
             traced, shown = self.chosen(frame, light, shift[2]) if casts else (None, frame.tables["blocks"])
@@ -73,16 +74,17 @@ class Trace(Pass):
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if casts else self.all_seen,
             }
-            targets = [frame.targets["predicted"], frame.targets["correction"]]
             program = self.program(*kind, 0, 1)
             bind(program, **shared)
-            self.draw_blocks(frame, gl.framebuffer(targets[:1]), program, shown)
+            self.draw_blocks(frame, predicted, program, shown)
             if casts and len(traced):
-                program = self.program(*kind, 1, len(frame.grid.places))
-                enough = ENOUGH * frame.tables["brightness"]
                 places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
-                bind(program, **shared, **places, enough=enough, **frame.tables["casters"])
-                self.draw_blocks(frame, gl.framebuffer([*targets, frame.tables["seen"][light]]), program, traced)
+                with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
+        for kind, uniforms, seen, traced in with_rays:
+            program = self.program(*kind, 1, len(frame.grid.places))
+            bind(program, **uniforms, enough=ENOUGH * frame.tables["brightness"], **frame.tables["casters"])
+            target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
+            self.draw_blocks(frame, target, program, traced)
 
     def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
         """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
