@@ -15,7 +15,7 @@ DEPTH = "depth"
 class Target:
     """A texture that a pass writes: the size of the picture over `divisor`, or for 0 a size of the pass's own.
 
-    Where the pass is not needed, one texel of `neutral` stands for it, so no shader has a variant without it.
+    Where the pass is not needed, one texel of `neutral` stands for it, so shaders need no variant without it.
     """
 
     components: int

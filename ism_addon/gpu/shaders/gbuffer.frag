@@ -6,6 +6,9 @@
 #include "lib/rise.glsl"
 #if IMAGES
 #include "lib/image.glsl"
+uniform sampler2D uvs;
+
+vec2 uv_at(int corner) { return fetch(uvs, element(corner)).xy; }
 #endif
 
 uniform usampler2D triangles_seen;
@@ -18,7 +21,6 @@ uniform sampler2D material_table;
 uniform sampler2D positions;
 uniform usampler2D triangles;
 uniform isampler2D normals;
-uniform sampler2D uvs;
 uniform usampler2D materials;
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
@@ -33,8 +35,6 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     float s = dot(v, q) * scale, t = -dot(u, q) * scale;
     return vec3(1.0 - s - t, s, t);
 }
-
-vec2 uv_at(int corner) { return fetch(uvs, element(corner)).xy; }
 
 void main() {
     ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);

@@ -29,7 +29,7 @@ vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-
 
 vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// On to the nearest of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
+// On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
 Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 texel) {
     vec2 at = tree_place(2 * (first_node + here.node), texel);
     uvec4 one = textureLod(tree_nodes, at, 0.0), other = textureLod(tree_nodes, at + vec2(texel.x, 0.0), 0.0);
