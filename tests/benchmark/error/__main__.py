@@ -43,12 +43,18 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="small pictures of two scenes, one round: a rough look")
     parser.add_argument("--scenes", help=f"some of {','.join(SCENES)}")
     parser.add_argument("--rounds", type=int, help=f"turns of each engine; medians are taken ({WHOLE.rounds})")
+    parser.add_argument("--seconds", type=float, help=f"that ours accumulates ({WHOLE.seconds:g})")
     parser.add_argument("--tuning", action="store_true", help="the scenes' other forms, on which parameters are chosen")
     parser.add_argument("--blender", default="blender", help="the program that draws EEVEE (%(default)s)")
     options = parser.parse_args()
     effort = QUICK if options.quick else WHOLE
     scenes = tuple(options.scenes.split(",")) if options.scenes else effort.scenes
-    effort = replace(effort, scenes=scenes, rounds=options.rounds or effort.rounds)
+    effort = replace(
+        effort,
+        scenes=scenes,
+        rounds=options.rounds or effort.rounds,
+        seconds=options.seconds or effort.seconds,
+    )
     if unknown := [name for name in scenes if name not in SCENES]:
         parser.error(f"no such scene: {', '.join(unknown)}")
     options.output.mkdir(parents=True, exist_ok=True)
