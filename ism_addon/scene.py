@@ -6,9 +6,10 @@ SI units, radians, linear Rec.709, float32 unless said; world space is float64 (
 A mesh, an image, a light table that did not change must be passed on as the same object.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import Enum, IntEnum
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -21,13 +22,18 @@ class LightShape(IntEnum):
 
 
 class Arrays:
-    """Base of the frozen dataclasses below: locks every array on construction."""
+    """Base of the frozen dataclasses below: locks every array on construction. Compared by identity, but see equals."""
 
     def __post_init__(self) -> None:
         for member in fields(self):
             value = getattr(self, member.name)
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+
+    def equals(self, other: Self) -> bool:
+        """Whether all members have the same values."""
+        pairs = ((getattr(self, member.name), getattr(other, member.name)) for member in fields(self))
+        return all(np.array_equal(a, b) for a, b in pairs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +45,11 @@ class Mesh(Arrays):
     normals: np.ndarray  # (T,3,3) unit shading normals of the corners
     uvs: np.ndarray  # (T,3,2), or (0,3,2) where the mesh has none
     materials: np.ndarray  # (T,) uint32, into Materials
+
+    @cached_property
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest corner (3,), float64."""
+        return self.positions.min(0).astype(np.float64), self.positions.max(0).astype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +117,22 @@ class Scene:
         sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
+    def sharing(self, other: Self) -> Self:
+        """This scene, with the other's own objects for all that is equal in both; the other itself if all is."""
+        parts = {part: getattr(self, part) for part in ("instances", "materials", "lights", "world")}
+        for part, value in parts.items():
+            if value.equals(getattr(other, part)):
+                parts[part] = getattr(other, part)
+        shared = replace(self, **parts)
+        same = all(getattr(shared, member.name) == getattr(other, member.name) for member in fields(self))
+        return other if same else shared
+
     @cached_property
     def extent(self) -> float:
         """Largest side of the box around all instances, m, from their bounding spheres."""
         if not len(self.instances.mesh):
             return 1.0
-        low = np.array([mesh.positions.min(0) for mesh in self.meshes], np.float64)
-        high = np.array([mesh.positions.max(0) for mesh in self.meshes], np.float64)
+        low, high = (np.array(corners) for corners in zip(*(mesh.box for mesh in self.meshes), strict=True))
         centre = ((low + high) / 2.0)[self.instances.mesh]
         radius = np.linalg.norm(high - low, axis=1)[self.instances.mesh] / 2.0
         linear = self.instances.world_from_object[:, :3, :3]

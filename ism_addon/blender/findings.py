@@ -15,6 +15,11 @@ class Findings:
         if count:
             self._kinds.setdefault(kind, Counter())[name] += count
 
+    def include(self, others: "Findings") -> None:
+        """Add all that others hold."""
+        for kind, names in others._kinds.items():
+            self._kinds.setdefault(kind, Counter()).update(names)
+
     def sentences(self) -> tuple[str, ...]:
         """One a kind, in the order in which they were first seen."""
         return tuple(f"{kind}: {_listed(names)}." for kind, names in self._kinds.items())

@@ -45,37 +45,59 @@ class _Row:
 
 
 class LightTable:
-    """Collects the area lights, and says which lights are none."""
+    """Collects the area lights, from one depsgraph after another, and says which lights are none."""
 
-    def __init__(self, findings: Findings) -> None:
-        self._findings = findings
-        self._rows: list[_Row] = []
+    def __init__(self) -> None:
+        self._rows: list[tuple[_Row | None, Findings]] = []
+        self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
 
-    def add(self, light: bpy.types.Light, world_from_light: np.ndarray, name: str) -> None:
-        """One light where it stands, (4,4); left out if it is no area light, has no size or no power."""
-        if light.type != "AREA":
-            kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
-            self._findings.note(kind, name)
-            return
-        power = watts(light)
-        if not power.any():
-            return
-        row = _row(light, world_from_light, power)
-        if row is None:
-            self._findings.note("Area lights without a size, or of one beyond measure, are left out", name)
-        elif not within(row.radiance).all():
-            self._findings.note("Area lights too bright to be drawn are left out", name)
-        else:
-            self._rows.append(row)
+    def begin(self) -> None:
+        """Before all lights are added."""
+        self._rows.clear()
+        self._own.clear()
 
-    def table(self) -> Lights:
-        """All that were added."""
+    def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
+        """One light where it stands."""
+        if not instance.is_instance:
+            self._own[instance.object.original.session_uid] = len(self._rows)
+        self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64)))
+
+    def renew(self, source: bpy.types.Object) -> None:
+        """A light that stands for itself has changed; one that was not shown still is not."""
+        index = self._own.get(source.original.session_uid)
+        if index is not None:
+            self._rows[index] = _read(source, np.array(source.matrix_world, np.float64))
+
+    def table(self, findings: Findings) -> Lights:
+        """All that shine."""
+        for _, found in self._rows:
+            findings.include(found)
+        rows = [row for row, _ in self._rows if row is not None]
         columns = {}
         for member in fields(_Row):
-            column = np.array([getattr(row, member.name) for row in self._rows], DTYPES.get(member.name, np.float32))
+            column = np.array([getattr(row, member.name) for row in rows], DTYPES.get(member.name, np.float32))
             vector = member.type is np.ndarray
             columns[member.name] = column.reshape(-1, 3) if vector else column
         return Lights(**columns)
+
+
+def _read(source: bpy.types.Object, world_from_light: np.ndarray) -> tuple[_Row | None, Findings]:
+    """A light where it stands, (4,4); None if it is no area light, has no size or no power."""
+    findings, light = Findings(), source.data
+    if light.type != "AREA":
+        kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
+        findings.note(kind, source.name)
+        return None, findings
+    power = watts(light)
+    if not power.any():
+        return None, findings
+    row = _row(light, world_from_light, power)
+    if row is None:
+        findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
+    elif not within(row.radiance).all():
+        findings.note("Area lights too bright to be drawn are left out", source.name)
+        row = None
+    return row, findings
 
 
 def watts(light: bpy.types.Light) -> np.ndarray:

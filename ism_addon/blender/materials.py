@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials to a base colour or an image: what a Principled or a Diffuse BSDF is coloured with."""
 
+from typing import NamedTuple
+
 import bpy
 import numpy as np
 
@@ -15,99 +17,139 @@ GREY = 0.8
 SHADERS = {"ShaderNodeBsdfPrincipled": "Base Color", "ShaderNodeBsdfDiffuse": "Color"}
 
 
-class MaterialTable:
-    """Gives each material and each image its index, and reads it when it is first met."""
+class _Row(NamedTuple):
+    """One row of Materials."""
 
-    def __init__(self, findings: Findings) -> None:
-        self._findings = findings
+    base_color: np.ndarray
+    image: int
+    findings: tuple[Findings, ...]  # those of its image are shared with the others that have it
+
+
+GREY_ROW = _Row(np.full(3, GREY), -1, ())
+
+
+class MaterialTable:
+    """Gives each material and each image its index for good, and reads it when it is first met."""
+
+    def __init__(self) -> None:
         self._indices: dict[int, int] = {}
-        self._rows: list[tuple[np.ndarray, int]] = []
-        self._image_indices: dict[tuple[int, bool, bool], int] = {}
+        self._rows: list[_Row | None] = []
+        self._met: set[int] = set()
+        self._read_images: dict[tuple[int, bool, bool], tuple[int, Findings]] = {}
         self._images: list[Image] = []
+
+    def begin(self) -> None:
+        """Before all materials of the scene are asked for anew."""
+        self._met.clear()
 
     def index(self, material: bpy.types.Material | None) -> int:
         """Of a material in `table`; None is the grey of what has no material."""
-        key = material.as_pointer() if material else 0
-        if key not in self._indices:
-            self._indices[key] = len(self._rows)
-            self._rows.append(self._row(material) if material else (np.full(3, GREY), -1))
-        return self._indices[key]
+        key = material.original.session_uid if material else 0
+        index = self._indices.setdefault(key, len(self._rows))
+        if index == len(self._rows):
+            self._rows.append(None)
+        if self._rows[index] is None:
+            self._rows[index] = self._row(material)
+        self._met.add(index)
+        return index
 
-    def table(self) -> Materials:
-        """All that were met."""
+    def renew(self, material: bpy.types.Material) -> None:
+        """A material has changed; one that was never met is still none of ours."""
+        index = self._indices.get(material.original.session_uid)
+        if index is not None:
+            self._rows[index] = self._row(material)
+
+    def forget_images(self) -> None:
+        """Some image has changed: all materials are to be read anew when they are next met."""
+        self._rows = [None] * len(self._rows)
+        self._read_images.clear()
+        self._images.clear()
+
+    def table(self, findings: Findings) -> Materials:
+        """All that were ever met: their indices stay."""
+        rows = [row or GREY_ROW for row in self._rows]
+        for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
+            findings.include(found)
         return Materials(
-            base_color=np.array([color for color, _ in self._rows], np.float32).reshape(-1, 3),
-            image=np.array([image for _, image in self._rows], np.int32),
+            base_color=np.array([row.base_color for row in rows], np.float32).reshape(-1, 3),
+            image=np.array([row.image for row in rows], np.int32),
         )
 
     def images(self) -> tuple[Image, ...]:
         """What Materials.image leads into."""
         return tuple(self._images)
 
-    def _row(self, material: bpy.types.Material) -> tuple[np.ndarray, int]:
-        """Base colour (3,) and image."""
+    def _row(self, material: bpy.types.Material | None) -> _Row:
+        if material is None:
+            return GREY_ROW
+        findings = Findings()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return nodes.color(material.diffuse_color, GREY), -1
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
         shader = nodes.surface(node_tree)
         if shader is None:
-            return np.zeros(3), -1
+            return _Row(np.zeros(3), -1, (findings,))
         if shader.bl_idname not in SHADERS:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
-            self._findings.note(kind, material.name)
-            return nodes.color(material.diffuse_color, GREY), -1
-        return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]])
+            findings.note(kind, material.name)
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
+        return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
 
-    def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket) -> tuple[np.ndarray, int]:
-        """Base colour and image of a shader's colour socket."""
+    def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Findings) -> _Row:
+        """A row from a shader's colour socket."""
         plain = nodes.color(socket.default_value, GREY)
         fed_by = nodes.source(socket)
         if fed_by is None:
-            return plain, -1
+            return _Row(plain, -1, (findings,))
         node = fed_by.node
         if node.bl_idname == "ShaderNodeRGB":
-            return nodes.color(fed_by.default_value, GREY), -1
+            return _Row(nodes.color(fed_by.default_value, GREY), -1, (findings,))
         if node.bl_idname == "ShaderNodeTexImage" and fed_by.identifier == "Color":
-            return plain, self._image(material, node)
+            index, of_image = self._image(material, node, findings)
+            return _Row(plain, index, (findings, of_image))
         kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
-        self._findings.note(kind, material.name)
-        return plain, -1
+        findings.note(kind, material.name)
+        return _Row(plain, -1, (findings,))
 
-    def _image(self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage) -> int:
-        """The node's image, -1 where there is none to read."""
+    def _image(
+        self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings
+    ) -> tuple[int, Findings]:
+        """The node's image, -1 where there is none to read, and what is to be said of it."""
         image = node.image
         if image is None:
-            self._findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
-            return -1
-        self._note_placement(material, node)
+            findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
+            return -1, Findings()
+        _note_placement(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
-        key = (image.as_pointer(), repeat, on_black)
-        if key not in self._image_indices:
-            self._image_indices[key] = self._read(image, repeat, on_black)
-        return self._image_indices[key]
+        key = (image.original.session_uid, repeat, on_black)
+        if key not in self._read_images:
+            self._read_images[key] = self._read_image(image, repeat, on_black)
+        return self._read_images[key]
 
-    def _read(self, image: bpy.types.Image, repeat: bool, on_black: bool) -> int:
+    def _read_image(self, image: bpy.types.Image, repeat: bool, on_black: bool) -> tuple[int, Findings]:
+        findings = Findings()
         texels = images.texels(image, on_black)
         if texels is None:
-            self._findings.note(
+            findings.note(
                 "Images that are missing or cannot be read are left out, and the base colour is drawn", image.name
             )
-            return -1
+            return -1, findings
         if not images.is_known_space(image):
-            self._findings.note("Images in a colour space that is not known are taken for sRGB", image.name)
+            findings.note("Images in a colour space that is not known are taken for sRGB", image.name)
         if image.source in ("TILED", "SEQUENCE", "MOVIE"):
-            self._findings.note("Of image sequences, movies and tiled images one picture is drawn", image.name)
+            findings.note("Of image sequences, movies and tiled images one picture is drawn", image.name)
         self._images.append(Image(texels, repeat))
-        return len(self._images) - 1
+        return len(self._images) - 1, findings
 
-    def _note_placement(self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage) -> None:
-        """Say where a texture will not lie as the artist meant it."""
-        placed_by = nodes.source(node.inputs["Vector"])
-        if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
-            kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
-            self._findings.note(kind, material.name)
-        if node.projection != "FLAT":
-            self._findings.note("Textures projected otherwise than flat lie on the active UV map", material.name)
-        if node.extension not in ("REPEAT", "EXTEND"):
-            kind = "Textures that are clipped or mirrored at their border have the border's colour there"
-            self._findings.note(kind, material.name)
+
+def _note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings) -> None:
+    """Say where a texture will not lie as the artist meant it."""
+    placed_by = nodes.source(node.inputs["Vector"])
+    if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
+        kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
+        findings.note(kind, material.name)
+    if node.projection != "FLAT":
+        findings.note("Textures projected otherwise than flat lie on the active UV map", material.name)
+    if node.extension not in ("REPEAT", "EXTEND"):
+        kind = "Textures that are clipped or mirrored at their border have the border's colour there"
+        findings.note(kind, material.name)

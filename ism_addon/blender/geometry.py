@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where meshes stand. Each is read once for each list of materials that it stands with, and kept until it changes."""
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..scene import Instances, Mesh
+from . import meshes
+from .findings import Findings
+from .materials import MaterialTable
+from .reach import FARTHEST, within
+
+
+class _Reading(NamedTuple):
+    """What was read of a mesh, None where it has no triangle."""
+
+    mesh: Mesh | None
+    findings: Findings
+
+
+class _Row(NamedTuple):
+    """One row of Instances."""
+
+    reading: _Reading
+    world_from_object: np.ndarray
+    visible: bool
+    casts_shadow: bool
+    name: str
+    unlike: Findings  # of the object, shared with its other instances
+
+
+class Geometry:
+    """Collects instances, from one depsgraph after another."""
+
+    def __init__(self, materials: MaterialTable) -> None:
+        self._materials = materials
+        self._readings: dict[tuple, _Reading] = {}  # by the evaluated mesh's address, which may come to hold another
+        self._changed: frozenset[int] = frozenset()
+        self._renewed: set[tuple] = set()
+        self._last: dict[tuple, Mesh] = {}
+        self._unlike: dict[int, Findings] = {}
+        self._rows: list[_Row] = []
+        self._own: dict[int, int] = {}  # the row of an object that stands for itself, by its session_uid
+
+    def distrust(self, changed: frozenset[int]) -> None:
+        """What was read for the objects of these session_uids no longer holds."""
+        self._changed = changed
+        self._renewed.clear()
+
+    def begin(self) -> None:
+        """Before all instances are added."""
+        self._rows.clear()
+        self._own.clear()
+        self._unlike.clear()
+
+    def add(self, instance: bpy.types.DepsgraphObjectInstance, view_layer: bpy.types.ViewLayer) -> None:
+        """One mesh where it stands."""
+        source = instance.object
+        shown = (source, instance.parent) if instance.is_instance else (source,)
+        if not instance.is_instance:
+            self._own[source.original.session_uid] = len(self._rows)
+        self._rows.append(self._row(source, instance.matrix_world, shown, view_layer))
+
+    def renew(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
+        """An object that stands for itself has changed; one that was not shown still is not."""
+        index = self._own.get(source.original.session_uid)
+        if index is not None:
+            self._unlike.pop(source.original.session_uid, None)
+            self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer)
+
+    def tables(self, findings: Findings) -> tuple[tuple[Mesh, ...], Instances]:
+        """The meshes that stand somewhere, and where. What stands nowhere is let go of."""
+        self._tidy()
+        rows = [row for row in self._rows if row.reading.mesh is not None]
+        matrices = np.array([row.world_from_object for row in rows]).reshape(-1, 4, 4)
+        upright = _invertible(matrices)
+        for found in dict.fromkeys(found for row in self._rows for found in (row.reading.findings, row.unlike)):
+            findings.include(found)
+        for index in np.flatnonzero(~upright):
+            kind = f"Objects scaled to nothing in some direction, or beyond {FARTHEST:g} m, are left out"
+            findings.note(kind, rows[index].name)
+        placed = [row for row, kept in zip(rows, upright.tolist(), strict=True) if kept]
+        numbers: dict[Mesh, int] = {}
+        of_row = [numbers.setdefault(row.reading.mesh, len(numbers)) for row in placed]
+        instances = Instances(
+            mesh=np.array(of_row, np.int32),
+            world_from_object=matrices[upright],
+            visible=np.array([row.visible for row in placed], np.bool_),
+            casts_shadow=np.array([row.casts_shadow for row in placed], np.bool_),
+        )
+        return tuple(numbers), instances
+
+    def _tidy(self) -> None:
+        used = {id(row.reading) for row in self._rows}
+        self._readings = {key: reading for key, reading in self._readings.items() if id(reading) in used}
+        meshes_left = {reading.mesh for reading in self._readings.values()}
+        self._last = {key: mesh for key, mesh in self._last.items() if mesh in meshes_left}
+
+    def _row(
+        self,
+        source: bpy.types.Object,
+        world_from_object: "bpy.types.Matrix",
+        shown: tuple[bpy.types.Object, ...],
+        view_layer: bpy.types.ViewLayer,
+    ) -> _Row:
+        of_object = source.original.session_uid
+        if of_object not in self._unlike:
+            self._unlike[of_object] = _unlike(source)
+        return _Row(
+            self._mesh(source, shown, view_layer),
+            np.array(world_from_object, np.float64),
+            all(each.visible_camera for each in shown) and not shown[-1].indirect_only_get(view_layer=view_layer),
+            all(each.visible_shadow for each in shown),
+            source.name,
+            self._unlike[of_object],
+        )
+
+    def _mesh(
+        self, source: bpy.types.Object, shown: tuple[bpy.types.Object, ...], view_layer: bpy.types.ViewLayer
+    ) -> _Reading:
+        """An object's mesh with its materials."""
+        override = view_layer.material_override
+        slots = [override or slot.material for slot in source.material_slots] or [override]
+        materials = tuple(self._materials.index(material) for material in slots)
+        key = (source.data.as_pointer(), materials)
+        changed = any(each.original.session_uid in self._changed for each in shown)
+        if key not in self._readings or (changed and key not in self._renewed):
+            self._readings[key] = self._read(source, materials)
+            self._renewed.add(key)
+        return self._readings[key]
+
+    def _read(self, source: bpy.types.Object, materials: tuple[int, ...]) -> _Reading:
+        """Read it; one that turns out to be what it was before is the same Mesh."""
+        read, findings = _triangles(source, materials), Findings()
+        findings.note("Triangles without area are left out", source.name, read.without_area)
+        kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
+        findings.note(kind, source.name, read.out_of_reach)
+        key = (source.original.session_uid, materials)
+        mesh, last = read.mesh, self._last.get(key)
+        if mesh is not None and last is not None and mesh.equals(last):
+            mesh = last
+        if mesh is not None:
+            self._last[key] = mesh
+        return _Reading(mesh, findings)
+
+
+def _triangles(source: bpy.types.Object, materials: tuple[int, ...]) -> meshes.Reading:
+    """An object's mesh; one in edit mode is in its editor's form, and has to be copied out of it."""
+    if not source.data.is_editmode:
+        return meshes.read(source.data, materials)
+    try:
+        return meshes.read(source.to_mesh(), materials)
+    finally:
+        source.to_mesh_clear()
+
+
+def _unlike(source: bpy.types.Object) -> Findings:
+    """What of an object will look otherwise than the artist meant it."""
+    findings = Findings()
+    if source.is_holdout:
+        findings.note("Holdouts are drawn as plain surfaces", source.name)
+    settings = (system.settings for system in source.particle_systems)
+    if any(each.type == "HAIR" and each.render_type == "PATH" for each in settings):
+        findings.note("Hair strands are not drawn by this engine", source.name)
+    return findings
+
+
+def _invertible(matrices: np.ndarray) -> np.ndarray:
+    """(I,) which of (I,4,4) stay within reach and flatten nothing, as far as float64 tells of Blender's float32."""
+    linear = np.where(within(matrices).all((1, 2), keepdims=True), matrices, 0.0)[:, :3, :3]
+    size = np.prod(np.linalg.norm(linear, axis=1), axis=1)
+    return np.abs(np.linalg.det(linear)) > 1e-9 * size
