@@ -32,6 +32,40 @@ class Method(Choice):
     CLASSIC = "CLASSIC", "Classic", "Imperfect shadow maps, one for each light point, as in the report of 2013"
 
 
+class Resolution(Choice):
+    """The side of the viewport's picture, in percent of the viewport's."""
+
+    FULL = "100", "100 %", "Draw each pixel"
+    HALF = "50", "50 %", "Draw a quarter of the pixels, each twice as wide and high"
+    QUARTER = "25", "25 %", "Draw a sixteenth of the pixels, each four times as wide and high"
+
+
+class DebugView(Choice):
+    """The picture, or any target that a pass writes on the way to it."""
+
+    COLOR = "color", "Picture", "The picture itself"
+    TRIANGLE = "triangle", "Triangles", "The nearest triangle, each in a colour of its own"
+    DEPTH = "depth", "Depth", "Distance along the view's axis, in metres: white from one on"
+    POSITION = "position", "Position", "Place of the nearest surface, in metres, as red, green and blue"
+    NORMAL = "normal", "Normal", "Direction of the nearest surface, as red, green and blue"
+    ALBEDO = "albedo", "Base Color", "Colour of the nearest surface, without light"
+    AROUND = (
+        "around",
+        "Prediction Around",
+        "Part of one light that the rays around a pixel say it sees. Fitted only",
+    )
+    FORESEEN = "foreseen", "Predicted Surfaces", "Places that the shadows were predicted for. Fitted only"
+    PREDICTED = "predicted", "Predicted Light", "The lights' irradiance as it is predicted. Fitted only"
+    CORRECTION = "correction", "Correction", "How far shadow rays say that the prediction is wrong. Fitted only"
+    SPLATS = "splats", "Splats", "The shadow maps as the surface points leave them, with holes. Classic only"
+    SHADOW_MAPS = "shadow_maps", "Shadow Maps", "The shadow maps when their holes are filled. Classic only"
+    IRRADIANCE = "irradiance", "Irradiance", "The lights' irradiance through the shadow maps. Classic only"
+    OCCLUSION = "occlusion", "Raw Occlusion", "Ambient occlusion as it is found, with noise: white is open"
+    OCCLUSION_ACROSS = "occlusion_across", "Half-Smooth Occlusion", "Ambient occlusion, smoothed across but not along"
+    SMOOTH_OCCLUSION = "smooth_occlusion", "Ambient Occlusion", "Ambient occlusion as it darkens the picture"
+    COLOR_CORRECTION = "color_correction", "Color Correction", "What the correction does to the picture. Fitted only"
+
+
 @dataclass(frozen=True)
 class Control:
     """How a setting looks to its user. Units are Blender's names of property subtypes."""
@@ -193,9 +227,21 @@ class Quality:
     )
 
 
+@dataclass(frozen=True)
+class ViewportQuality(Quality):
+    """How much work the viewport's picture is worth, and how large it is drawn."""
+
+    resolution: Resolution = setting(  # noqa: RUF009 (what it returns is a field)
+        Resolution.FULL,
+        "Resolution",
+        "Width and height of what is drawn, in parts of the viewport, which it is enlarged to. "
+        "Less is coarser; time falls with the number of pixels",
+    )
+
+
 #: The two uses of Quality: Blender's final render, and its viewport, where waiting is felt.
 FINAL = Quality()
-VIEWPORT = Quality(light_points=32, map_size=64, surface_points=8192)
+VIEWPORT = ViewportQuality(light_points=32, map_size=64, surface_points=8192)
 
 
 @dataclass(frozen=True)
@@ -205,7 +251,11 @@ class Settings:
     shadow: Shadow = Shadow()
     ssao: SSAO = SSAO()
     quality: Quality = FINAL
-    show: str = "color"  # the target that becomes the picture: any that a pass writes
+    show: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
+        DebugView.COLOR,
+        "Debug View",
+        "Show what a step of the method has made instead of the picture. Final renders are always the picture",
+    )
 
 
 #: Sections by the name under which users and scripts find them.
@@ -213,9 +263,10 @@ SECTIONS: dict[str, type] = {"shadow": Shadow, "ssao": SSAO, "quality": Quality}
 
 
 def controls(section: type) -> Iterator[tuple[Field, Control]]:
-    """The fields of a section with what their users see of them."""
+    """The fields of a section that users can turn, with what they see of them."""
     for member in fields(section):
-        yield member, member.metadata["control"]
+        if "control" in member.metadata:
+            yield member, member.metadata["control"]
 
 
 def explained(member: Field, control: Control) -> str:

@@ -15,8 +15,7 @@ import pytest
 from ism_addon import snapshot
 from ism_addon.gpu.__main__ import main
 from ism_addon.gpu.png import display_from_linear, write_png
-from ism_addon.gpu.renderer import SHOWABLE
-from ism_addon.settings import SSAO, Method
+from ism_addon.settings import SSAO, DebugView, Method
 
 from .scenes.small import box_over_plane
 from .studio import SMALL_SETTINGS, draw
@@ -97,7 +96,7 @@ def test_without_opengl_it_says_so(scene_file, tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.parametrize("target", SHOWABLE)
+@pytest.mark.parametrize("target", DebugView)
 def test_every_target_can_be_shown(call, scene_file, tmp_path, target):
     out = tmp_path / "out.png"
     assert call(scene_file, "-o", out, "--show", target)[0] == 0

@@ -3,17 +3,22 @@
 
 from dataclasses import Field
 
-from ism_addon.settings import SECTIONS, VIEWPORT, Control, controls, explained
+from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, DebugView, Settings, controls, explained
 from tests.tools.project import ROOT
 
-HOMES = {"shadow": "scene.ism.shadow", "ssao": "scene.ism.ssao", "quality": "scene.ism.render and .viewport"}
+HOMES = {
+    "scene.ism.shadow": SECTIONS["shadow"],
+    "scene.ism.ssao": SECTIONS["ssao"],
+    "scene.ism.render and .viewport": type(VIEWPORT),
+    "scene.ism": Settings,
+}
 
 
 def table() -> str:
     """A row a setting: where scripts find it, its default, and what it does."""
     lines = []
-    for name, section in SECTIONS.items():
-        lines += [f"| `{HOMES[name]}` | default | |", "|---|---|---|"]
+    for home, section in HOMES.items():
+        lines += [f"| `{home}` | default | |", "|---|---|---|"]
         lines += [row(section, member, control) for member, control in controls(section)]
         lines.append("")
     return "\n".join(lines)
@@ -24,11 +29,16 @@ def row(section: type, member: Field, control: Control) -> str:
     value = member.default
     if control.unit == "ANGLE":
         shown = f"{value:.4g} rad"
+    elif section is type(VIEWPORT) and not hasattr(FINAL, member.name):
+        shown = f"viewport {value}"
     elif section is type(VIEWPORT) and getattr(VIEWPORT, member.name) != value:
         shown = f"{value}, viewport {getattr(VIEWPORT, member.name)}"
     else:
         shown = {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else value
-    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {explained(member, control)}. |"
+    meaning = explained(member, control)
+    if member.type is DebugView:
+        meaning = f"{control.meaning}: {', '.join(DebugView)}"
+    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {meaning}. |"
 
 
 def test_the_readme_has_every_setting_as_it_is():

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.settings import SECTIONS, Method, controls, explained
+from ism_addon.gpu.renderer import SHOWABLE
+from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, controls, explained
 
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
@@ -51,10 +52,14 @@ def test_the_methods_draw_different_pictures(device):
 
 
 def test_every_setting_is_explained_to_its_user():
-    for section in SECTIONS.values():
+    for section in (*SECTIONS.values(), ViewportQuality, Settings):
         for member, control in controls(section):
             text = explained(member, control)
             assert text[0].isupper() and not text.endswith(".")
             assert (". For the method Classic only" in text) == (control.method is Method.CLASSIC)
-            for choice in Method if member.type is Method else ():
+            for choice in member.type if issubclass(member.type, Choice) else ():
                 assert f"{choice.value}: {choice.meaning}" in text
+
+
+def test_a_debug_view_is_any_target_that_can_be_shown():
+    assert sorted(DebugView) == sorted(SHOWABLE)

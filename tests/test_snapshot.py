@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from ism_addon import snapshot
 from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
-from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
 
 
 def a_mesh(generator, uvs=True):
@@ -52,7 +52,7 @@ def a_scene():
 
 VIEW = View(np.eye(4), np.eye(4) * 0.1, 640, 480, 1.25, True)
 SETTINGS = Settings(
-    Shadow(method=Method.CLASSIC, bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show="normal"
+    Shadow(method=Method.CLASSIC, bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show=DebugView.NORMAL
 )
 
 

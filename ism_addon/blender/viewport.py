@@ -74,7 +74,7 @@ class Viewport:
 
 def _view(engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> View:
     region, space, scene = context.region, context.space_data, context.scene
-    pixel = engine.get_preview_pixel_size(scene)
+    pixel = engine.get_preview_pixel_size(scene) * controls.pixel_size(scene)
     seen_through = space.camera if space.use_local_camera else scene.camera
     return camera.viewport_view(
         depsgraph, context.region_data, max(1, region.width // pixel), max(1, region.height // pixel), seen_through

@@ -11,7 +11,7 @@ from typing import Any
 
 from .. import snapshot
 from ..scene import View
-from ..settings import SECTIONS, Choice, Control, Settings, controls, explained
+from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
 from .png import display_from_linear, write_png
 from .profile import table
 from .worker import Job, Picture, Request, Worker
@@ -28,7 +28,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="WIDTHxHEIGHT",
         help="instead of the snapshot's own; it keeps the field of view across",
     )
-    line.add_argument("--show", default="color", metavar="TARGET", help="an intermediate target instead of the picture")
+    line.add_argument(
+        "--show",
+        type=choice(DebugView),
+        choices=list(DebugView),
+        metavar="TARGET",
+        help="an intermediate target instead of the picture: %(choices)s",
+    )
     line.add_argument("--profile", action="store_true", help="print what each pass took")
     for name, section in SECTIONS.items():
         group = line.add_argument_group(name)
@@ -63,11 +69,11 @@ def number(member: Field, control: Control) -> Callable[[str], int | float]:
 
 def choice(kind: type[Choice]) -> Callable[[str], Choice]:
     """What reads a choice from the command line, in capitals or not."""
-    names = {str(each): each for each in kind}
+    names = {each.upper(): each for each in kind}
 
     def choice(text: str) -> Choice:
         if text.upper() not in names:
-            raise argparse.ArgumentTypeError(f"{text or 'nothing'} is none of {', '.join(names)}")
+            raise argparse.ArgumentTypeError(f"{text or 'nothing'} is none of {', '.join(kind)}")
         return names[text.upper()]
 
     return choice
@@ -90,7 +96,7 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
             if key.startswith(f"{name}.") and value is not None
         }
         settings = replace(settings, **{name: replace(getattr(settings, name), **given)})
-    return replace(settings, show=options.show)
+    return replace(settings, show=options.show or settings.show)
 
 
 def resized(view: View, width: int, height: int) -> View:

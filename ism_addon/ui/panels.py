@@ -64,7 +64,7 @@ class ISM_RENDER_PT_sampling(ISMPanel, bpy.types.Panel):
 class ISM_RENDER_PT_sampling_viewport(SectionPanel, bpy.types.Panel):
     bl_label = "Viewport"
     bl_parent_id = "ISM_RENDER_PT_sampling"
-    section = settings.Quality
+    section = settings.ViewportQuality
     name = "viewport"
 
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-Look stands there once, quality twice. Every property can be animated, and an edit redraws the 3D viewports.
+Look stands there once, quality twice; `.show` is the debug view. Every property can be animated, and an edit redraws
+the 3D viewports.
 """
 
-from dataclasses import Field, asdict
+from dataclasses import Field
 from typing import Any
 
 import bpy
@@ -30,9 +31,8 @@ def _property(member: Field, control: settings.Control, default: Any) -> Any:
 
 def _group(name: str, defaults: Any) -> type:
     """A PropertyGroup class with the fields of `defaults`' section, and its values as defaults."""
-    values = asdict(defaults)
     members = {
-        member.name: _property(member, control, values[member.name])
+        member.name: _property(member, control, getattr(defaults, member.name))
         for member, control in settings.controls(type(defaults))
     }
     return type(name, (bpy.types.PropertyGroup,), {"__annotations__": members, "__doc__": type(defaults).__doc__})
@@ -51,6 +51,7 @@ class ISMSettings(bpy.types.PropertyGroup):
     ssao: bpy.props.PointerProperty(type=ISMSSAO)
     render: bpy.props.PointerProperty(type=ISMRender)
     viewport: bpy.props.PointerProperty(type=ISMViewport)
+    show: _property(*next(settings.controls(settings.Settings)), settings.Settings.show)
 
 
 CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every setting goes the whole way: a field of `settings`, a property of Blender's, and back."""
 
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, fields
 
 import bpy
 import pytest
@@ -15,12 +15,18 @@ GROUPS = {
     "ssao": settings.SSAO(),
     "render": settings.FINAL,
     "viewport": settings.VIEWPORT,
+    "": settings.Settings(),
 }
 EVERY = [
     pytest.param(name, member, control, id=f"{name}.{member.name}")
     for name, defaults in GROUPS.items()
     for member, control in settings.controls(type(defaults))
 ]
+
+
+def group_of(scene, name):
+    """scene.ism.shadow and its like, or for "" scene.ism."""
+    return getattr(scene.ism, name) if name else scene.ism
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -48,7 +54,7 @@ def another(control, default):
 def turn_all(scene):
     for name, defaults in GROUPS.items():
         for member, control in settings.controls(type(defaults)):
-            setattr(getattr(scene.ism, name), member.name, another(control, getattr(defaults, member.name)))
+            setattr(group_of(scene, name), member.name, another(control, getattr(defaults, member.name)))
 
 
 def approximately(value):
@@ -65,13 +71,13 @@ def test_defaults(scene):
         read = controls.read(scene, use)
         assert same(read.shadow, settings.Shadow())
         assert same(read.ssao, settings.SSAO())
-        assert read.quality == quality
+        assert read.quality == settings.Quality(*astuple(quality)[: len(fields(settings.Quality))])
         assert read.show == settings.Settings().show
 
 
 @pytest.mark.parametrize("name, member, control", EVERY)
 def test_property_says_what_the_field_says(scene, name, member, control):
-    rna = getattr(scene.ism, name).bl_rna.properties[member.name]
+    rna = group_of(scene, name).bl_rna.properties[member.name]
     default = getattr(GROUPS[name], member.name)
     assert (rna.name, rna.description) == (control.label, control.meaning)
     assert rna.is_animatable
@@ -92,13 +98,14 @@ def test_units_follow_the_scene(scene):
     assert (ssao["radius"].unit, ssao["cone_angle"].unit) == ("LENGTH", "ROTATION")
 
 
-@pytest.mark.parametrize("name, member, control", EVERY)
+@pytest.mark.parametrize("name, member, control", [each for each in EVERY if each.id != "viewport.resolution"])
 def test_values_arrive_and_stay_in_range(scene, name, member, control):
-    group, default = getattr(scene.ism, name), getattr(GROUPS[name], member.name)
+    group, default = group_of(scene, name), getattr(GROUPS[name], member.name)
 
     def arrived():
-        read = controls.read(scene, name if name in ("render", "viewport") else "render")
-        return getattr(read.quality if name in ("render", "viewport") else getattr(read, name), member.name)
+        read = controls.read(scene, "render" if name == "render" else "viewport")
+        part = {"render": read.quality, "viewport": read.quality, "": read}.get(name) or getattr(read, name)
+        return getattr(part, member.name)
 
     setattr(group, member.name, another(control, default))
     assert type(arrived()) is type(default)
@@ -130,13 +137,26 @@ def test_panels_have_the_settings_of_the_method(scene, method, shadow, sampling)
     scene.ism.shadow.method = method
     assert panels.ISM_RENDER_PT_shadow.shown(scene) == shadow
     assert panels.ISM_RENDER_PT_sampling_render.shown(scene) == sampling
-    assert panels.ISM_RENDER_PT_sampling_viewport.shown(scene) == sampling
+    assert panels.ISM_RENDER_PT_sampling_viewport.shown(scene) == [*sampling, "resolution"]
 
 
 def test_the_two_qualities_are_apart(scene):
     scene.ism.viewport.samples = 3
     assert controls.read(scene, "viewport").quality.samples == 3
     assert controls.read(scene, "render").quality == settings.FINAL
+
+
+def test_a_debug_view_is_for_the_viewport_alone(scene):
+    scene.ism.show = "occlusion"
+    assert controls.read(scene, "viewport").show is settings.DebugView.OCCLUSION
+    assert controls.read(scene, "render").show is settings.DebugView.COLOR
+
+
+@pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("50", 2), ("25", 4)])
+def test_a_resolution_is_a_size_of_pixels(scene, resolution, pixels):
+    scene.ism.viewport.resolution = resolution
+    assert controls.pixel_size(scene) == pixels
+    assert not hasattr(scene.ism.render, "resolution")
 
 
 def test_survive_the_file(scene, tmp_path):
@@ -158,14 +178,14 @@ def test_a_copied_scene_keeps_them(scene):
 @pytest.mark.parametrize("name, member, control", EVERY)
 def test_keyframes_move_them(scene, name, member, control):
     default = getattr(GROUPS[name], member.name)
-    path = f"ism.{name}.{member.name}"
+    path = ".".join(filter(None, ("ism", name, member.name)))
     for frame, value in ((1, default), (11, another(control, default))):
-        setattr(getattr(scene.ism, name), member.name, value)
+        setattr(group_of(scene, name), member.name, value)
         assert scene.keyframe_insert(path, frame=frame)
     for frame, value in ((1, default), (11, another(control, default))):
         scene.frame_set(frame)
         evaluated = bpy.context.evaluated_depsgraph_get().scene_eval
-        assert getattr(getattr(evaluated.ism, name), member.name) == approximately(value)
+        assert getattr(group_of(evaluated, name), member.name) == approximately(value)
 
 
 def test_undo_brings_back_the_old_value(scene):
