@@ -5,10 +5,10 @@ import atexit
 from types import ModuleType
 
 from .blender import engine
-from .ui import borrowed, panels, properties
+from .ui import borrowed, panels, presets, properties
 
 #: In this order; the engine last, when all that it reads is there.
-PARTS = (properties, panels, borrowed, engine)
+PARTS = (properties, presets, panels, borrowed, engine)
 
 _registered: list[ModuleType] = []
 

@@ -32,7 +32,7 @@ class Floor:
     reason: str
 
 
-BLENDER_PACKAGES = ("bpy", "bpy_extras", "bl_ui", "mathutils", "gpu", "gpu_extras")
+BLENDER_PACKAGES = ("bpy", "bpy_extras", "bl_operators", "bl_ui", "mathutils", "gpu", "gpu_extras")
 FLOORS = {
     **dict.fromkeys(
         PURE, Floor(PURE, ("numpy",), "the method's data and mathematics must be testable without Blender and OpenGL")
@@ -44,6 +44,7 @@ FLOORS = {
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
     "ui": Floor(("settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"),
+    "presets": Floor((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
     "addon": Floor(("blender", "ui"), (), "it is the order of registration, and nothing else"),
 }
 

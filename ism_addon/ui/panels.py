@@ -5,6 +5,7 @@
 import bpy
 
 from .. import settings
+from .presets import ISM_RENDER_PT_presets
 
 
 class ISMPanel:
@@ -56,6 +57,9 @@ class SwitchedPanel(SectionPanel):
 
 class ISM_RENDER_PT_sampling(ISMPanel, bpy.types.Panel):
     bl_label = "Sampling"
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        ISM_RENDER_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, _context: bpy.types.Context) -> None:
         pass

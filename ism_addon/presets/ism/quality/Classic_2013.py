@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""As in the report of 2013: one sample by imperfect shadow maps, the viewport's as large as the final render's."""
+
+import bpy
+
+ism = bpy.context.scene.ism
+ism.shadow.method = "CLASSIC"
+ism.render.samples = 1
+for name in ("samples", "light_points", "map_size", "surface_points"):
+    setattr(ism.viewport, name, getattr(ism.render, name))

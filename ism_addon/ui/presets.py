@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# ruff: noqa: N801 (Blender's rule for the names of panels and operators)
+"""Presets of quality, as Blender keeps them: a script each, ours beside this floor, the user's own in Blender's folder.
+
+A preset begins with the defaults of all that it is about, so ours are scripts that say what differs.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bl_operators.presets import AddPresetBase
+from bl_ui.utils import PresetPanel
+
+from .. import settings
+from . import redraw
+
+#: Holds the folder presets, where Blender looks for preset_subdir.
+FOLDER = str(Path(__file__).parents[1])
+
+#: What a preset is about, under scene.ism: how pictures are drawn, not how they look.
+ABOUT = [
+    ("shadow", "method"),
+    *(("render", member.name) for member, _ in settings.controls(type(settings.FINAL))),
+    *(("viewport", member.name) for member, _ in settings.controls(type(settings.VIEWPORT))),
+]
+
+
+class ISM_RENDER_PT_presets(PresetPanel, bpy.types.Panel):
+    bl_label = "Quality Presets"
+    preset_subdir = "ism/quality"
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "render.ism_preset_add"
+
+    @staticmethod
+    def reset_cb(context: bpy.types.Context, _path: str) -> None:
+        """Before a preset's script is run."""
+        for group, name in ABOUT:
+            getattr(context.scene.ism, group).property_unset(name)
+
+    @staticmethod
+    def post_cb(context: bpy.types.Context, path: str) -> None:
+        """After it: a step that can be undone, which Blender's operator is not by itself."""
+        redraw.viewports(None, context)
+        bpy.ops.ed.undo_push(message=f"Preset {bpy.path.display_name_from_filepath(path)}")
+
+
+class RENDER_OT_ism_preset_add(AddPresetBase, bpy.types.Operator):
+    """Keep the quality of the viewport and of final renders as a preset, or remove one"""
+
+    bl_idname = "render.ism_preset_add"
+    bl_label = "Add Quality Preset"
+    preset_menu = "ISM_RENDER_PT_presets"
+    preset_subdir = ISM_RENDER_PT_presets.preset_subdir
+    preset_defines = ["ism = bpy.context.scene.ism"]
+    preset_values = [f"ism.{group}.{name}" for group, name in ABOUT]
+
+
+CLASSES: tuple[Any, ...] = (ISM_RENDER_PT_presets, RENDER_OT_ism_preset_add)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.utils.register_preset_path(FOLDER)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_preset_path(FOLDER)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
