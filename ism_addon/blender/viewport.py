@@ -39,7 +39,8 @@ class Viewport:
         if self._scene is None:
             self.update(depsgraph)
         try:
-            view = _view(engine, context, depsgraph)
+            pixel = engine.get_preview_pixel_size(context.scene) * controls.pixel_size(context.scene)
+            view = seen(context, depsgraph, pixel)
         except camera.CameraError as error:
             engine.update_stats("", str(error))
             return
@@ -63,7 +64,7 @@ class Viewport:
 
     def _ask(self, view: View, scene: bpy.types.Scene) -> None:
         chosen = controls.read(scene, "viewport")
-        asked = (self._scene, _fingerprint(view), chosen)
+        asked = (self._scene, _fingerprint(view), chosen, shared.edition)
         if asked != self._asked:
             self._job = shared.start(Request(self._scene, view, chosen, surfaces=False), self._client)
             self._asked = asked
@@ -72,9 +73,9 @@ class Viewport:
         return self._job, self._job.picture(), self._job.samples_done, self._job.finished
 
 
-def _view(engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> View:
+def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int) -> View:
+    """What the context's 3D viewport shows, each pixel that is drawn being `pixel` of its own wide and high."""
     region, space, scene = context.region, context.space_data, context.scene
-    pixel = engine.get_preview_pixel_size(scene) * controls.pixel_size(scene)
     seen_through = space.camera if space.use_local_camera else scene.camera
     return camera.viewport_view(
         depsgraph, context.region_data, max(1, region.width // pixel), max(1, region.height // pixel), seen_through

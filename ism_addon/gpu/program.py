@@ -17,23 +17,28 @@ from .layout import WIDTH, Record
 FOLDER = Path(__file__).parent / "shaders"
 STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
+#: Lines of the k-th file of a shader are counted from k times this: Mesa forgets the file that #line names.
+LINES = 10_000
+#: The first error that a compiler tells of: its line, and what is wrong.
+#: Mesa and Intel write 0:33(2): error: …, NVIDIA 0(33) : error C1503: …, AMD and Apple ERROR: 0:33: …
+FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
 
 
 class ShaderError(RuntimeError):
-    """A shader does not compile; the message names its files."""
+    """A shader does not compile; the message is one line that names the file and the place in it."""
 
 
 def expand(path: Path, files: list[Path]) -> str:
-    """A file's text with its includes; `files` grows by each file read, and numbers it for #line."""
+    """A file's text with its includes; `files` grows by each file read, and says where its lines are counted from."""
     files.append(path)
-    number = len(files) - 1
-    lines = [f"#line 1 {number}"]
+    start = len(files) * LINES
+    lines = [f"#line {start + 1}"]
     for count, line in enumerate(path.read_text().splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
         elif (FOLDER / include[1]) not in files:
-            lines += [expand(FOLDER / include[1], files), f"#line {count + 1} {number}"]
+            lines += [expand(FOLDER / include[1], files), f"#line {start + count + 1}"]
     return "\n".join(lines)
 
 
@@ -60,19 +65,26 @@ def compile_stages(
 ) -> moderngl.Program:
     """Compile and link, with the frame's block bound."""
     begin = head(records, constants)
-    listing: list[str] = []
-    stages = {}
-    for name in names:
-        files: list[Path] = []
-        stages[STAGES[Path(name).suffix]] = begin + expand(FOLDER / name, files)
-        listing.append(", ".join(f"{k} is {file.name}" for k, file in enumerate(files)))
+    files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
+        stages = {stage: begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True)}
         program = gl.program(**stages)
-    except moderngl.Error as error:
-        raise ShaderError(f"the shader {' + '.join(names)} does not compile ({'; '.join(listing)}): {error}") from error
+    except (moderngl.Error, OSError) as error:
+        raise ShaderError(f"the shader {' + '.join(names)} does not compile: {first_error(error, files)}") from error
     if block.NAME in program:
         program[block.NAME].binding = block.BINDING
     return program
+
+
+def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
+    """Where and what it is, or all that was said if that cannot be told; `files` are those of each stage."""
+    said = str(error)
+    found = FIRST_ERROR.search(said)
+    stage = next((stage for stage in files if stage in said), None)
+    number, line = divmod(int(found[1]), LINES) if found else (0, 0)
+    if not number or stage is None:  # in what stands before the files, or as the program is linked
+        return " ".join(said.split())
+    return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
 
 
 def bind(program: moderngl.Program, **values: object) -> None:

@@ -97,6 +97,8 @@ class Worker:
         self._jobs: dict[Hashable, Job] = {}
         self._forgotten: set[Hashable] = set()
         self._thread: threading.Thread | None = None
+        #: Of the shaders: pictures of another edition may differ.
+        self.edition = 0
 
     def start(self, request: Request, client: Hashable) -> Job:
         """Draw this instead of what the client asked for before."""
@@ -110,6 +112,11 @@ class Worker:
                 self._thread.start()
             self._news.notify_all()
         return job
+
+    def reload(self) -> None:
+        """Read the shaders' files again for all jobs that are started from now on."""
+        with self._news:
+            self.edition += 1
 
     def forget(self, client: Hashable) -> None:
         """Cancel the client's job and free what is kept for it."""
@@ -146,7 +153,7 @@ class Worker:
         except NoOpenGL as reason:
             self._refuse(str(reason))
             return
-        studio = Studio(device)
+        studio = Studio(device, self.edition)
         while True:
             with self._news:
                 self._news.wait_for(self._has_work)
@@ -154,7 +161,9 @@ class Worker:
                     break
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
                 forgotten, self._forgotten = self._forgotten, set()
+                edition = self.edition
             studio.tidy(jobs, forgotten)
+            studio.reload(edition)
             for client, job in jobs.items():
                 studio.step(client, job)
         studio.close()
@@ -181,8 +190,9 @@ class Worker:
 class Studio:
     """The worker's side: a renderer a client, and how far their jobs are. Lives in the worker's thread."""
 
-    def __init__(self, device: "Device"):
+    def __init__(self, device: "Device", edition: int):
         self.device = device
+        self.edition = edition
         self.renderers: dict[Hashable, Renderer] = {}
         self.running: dict[Job, Iterator[None]] = {}
 
@@ -192,6 +202,14 @@ class Studio:
             self.end(job)
         for client in forgotten & self.renderers.keys():
             self.renderers.pop(client).release()
+
+    def reload(self, edition: int) -> None:
+        """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
+        if edition != self.edition:
+            self.edition = edition
+            self.device.programs.clear()
+            self.renderers.clear()
+            self.device.gl.gc()
 
     def step(self, client: Hashable, job: Job) -> None:
         """Draw one pass of a job; whatever goes wrong is the job's own error."""
