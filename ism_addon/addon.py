@@ -4,11 +4,11 @@
 import atexit
 from types import ModuleType
 
-from .blender import engine
-from .ui import borrowed, panels, presets, properties
+from .blender import engine, operators
+from .ui import borrowed, developer, panels, presets, properties, shading, statistics
 
 #: In this order; the engine last, when all that it reads is there.
-PARTS = (properties, presets, panels, borrowed, engine)
+PARTS = (properties, presets, operators, panels, developer, statistics, shading, borrowed, engine)
 
 _registered: list[ModuleType] = []
 

@@ -87,6 +87,7 @@ def test_statistics_are_plain_numbers(worker):
         "triangles",
         "triangles_drawn",
         "bytes_uploaded",
+        "bytes_of_targets",
         "samples",
         "seconds",
     }

@@ -8,8 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
-from . import final, viewport
-from .final import statistics
+from . import account, final, viewport
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
 
@@ -51,10 +50,20 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().draw(self, context, depsgraph)
 
+    @staticmethod
+    def latest_statistics() -> tuple[str, dict]:
+        """For the panels, which ask the engine by its name."""
+        return account.latest()
+
     def _own_viewport(self) -> viewport.Viewport:
         if self._viewport is None:
             self._viewport = viewport.Viewport()
         return self._viewport
+
+
+def statistics() -> dict:
+    """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
+    return account.of("render")
 
 
 @persistent

@@ -2,26 +2,18 @@
 """The final render of one view layer: every stereo view of it, sample by sample, into Blender's passes."""
 
 import time
-from copy import deepcopy
 
 import bpy
 import numpy as np
 
 from ..gpu.worker import Job, Picture, Request, shared
 from ..scene import View
-from . import camera, controls, extract
+from . import account, camera, controls, extract
 
 #: Blender's name of a pass, and the part of a Picture that goes into it.
 PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
 WAIT = 0.1  # s: how long a wish to cancel can go unnoticed
 SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
-
-_statistics: dict = {}
-
-
-def statistics() -> dict:
-    """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
-    return deepcopy(_statistics)
 
 
 def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
@@ -79,8 +71,7 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     if job.error:
         _refuse(engine, job.error)
     elif done and not engine.is_preview:
-        _statistics.clear()
-        _statistics.update(deepcopy(job.statistics))
+        account.keep("render", job.statistics)
     return done and not job.error
 
 

@@ -7,7 +7,7 @@ import bpy
 
 from ..gpu.worker import Job, Picture, Request, shared
 from ..scene import Scene, View
-from . import camera, controls, extract
+from . import account, camera, controls, extract
 from .present import Presenter
 
 LOOK_EVERY = 0.04  # s: how long a new picture can go unnoticed
@@ -59,6 +59,10 @@ class Viewport:
         return self._job is not None and self._told != self._news()
 
     @property
+    def statistics(self) -> dict:
+        return self._job.statistics
+
+    @property
     def is_waiting(self) -> bool:
         return self._job is not None and not self._job.finished
 
@@ -88,13 +92,22 @@ def _fingerprint(view: View) -> tuple:
 
 
 def _look() -> float | None:
-    """Timer: redraw the viewports while one of them has something new to show."""
-    if any(viewport.has_news for viewport in _alive):
-        for window in bpy.context.window_manager.windows:
-            for area in window.screen.areas:
-                if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
-                    area.tag_redraw()
+    """Timer: redraw the viewports while one of them has something new to show, and at the end what it took."""
+    news = [viewport for viewport in _alive if viewport.has_news]
+    for viewport in news:
+        account.keep("viewport", viewport.statistics)
+    if news:
+        redraw(also_properties=not any(viewport.is_waiting for viewport in _alive))
     return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
+
+
+def redraw(also_properties: bool = False) -> None:
+    """Draw all viewports in Rendered shading again, and perhaps the properties, whose statistics they are."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            rendered = area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED"
+            if rendered or (also_properties and area.type == "PROPERTIES"):
+                area.tag_redraw()
 
 
 def stop_looking() -> None:

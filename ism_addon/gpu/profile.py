@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from ..scene import Scene
 
 #: What is counted beside the passes.
-COUNTS = ("light_points", "surface_points", "triangles_drawn", "bytes_uploaded")
+COUNTS = ("light_points", "surface_points", "triangles_drawn", "bytes_uploaded", "bytes_of_targets")
 
 
 @dataclass

@@ -92,6 +92,7 @@ class Renderer:
         frame.batch = None
         for kind in AFTER:
             yield self.run(kind, frame, profile)
+        profile.counts["bytes_of_targets"] = self.targets.bytes
         self.last = frame, profile
         self.device.gl.gc()
 

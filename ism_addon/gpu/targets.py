@@ -73,6 +73,11 @@ class Targets:
             self.framebuffers[names] = self.gl.framebuffer(textures, depth)
         return self.framebuffers[names]
 
+    @property
+    def bytes(self) -> int:
+        """What all of them take."""
+        return sum(t.width * t.height * t.components * int(t.dtype[1:]) for t in self.textures.values())
+
     def release(self, names: Iterable[str] | None = None) -> None:
         """Let go of the targets `names`, or all, with the framebuffers around them."""
         for name in list(self.textures) if names is None else names:

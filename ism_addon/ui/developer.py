@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# ruff: noqa: N801 (Blender's rule for the names of panels)
+"""The panel for those who look into the method, or report what went wrong."""
+
+import bpy
+
+from .panels import ISMPanel
+
+
+class ISM_RENDER_PT_developer(ISMPanel, bpy.types.Panel):
+    bl_label = "Developer"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        column = layout.column()
+        column.use_property_split = True
+        column.prop(context.scene.ism, "show")
+        row = layout.row()
+        row.operator("ism.save_snapshot", icon="FILE_TICK")
+        row.operator("ism.reload_shaders", icon="FILE_REFRESH")
+
+
+def register() -> None:
+    bpy.utils.register_class(ISM_RENDER_PT_developer)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(ISM_RENDER_PT_developer)

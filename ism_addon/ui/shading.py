@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# ruff: noqa: N801 (Blender's rule for the names of panels)
+"""The settings that are turned most often, in the popover of the 3D viewport's shading."""
+
+import bpy
+
+
+class ISM_VIEW3D_PT_shading(bpy.types.Panel):
+    bl_label = "ISM"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_parent_id = "VIEW3D_PT_shading"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.engine == "ISM" and context.space_data.shading.type == "RENDERED"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ism, layout = context.scene.ism, self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(ism.shadow, "enabled")
+        layout.prop(ism.ssao, "enabled")
+        occlusion = layout.column()
+        occlusion.active = ism.ssao.enabled
+        occlusion.prop(ism.ssao, "radius")
+        occlusion.prop(ism.ssao, "intensity")
+        quality = layout.column()
+        quality.prop(ism.viewport, "samples")
+        quality.prop(ism.viewport, "resolution")
+        layout.prop(ism, "show")
+
+
+def register() -> None:
+    bpy.utils.register_class(ISM_VIEW3D_PT_shading)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(ISM_VIEW3D_PT_shading)

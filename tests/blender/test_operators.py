@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Save Snapshot and Reload Shaders, as they are called from editors and scripts."""
+
+import bpy
+import numpy as np
+import pytest
+
+from ism_addon import addon, snapshot
+from ism_addon.blender import camera, controls
+from ism_addon.gpu.worker import shared
+from ism_addon.settings import DebugView
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def scene():
+    """A plane, a camera above it, and both qualities apart."""
+    bpy.ops.wm.read_factory_settings()
+    scene = bpy.context.scene
+    scene.render.engine = "ISM"
+    scene.render.resolution_x, scene.render.resolution_y = 40, 20
+    scene.ism.render.samples, scene.ism.viewport.samples = 5, 3
+    scene.ism.show = "depth"
+    return scene
+
+
+@pytest.fixture
+def viewport():
+    """The 3D viewport of the window, and its region that shows the scene."""
+    area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+    return area, next(region for region in area.regions if region.type == "WINDOW")
+
+
+def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
+    assert bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz")) == {"FINISHED"}
+    saved, view, settings = snapshot.load(tmp_path / "a.npz")
+    assert saved.triangle_count == 12
+    assert (view.width, view.height) == (40, 20)
+    expected = camera.final_view(bpy.context.evaluated_depsgraph_get())
+    assert np.array_equal(view.clip_from_view, expected.clip_from_view)
+    assert settings == controls.read(scene, "render")
+    assert (settings.quality.samples, settings.show) == (5, DebugView.COLOR)
+
+
+@pytest.mark.parametrize("pressed_in", ["WINDOW", "HEADER"])
+@pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("25", 4)])
+def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, pressed_in, resolution, pixels):
+    area, window = viewport
+    scene.ism.viewport.resolution = resolution
+    region = next(region for region in area.regions if region.type == pressed_in)
+    with bpy.context.temp_override(area=area, region=region):
+        bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz"))
+    _, view, settings = snapshot.load(tmp_path / "a.npz")
+    assert (view.width, view.height) == (window.width // pixels, window.height // pixels)
+    assert np.array_equal(view.clip_from_view, np.array(area.spaces.active.region_3d.window_matrix))
+    assert settings == controls.read(scene, "viewport")
+    assert (settings.quality.samples, settings.show) == (3, DebugView.DEPTH)
+
+
+def test_without_a_camera_it_says_so(scene, tmp_path):
+    scene.camera = None
+    with pytest.raises(RuntimeError, match="not saved: The scene has no active camera"):
+        bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz"))
+    assert not (tmp_path / "a.npz").exists()
+
+
+def test_where_it_cannot_be_written_it_says_so(scene, tmp_path):
+    with pytest.raises(RuntimeError, match=r"not saved: .*no folder"):
+        bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "no folder" / "a.npz"))
+
+
+def test_nothing_is_offered_in_other_engines(scene):
+    scene.render.engine = "BLENDER_WORKBENCH"
+    assert not bpy.ops.ism.save_snapshot.poll()
+    assert not bpy.ops.ism.reload_shaders.poll()
+
+
+def test_reloading_asks_the_worker(scene):
+    """That files are read then is tested where the worker is, in test_reload."""
+    before = shared.edition
+    assert bpy.ops.ism.reload_shaders() == {"FINISHED"}
+    assert shared.edition == before + 1

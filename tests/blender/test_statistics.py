@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What pictures took, as the panel is told."""
+
+import bpy
+import pytest
+
+from ism_addon import addon
+from ism_addon.blender import account, engine
+from ism_addon.ui import statistics
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    account._kept.clear()
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def rendered():
+    """Renders the factory scene under an area light."""
+
+    def render(method):
+        bpy.ops.wm.read_factory_settings()
+        scene = bpy.context.scene
+        scene.objects["Light"].data.type = "AREA"
+        scene.render.engine = "ISM"
+        scene.render.resolution_x, scene.render.resolution_y = 24, 16
+        scene.ism.shadow.method = method
+        quality = scene.ism.render
+        quality.samples, quality.light_points, quality.map_size, quality.surface_points = 2, 2, 16, 256
+        bpy.ops.render.render()
+
+    return render
+
+
+def test_before_the_first_picture_there_is_nothing():
+    assert statistics.latest() == ("", {})
+
+
+def test_a_final_render_is_told(rendered):
+    rendered("FITTED")
+    use, told = statistics.latest()
+    assert use == "render"
+    assert use in statistics.USES
+    assert told == engine.statistics()
+    rows = {name: numbers for name, *numbers in statistics.passes(told)}
+    assert len(statistics.COLUMNS) == 1 + len(rows["Trace"])
+    assert rows["Trace"][:3] == ["2", "0", "0"]
+    assert rows["Splat"][:3] == ["0", "0", "2"]
+    assert float(rows["Trace"][3]) > 0.0
+
+
+@pytest.mark.parametrize(("method", "has_points"), [("FITTED", False), ("CLASSIC", True)])
+def test_counts_are_of_what_there_is(rendered, method, has_points):
+    rendered(method)
+    shown = dict(statistics.counts(statistics.latest()[1]))
+    assert shown["Samples"] == "2"
+    assert (shown["Triangles"], shown["Triangles Drawn"]) == ("12", "24")
+    assert shown["Time"].endswith(" s")
+    assert ("Light Points" in shown) == ("Surface Points" in shown) == has_points
+    assert all(float(shown[name].removesuffix(" MB")) >= 0.0 for name in ("Uploaded", "Memory of Targets"))
+
+
+def test_the_newest_picture_is_the_latest():
+    first, second = {"samples": 1}, {"samples": 2}
+    account.keep("render", first)
+    account.keep("viewport", second)
+    assert account.latest() == ("viewport", second)
+    account.keep("viewport", {})
+    account.keep("render", first)
+    assert account.latest() == ("render", first)
+    account.latest()[1]["samples"] = 7
+    assert account.of("render") == first
