@@ -157,6 +157,10 @@ class View(Arrays):
         if self.width < 1 or self.height < 1:
             raise ValueError(f"a picture of {self.width}×{self.height} pixels cannot be drawn")
 
+    def coarse(self, pixel: int) -> Self:
+        """The same in pixels that are `pixel` of these wide and high, as far as they divide them."""
+        return replace(self, width=max(self.width // pixel, 1), height=max(self.height // pixel, 1))
+
 
 class Change(Enum):
     """The parts of the input that a pass can depend on."""

@@ -60,6 +60,14 @@ def test_the_first_picture_draws_the_passes_of_its_method(device, scene_and_view
     assert drawn.profile.counts["bytes_uploaded"] > 0
 
 
+def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
+    first, second = (draw(device, *scene_and_view, SETTINGS) for _ in range(2))
+    for name in ("geometry", "surfaces"):
+        assert first.renderer.tables[name] is second.renderer.tables[name]
+    uploaded = [drawn.profile.counts["bytes_uploaded"] for drawn in (first, second)]
+    assert uploaded[0] - uploaded[1] == sum(first.renderer.tables[name].bytes for name in ("geometry", "surfaces"))
+
+
 def test_nothing_changed_draws_nothing(again, base):
     assert again(base) == set()
 

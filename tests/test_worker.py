@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.worker import Job, Request, Worker
+from ism_addon.gpu.worker import draw as steps
 
 from .scenes.small import box_over_plane, pillar_field
 from .studio import SMALL_SETTINGS, draw, with_quality
@@ -61,6 +63,20 @@ def test_a_job_gives_a_picture(worker, device):
     assert picture.color.flags.c_contiguous
     assert picture.normal.shape == (16, 24, 3)
     assert np.array_equal(picture.color, draw(device, asked.scene, asked.view, asked.settings).color)
+
+
+def test_a_coarse_picture_comes_first_and_leaves_no_trace(device):
+    asked = replace(request(with_quality(SMALL_SETTINGS, samples=3)), coarse=4)
+    job, renderers = Job(asked, threading.Condition()), (Renderer(device), Renderer(device))
+    pictures = [job.picture() for _ in steps(*renderers, job) if job.picture()]
+    assert pictures[0].color.shape == (4, 6, 4)
+    assert pictures[0].color.any()
+    assert pictures[0].samples == 0
+    assert job.first_seconds > 0.0
+    assert pictures[-1].samples == 3
+    assert np.array_equal(pictures[-1].color, draw(device, asked.scene, asked.view, asked.settings).color)
+    for renderer in renderers:
+        renderer.release()
 
 
 def test_depth_and_normals_are_metres_and_unit_vectors(worker):

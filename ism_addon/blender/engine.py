@@ -44,8 +44,8 @@ class ISMRenderEngine(bpy.types.RenderEngine):
             self.report({"ERROR"}, f"The picture could not be made: {error}")
             raise
 
-    def view_update(self, _context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        self._own_viewport().update(depsgraph)
+    def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        self._own_viewport().update(context, depsgraph)
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().draw(self, context, depsgraph)

@@ -12,6 +12,14 @@ from .present import Presenter
 
 LOOK_EVERY = 0.04  # s: how long a new picture can go unnoticed
 
+#: The pixels of the first picture after a change are as coarse as it takes for it to come after about so long. s
+FIRST = 0.1
+#: Widths of those pixels.
+COARSEST = 8
+
+#: A viewport's switches for kinds of objects.
+KINDS = [name for name in bpy.types.SpaceView3D.bl_rna.properties.keys() if name.startswith("show_object_viewport_")]  # noqa: SIM118
+
 _alive: "WeakSet[Viewport]" = WeakSet()
 
 
@@ -20,7 +28,10 @@ class Viewport:
 
     def __init__(self) -> None:
         self._client = object()
+        self._reader = extract.Reader()
         self._scene: Scene | None = None
+        self._shows: tuple | None = None
+        self._coarse = COARSEST // 2
         self._asked: tuple | None = None
         self._job: Job | None = None
         self._picture: Picture | None = None
@@ -30,14 +41,17 @@ class Viewport:
         # It dies with its engine, in whose own __del__ Blender has already taken everything away.
         finalize(self, shared.forget, self._client).atexit = False
 
-    def update(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """The scene has changed."""
-        self._scene = extract.scene(depsgraph)
+    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        """The scene has changed, or what the viewport shows of it."""
+        space = context.space_data
+        shows = _shows(space)
+        whole, self._shows = shows != self._shows, shows
+        self._scene = self._reader.read(depsgraph, lambda thing: thing.visible_in_viewport_get(space), whole)
 
     def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Show the latest picture, and ask for others if what it should show has changed."""
-        if self._scene is None:
-            self.update(depsgraph)
+        if self._scene is None or self._shows != _shows(context.space_data):
+            self.update(context, depsgraph)
         try:
             pixel = engine.get_preview_pixel_size(context.scene) * controls.pixel_size(context.scene)
             view = seen(context, depsgraph, pixel)
@@ -70,11 +84,22 @@ class Viewport:
         chosen = controls.read(scene, "viewport")
         asked = (self._scene, _fingerprint(view), chosen, shared.edition)
         if asked != self._asked:
-            self._job = shared.start(Request(self._scene, view, chosen, surfaces=False), self._client)
+            if self._job is not None and self._job.first_seconds:
+                self._coarse = coarser(self._coarse, self._job.first_seconds)
+            request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
+            self._job = shared.start(request, self._client)
             self._asked = asked
 
     def _news(self) -> tuple:
         return self._job, self._job.picture(), self._job.samples_done, self._job.finished
+
+
+def coarser(pixel: int, seconds: float) -> int:
+    """The width of a first picture's pixels when one of width `pixel` took so long to draw."""
+    if seconds > 1.5 * FIRST:
+        return min(2 * pixel, COARSEST)
+    # Halved, they are four times as many: time enough is left if it is well below.
+    return max(pixel // 2, 1) if seconds < FIRST / 5.0 else pixel
 
 
 def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int) -> View:
@@ -84,6 +109,11 @@ def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int)
     return camera.viewport_view(
         depsgraph, context.region_data, max(1, region.width // pixel), max(1, region.height // pixel), seen_through
     )
+
+
+def _shows(space: bpy.types.SpaceView3D) -> tuple:
+    """What kinds of objects a viewport shows, and whether it has chosen some: no depsgraph tells of a change."""
+    return space.local_view is not None, space.use_local_collections, *(getattr(space, name) for name in KINDS)
 
 
 def _fingerprint(view: View) -> tuple:

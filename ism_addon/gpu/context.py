@@ -9,6 +9,8 @@ import ctypes
 import sys
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from typing import Any
+from weakref import WeakValueDictionary
 
 import moderngl
 
@@ -34,6 +36,8 @@ class Device:
     flush: Callable[[], None]
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
+    #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
+    shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
 
 def open_device() -> Device:

@@ -160,6 +160,11 @@ class Renderer:
         self.targets["resolved"].read_into(color)
         return color
 
+    @staticmethod
+    def seconds_of_pixels(profile: Profile) -> float:
+        """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
+        return sum(profile.rows[kind.__name__].ms for kind in PASSES if kind.writes) / 1e3
+
     def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
         """Depth (H,W) m and world-space shading normals (H,W,3) of the newest sample, bottom row first."""
         width, height = self.targets["depth"].size

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,11 +38,12 @@ class Request:
     view: View
     settings: Settings
     surfaces: bool = True  # whether depth and normals are wanted too
+    coarse: int = 1  # px of the view along either side of one in the first picture, which comes the sooner
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """The average of `samples` samples. Bottom row first."""
+    """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
 
     color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
     depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
@@ -56,6 +58,7 @@ class Job:
         self.request = request
         self.samples = request.settings.quality.samples
         self.samples_done = 0
+        self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one
         self.finished = False
         self.cancelled = False
         self.error = ""
@@ -193,7 +196,8 @@ class Studio:
     def __init__(self, device: "Device", edition: int):
         self.device = device
         self.edition = edition
-        self.renderers: dict[Hashable, Renderer] = {}
+        #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
+        self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
         self.running: dict[Job, Iterator[None]] = {}
 
     def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
@@ -201,7 +205,8 @@ class Studio:
         for job in self.running.keys() - set(jobs.values()):
             self.end(job)
         for client in forgotten & self.renderers.keys():
-            self.renderers.pop(client).release()
+            for renderer in self.renderers.pop(client):
+                renderer.release()
 
     def reload(self, edition: int) -> None:
         """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
@@ -216,7 +221,7 @@ class Studio:
         error = ""
         try:
             if job not in self.running:
-                self.running[job] = draw(self.renderer(client), job)
+                self.running[job] = draw(*self.of(client), job)
             if not job.cancelled and next(self.running[job], job) is not job:
                 return
         except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
@@ -224,12 +229,12 @@ class Studio:
             error = f"The picture could not be drawn: {reason}"
         self.end(job, error)
 
-    def renderer(self, client: Hashable) -> "Renderer":
-        """The one that is kept for the client."""
+    def of(self, client: Hashable) -> "tuple[Renderer, Renderer]":
+        """The renderers that are kept for the client."""
         from .renderer import Renderer
 
         if client not in self.renderers:
-            self.renderers[client] = Renderer(self.device)
+            self.renderers[client] = Renderer(self.device), Renderer(self.device)
         return self.renderers[client]
 
     def end(self, job: Job, error: str = "") -> None:
@@ -242,14 +247,21 @@ class Studio:
         """Free all that the GPU holds for us."""
         for job in list(self.running):
             self.end(job)
-        for renderer in self.renderers.values():
+        for renderer in chain(*self.renderers.values()):
             renderer.release()
         self.device.gl.release()
 
 
-def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
+def draw(renderer: "Renderer", coarse_renderer: "Renderer", job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile = job.request, Profile()
+    if request.coarse > 1:
+        view = request.view.coarse(request.coarse)
+        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile):
+            yield
+        job._picture = Picture(coarse_renderer.picture(), None, None, 0)
+        job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
+        yield
     start = time.perf_counter()
     next_picture = start
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
@@ -260,6 +272,7 @@ def draw(renderer: "Renderer", job: Job) -> Iterator[None]:
         if sample == 0 and request.surfaces:
             surfaces = renderer.depth_and_normal()
         job.samples_done = sample + 1
+        job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
         job.statistics = profile.statistics(request.scene, sample + 1, now - start)
         if sample + 1 == job.samples or now >= next_picture:
             job._picture = Picture(renderer.picture(), *surfaces, sample + 1)

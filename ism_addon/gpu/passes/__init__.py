@@ -88,6 +88,15 @@ class Frame:
         ssao = self.settings.ssao
         return bool(ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any())
 
+    def shared(self, make: type, *parts: Any) -> Any:
+        """`make(gl, *parts)`: one object for all renderers that use it with the same parts at a time."""
+        key = make, *parts
+        made = self.device.shared.get(key)
+        if made is None:
+            made = self.device.shared[key] = make(self.device.gl, *parts)
+            self.counts["bytes_uploaded"] += made.bytes
+        return made
+
     def part(self, change: Change) -> object:
         """What stands for one kind of input: equal as long as it did not change."""
         view = self.view

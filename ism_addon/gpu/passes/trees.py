@@ -6,6 +6,7 @@ Two levels, as in every ray tracer that moves things: a mesh keeps its tree wher
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import ClassVar
 from weakref import WeakKeyDictionary
 
 import moderngl
@@ -73,9 +74,8 @@ class MeshTrees(Pass):
     makes = ("mesh_trees",)
     depends_on = (Change.MESHES,)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.kept: WeakKeyDictionary[Mesh, MeshTree] = WeakKeyDictionary()
+    #: The trees of all meshes that still are, for all renderers.
+    kept: ClassVar[WeakKeyDictionary[Mesh, MeshTree]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces

@@ -13,8 +13,7 @@ class Meshes(Pass):
     depends_on = (Change.MESHES,)
 
     def draw(self, frame: Frame) -> None:
-        geometry = frame.tables["geometry"] = Geometry(self.device.gl, frame.scene.meshes)
-        frame.counts["bytes_uploaded"] += geometry.bytes
+        frame.tables["geometry"] = frame.shared(Geometry, frame.scene.meshes)
 
 
 class Place(Pass):
@@ -37,5 +36,4 @@ class Colours(Pass):
     depends_on = (Change.MATERIALS,)
 
     def draw(self, frame: Frame) -> None:
-        surfaces = frame.tables["surfaces"] = Surfaces(self.device.gl, frame.scene.materials, frame.scene.images)
-        frame.counts["bytes_uploaded"] += surfaces.bytes
+        frame.tables["surfaces"] = frame.shared(Surfaces, frame.scene.materials, frame.scene.images)
