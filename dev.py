@@ -8,7 +8,9 @@ from pathlib import Path
 if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python deserves a sentence
     sys.exit("dev.py needs Python 3.11 or newer; best are 3.11 and 3.13, which have a bpy.")
 
-from tests.tools import extension, machine, project
+from tests.gui import outside
+from tests.gui.scenario import scenarios
+from tests.tools import blender_root, extension, machine, project
 from tests.tools.environments import environments
 
 BUILD = project.ROOT / "build"
@@ -19,6 +21,8 @@ BENCHMARKS = sorted(
 )
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
+#: Our exit status where something cannot be tried here, as others have it too.
+SKIPPED = 77
 
 
 def demo(output: Path, further: list[str]) -> int:
@@ -48,6 +52,25 @@ def bench(name: str, output: Path, further: list[str]) -> int:
     return environment.run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
 
 
+def gui_test(names: list[str], program: str | None, root: Path, output: Path) -> int:
+    """Play scenarios in a Blender with a window: those named, or all."""
+    every = scenarios()
+    if unknown := set(names) - {scenario.name for scenario in every}:
+        print(f"There is no scenario {', '.join(unknown)}, but: {', '.join(scenario.name for scenario in every)}")
+        return 2
+    try:
+        if program is None:
+            blender_root.install(root.resolve())
+    except blender_root.Missing as reason:
+        print(f"Not tested in a real Blender: {reason}.")
+        return SKIPPED
+    environment = next(environments())
+    (archive,) = extension.build(environment.python, environment.extension, output.resolve() / "zip", ["linux-x64"])
+    blender = outside.Blender(program) if program else outside.Blender("blender", root.resolve())
+    chosen = [scenario for scenario in every if not names or scenario.name in names]
+    return int(not outside.play(chosen, archive, output.resolve(), blender))
+
+
 def pack(output: Path, platforms: list[str]) -> int:
     """Build the extension, a zip for each platform."""
     environment = next(environments())
@@ -62,6 +85,11 @@ def main() -> int:
     verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
     verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
+    verb = verbs.add_parser("gui-test", help="play scenarios in a Blender with a window")
+    verb.add_argument("name", nargs="*", help="of a scenario; all, where there is none")
+    verb.add_argument("--blender", metavar="PATH", help="a Blender of this machine, instead of one in a root folder")
+    verb.add_argument("--root", type=Path, default=BUILD / "blender-trixie", help="folder of that root (%(default)s)")
+    verb.add_argument("--output", type=Path, default=BUILD / "gui-test", help="folder of the record (%(default)s)")
     verb = verbs.add_parser("bench", help="measure; further arguments go to the benchmark")
     verb.add_argument("name", choices=BENCHMARKS)
     verb.add_argument("--output", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
@@ -69,7 +97,7 @@ def main() -> int:
     verb.add_argument("--output", type=Path, default=BUILD / "extension", help="folder of the zips (%(default)s)")
     verb.add_argument("--platform", action="append", default=[], choices=project.WHEELS, help="only this platform")
     arguments, further = parser.parse_known_args()
-    if further and arguments.verb == "extension":
+    if further and arguments.verb in ("extension", "gui-test"):
         parser.error(f"unknown: {' '.join(further)}")
     if arguments.verb == "demo":
         machine.prepare()
@@ -80,6 +108,8 @@ def main() -> int:
     machine.prepare("git")
     if arguments.verb == "test":
         return test(further)
+    if arguments.verb == "gui-test":
+        return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output)
     return pack(arguments.output, arguments.platform)
 
 

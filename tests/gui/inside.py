@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run by a Blender with a window: installs the extension from its zip and plays one scenario.
+
+blender --python inside.py -- ZIP MODULE NAME FOLDER. Leaves result.json in FOLDER; none if Blender crashed.
+"""
+
+import importlib
+import json
+import sys
+import time
+import traceback
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).parents[2]))
+STEP = 0.01  # s: Blender's main loop runs freely at least this long between two steps of a scenario
+
+
+class Play:
+    """A scenario on its way, a step at each call of a timer."""
+
+    def __init__(self, steps: Generator, stage: "object", folder: Path):
+        self.steps, self.stage, self.folder = steps, stage, folder
+        self.began = time.perf_counter()
+
+    def __call__(self) -> float | None:
+        try:
+            next(self.steps)
+            return STEP
+        except StopIteration:
+            self.end("\n".join(self.stage.missed))
+        except Exception:
+            self.end("\n".join([*self.stage.missed, traceback.format_exc()]))
+        return None
+
+    def end(self, failure: str) -> None:
+        seconds = time.perf_counter() - self.began
+        result = {"failure": failure, "seconds": seconds, "figures": self.stage.figures, "blender": bpy.app.version}
+        (self.folder / "result.json").write_text(json.dumps(result))
+        bpy.ops.wm.quit_blender()
+
+
+def main() -> None:
+    archive, module, name, folder = sys.argv[sys.argv.index("--") + 1 :]
+    bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+    bpy.context.preferences.view.show_splash = False
+
+    from tests.gui.stage import Stage
+
+    stage = Stage(Path(folder))
+    steps = getattr(importlib.import_module(f"tests.gui.scenarios.{module}"), name)(stage)
+    bpy.app.timers.register(Play(steps, stage, Path(folder)), first_interval=0.5, persistent=True)
+
+
+main()

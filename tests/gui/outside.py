@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender for each scenario, so that a crash names it; then the table of what they said."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from tests.tools import blender_root, project
+
+from .scenario import Scenario
+
+INSIDE = Path(__file__).with_name("inside.py")
+DESKTOP = project.ROOT / "tests/tools/desktop.py"
+#: What Blender's factory layout puts beside and above a 3D viewport, in pixels of the window.
+BESIDE, ABOVE = 238, 116
+START = 60  # s that Blender may take until the scenario begins, and after it has ended
+#: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
+WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Blender:
+    """A program to start: in a root folder, or on this machine."""
+
+    program: str
+    root: Path | None = None
+
+    def command(self, size: str, arguments: list[str], variables: dict[str, str], folders: tuple[Path, ...]) -> list:
+        """The command line that starts it on a screen of that size; it needs these folders."""
+        settings = ["env", *(f"{name}={value}" for name, value in variables.items())]
+        if self.root is None:
+            return [*settings, sys.executable, str(DESKTOP), size, self.program, *arguments]
+        command = (*settings, "python3", str(DESKTOP), size, self.program, *arguments)
+        return blender_root.inside(self.root, *command, folders=folders)
+
+
+@dataclass
+class Outcome:
+    """What came of a scenario."""
+
+    name: str
+    about: str
+    failure: str
+    seconds: float
+    figures: dict[str, dict]
+
+
+def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blender) -> bool:
+    """Play scenarios with the extension in `archive` and keep a record in `output`. Whether all pass."""
+    outcomes = []
+    for scenario in chosen:
+        folder = output / scenario.name
+        shutil.rmtree(folder, ignore_errors=True)
+        (folder / "user").mkdir(parents=True)
+        outcome = _play(scenario, archive, folder, blender)
+        shutil.rmtree(folder / "user")
+        print(_lines(outcome), flush=True)
+        outcomes.append(outcome)
+    record = {"commit": project.commit(), "outcomes": [asdict(outcome) for outcome in outcomes]}
+    (output / "record.json").write_text(json.dumps(record, indent=1))
+    failed = [outcome.name for outcome in outcomes if outcome.failure]
+    print(f"failed: {', '.join(failed)}" if failed else f"passed: {len(outcomes)}")
+    return not failed
+
+
+def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> Outcome:
+    width, height = scenario.region[0] + BESIDE, scenario.region[1] + ABOVE
+    window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
+    script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
+    arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]
+    variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1"}
+    command = blender.command(f"{width}x{height}", arguments, variables, (project.ROOT, archive.parent, folder))
+    began = time.perf_counter()
+    status = _run(command, folder / "blender.log", scenario.patience + START)
+    seconds = time.perf_counter() - began
+    said = (folder / "blender.log").read_text("utf-8", "replace")
+    wrong = list(dict.fromkeys(match[0] for match in WRONG.finditer(said)))
+    if status is None:
+        wrong.append(f"Blender was still busy after {seconds:.0f} s and has been ended")
+    elif status:
+        wrong.append("\n".join([f"Blender's exit status is {status}", *said.strip().splitlines()[-12:]]))
+    result = {"failure": "", "figures": {}}
+    if (folder / "result.json").is_file():
+        result = json.loads((folder / "result.json").read_text())
+    elif not wrong:
+        wrong.append("Blender ended before the scenario did")
+    failure = "\n".join(filter(None, [result["failure"], *wrong]))
+    return Outcome(scenario.name, scenario.about, failure, seconds, result["figures"])
+
+
+def _run(command: list[str], log: Path, patience: float) -> int | None:
+    """The exit status; None if the time was up, and then nothing that the command started is left."""
+    with log.open("wb") as said:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, cwd=log.parent, start_new_session=True
+        )
+        try:
+            return process.wait(patience)
+        except subprocess.TimeoutExpired:
+            return None
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGTERM)
+                time.sleep(0.5)
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+
+
+def _lines(outcome: Outcome) -> str:
+    """A row of the table, with its figures and what went wrong below."""
+    lines = [f"{'failed' if outcome.failure else 'passed'}  {outcome.seconds:5.0f} s  {outcome.name}: {outcome.about}"]
+    for name, figure in outcome.figures.items():
+        bounds = [f"{bound} {figure[bound]:g}" for bound in ("must", "aim") if figure[bound] is not None]
+        lines.append(
+            f"    {name}: {figure['value']:.4g} {figure['unit']}" + (f"  ({', '.join(bounds)})" if bounds else "")
+        )
+    return "\n".join([*lines, *(f"    ! {line}" for line in outcome.failure.splitlines())])

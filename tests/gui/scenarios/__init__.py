@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Generator functions on a stage: each `yield` hands control back to Blender's main loop."""

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""True screenshots of the window as arrays, and how two pictures differ."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+
+def screenshot(path: Path) -> np.ndarray:
+    """Write what is on the screen to a PNG: (H,W,3) float32 display values from 0 to 1, top row first."""
+    if shutil.which("import"):
+        subprocess.run(["import", "-window", "root", str(path)], check=True)
+    else:
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+            bpy.ops.screen.screenshot(filepath=str(path))
+    return picture(path)
+
+
+def picture(path: Path) -> np.ndarray:
+    """A PNG's display values: (H,W,3) float32 from 0 to 1, top row first."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    width, height = image.size
+    bpy.data.images.remove(image)
+    return pixels.reshape(height, width, -1)[::-1, :, :3]
+
+
+def rmse(one: np.ndarray, other: np.ndarray) -> float:
+    """Root of the mean squared difference."""
+    return float(np.sqrt(np.mean((one.astype(np.float64) - other) ** 2)))

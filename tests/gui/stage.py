@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scenario acts on: the window and its 3D viewport. Steps that take time are generators, for `yield from`."""
+
+import time
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import engine, sight
+from .watch import Watch
+
+Steps = Generator[None, None, None]
+DIFFERENT = 0.03  # of a mean colour: more than noise and coarse first pictures do to a patch
+
+
+class Stage:
+    """Nothing of bpy is kept: a file that is loaded replaces all of it."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.figures: dict[str, dict] = {}
+        self.missed: list[str] = []
+        self.watch = Watch(engine.engine_class())
+
+    @property
+    def window(self) -> bpy.types.Window:
+        return bpy.context.window_manager.windows[0]
+
+    @property
+    def area(self) -> bpy.types.Area:
+        return next(area for area in self.window.screen.areas if area.type == "VIEW_3D")
+
+    @property
+    def region(self) -> bpy.types.Region:
+        return next(region for region in self.area.regions if region.type == "WINDOW")
+
+    @property
+    def space(self) -> bpy.types.SpaceView3D:
+        return self.area.spaces.active
+
+    @property
+    def view(self) -> bpy.types.RegionView3D:
+        return self.space.region_3d
+
+    @property
+    def scene(self) -> bpy.types.Scene:
+        return self.window.scene
+
+    def rendered(self) -> None:
+        """Switch the viewport to Rendered shading by our engine."""
+        self.scene.render.engine = "ISM"
+        self.space.shading.type = "RENDERED"
+
+    def bare(self) -> None:
+        """Nothing in the viewport but the picture."""
+        self.space.overlay.show_overlays = self.space.show_gizmo = False
+        for part in ("header", "tool_header", "toolbar", "ui"):
+            setattr(self.space, f"show_region_{part}", False)
+
+    def in_viewport(self) -> object:
+        """Operators inside this with-block act on the 3D viewport."""
+        return bpy.context.temp_override(window=self.window, area=self.area, region=self.region)
+
+    def measured(self, name: str, value: float, unit: str = "", must: float | None = None, aim: float | None = None):
+        """Keep a figure for the report; more than it must be fails the scenario at its end."""
+        self.figures[name] = {"value": value, "unit": unit, "must": must, "aim": aim}
+        if must is not None and value > must:
+            self.missed.append(f"{name}: {value:.4g} {unit}, must be at most {must:g}")
+
+    def wait(self, seconds: float) -> Steps:
+        """Let Blender's main loop run."""
+        end = time.perf_counter() + seconds
+        while time.perf_counter() < end:
+            yield
+
+    def turns(self) -> Steps:
+        """Let the main loop take in what was changed, and draw."""
+        for _ in range(3):
+            yield
+
+    def until(self, condition: Callable[[], object], seconds: float, what: str) -> Steps:
+        """Let the main loop run until the condition holds. Fails after that many seconds."""
+        end = time.perf_counter() + seconds
+        while not condition():
+            assert not engine.errors(), f"the engine said {engine.errors()}"
+            assert time.perf_counter() < end, f"{what}: not after {seconds} s"
+            yield
+
+    def rested(self, seconds: float = 60.0) -> Steps:
+        """Until the viewport shows the last sample of the scene as it is now."""
+        yield from self.turns()
+        yield from self.until(lambda: not engine.is_busy(), seconds, "the last sample is shown")
+        yield from self.turns()
+
+    def seen(self, act: Callable[[], object], place: tuple[float, float], seconds: float = 30.0) -> Generator:
+        """Act, and return how many seconds later the viewport first shows it, in a patch at a place (u, v)."""
+        self.watch.place = place
+        asked = time.perf_counter()
+        self.region.tag_redraw()
+        yield from self.until(lambda: self.watch.glimpses(asked), 10.0, "a redraw that was asked for")
+        before = self.watch.glimpses(asked)[-1].seen
+        began = time.perf_counter()
+        act()
+
+        def differing() -> list[float]:
+            glimpses = self.watch.glimpses(began)
+            return [call.ended for call in glimpses if np.abs(call.seen - before).max() > DIFFERENT]
+
+        yield from self.until(differing, seconds, "a picture that shows the change")
+        self.watch.place = None
+        return differing()[0] - began
+
+    def pixels(self, name: str) -> np.ndarray:
+        """The 3D viewport's (H,W,3) float32 display values from 0 to 1, top row first, cut from a true screenshot."""
+        whole = sight.screenshot(self.folder / f"{name}.png")
+        region, (rows, _) = self.region, whole.shape[:2]
+        top = rows - region.y - region.height
+        return whole[top : top + region.height, region.x : region.x + region.width]
