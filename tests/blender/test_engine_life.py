@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from ism_addon import addon
-from ism_addon.ui import borrowed, panels
+from ism_addon.ui import borrowed, developer, panels, shading, statistics
 
 ROOT = Path(__file__).parents[2]
 
@@ -57,11 +57,24 @@ def test_unregister_leaves_blender_as_it_was():
 
 
 def test_panels_show_in_this_engine_only(registered):
-    shown = [panels.ISM_RENDER_PT_sampling, panels.ISM_RENDER_PT_shadow, panels.ISM_RENDER_PT_ssao]
+    shown = [
+        *(panels.ISM_RENDER_PT_sampling, panels.ISM_RENDER_PT_shadow, panels.ISM_RENDER_PT_ssao),
+        *(developer.ISM_RENDER_PT_developer, statistics.ISM_RENDER_PT_statistics),
+    ]
     bpy.context.scene.render.engine = "ISM"
     assert all(panel.poll(bpy.context) for panel in shown)
     bpy.context.scene.render.engine = "CYCLES"
     assert not any(panel.poll(bpy.context) for panel in shown)
+
+
+@pytest.mark.parametrize(("engine", "shading_type"), [("ISM", "RENDERED"), ("ISM", "SOLID"), ("CYCLES", "RENDERED")])
+def test_the_shading_popover_has_ours_in_rendered_shading_only(registered, engine, shading_type):
+    bpy.context.scene.render.engine = engine
+    area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+    area.spaces.active.shading.type = shading_type
+    with bpy.context.temp_override(area=area):
+        expected = (engine, shading_type) == ("ISM", "RENDERED")
+        assert shading.ISM_VIEW3D_PT_shading.poll(bpy.context) == expected
 
 
 def test_light_panel_shows_for_lights(registered):
