@@ -13,12 +13,10 @@ class ISM_RENDER_PT_developer(ISMPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        column = layout.column()
-        column.use_property_split = True
-        column.prop(context.scene.ism, "show")
-        row = layout.row()
-        row.operator("ism.save_snapshot", icon="FILE_TICK")
-        row.operator("ism.reload_shaders", icon="FILE_REFRESH")
+        layout.use_property_split = True
+        layout.prop(context.scene.ism, "show")
+        layout.operator("ism.save_snapshot", icon="FILE_TICK")
+        layout.operator("ism.reload_shaders", icon="FILE_REFRESH")
 
 
 def register() -> None:

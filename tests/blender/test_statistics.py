@@ -67,8 +67,8 @@ def test_the_newest_picture_is_the_latest():
     first, second = {"samples": 1}, {"samples": 2}
     account.keep("render", first)
     account.keep("viewport", second)
-    assert account.latest() == ("viewport", second)
     account.keep("viewport", {})
+    assert account.latest() == ("viewport", second)
     account.keep("render", first)
     assert account.latest() == ("render", first)
     account.latest()[1]["samples"] = 7
