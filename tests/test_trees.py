@@ -260,9 +260,9 @@ def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
 def test_a_mesh_that_did_not_change_keeps_its_tree(device):
     still, changing = rubble(500), rubble(300, seed=1)
     first = draw(device, stage([still, changing], light()), look((3.0, -3.0, 2.0)))
-    before = first.renderer.tables["mesh_trees"]
+    before = first.renderer.tables["mesh_trees"].trees
     draw(device, stage([rubble(300, seed=2), still], light()), look((3.0, -3.0, 2.0)), renderer=first.renderer)
-    after = first.renderer.tables["mesh_trees"]
+    after = first.renderer.tables["mesh_trees"].trees
     assert after[1] is before[0]
     assert after[0] is not before[1]
 

@@ -68,6 +68,18 @@ def packed_triangles(corners: np.ndarray, numbers: np.ndarray) -> np.ndarray:
     return words.reshape(-1, 2, 4)
 
 
+class MeshTable:
+    """What of all meshes' trees is asked for by instance, as arrays."""
+
+    def __init__(self, trees: list[MeshTree]):
+        self.trees = trees
+        parts = np.array([tree.parts for tree in trees], np.float64).reshape(-1, PARTS, 2, 3)
+        self.middles, self.halves = parts.mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0  # (M,PARTS,3)
+        self.scales = np.array([tree.tree.scale for tree in trees]).reshape(-1, 3)
+        self.leaves = np.array([tree.tree.leaves for tree in trees], np.int64)
+        self.per_leaf = np.array([tree.tree.per_leaf for tree in trees], np.int64)
+
+
 class MeshTrees(Pass):
     """A tree for each mesh; a mesh that did not change keeps its own."""
 
@@ -85,7 +97,7 @@ class MeshTrees(Pass):
         new = [mesh for mesh in meshes if mesh not in self.kept]
         with ThreadPoolExecutor() as cores:
             self.kept.update(zip(new, cores.map(mesh_tree, new), strict=True))
-        frame.tables["mesh_trees"] = [self.kept[mesh] for mesh in meshes]
+        frame.tables["mesh_trees"] = MeshTable([self.kept[mesh] for mesh in meshes])
 
 
 class MeshTextures:
@@ -123,36 +135,35 @@ class InstanceTree(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.trees: list[MeshTree] | None = None
+        self.meshes: MeshTable | None = None
         self.textures: MeshTextures | None = None
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
 
     def draw(self, frame: Frame) -> None:
-        trees, instances = frame.tables["mesh_trees"], frame.scene.instances
+        meshes, instances = frame.tables["mesh_trees"], frame.scene.instances
         chosen = np.flatnonzero(instances.casts_shadow)
         mesh = instances.mesh[chosen]
         linear = instances.world_from_object[chosen, :3, :3]
         centres = frame.tables["geometry"].centres[mesh]
         offsets = instances.world_from_object[chosen, :3, 3] - frame.anchor + np.einsum("nij,nj->ni", linear, centres)
-        parts = np.array([tree.parts for tree in trees])[mesh]
-        low, high = boxes_around(linear, offsets, parts)
+        low, high = boxes_around(linear, offsets, meshes.middles[mesh], meshes.halves[mesh])
         middle = (low.min(0) + high.max(0)) / 2.0
         tree = build(low - middle, high - middle, 1)
-        if self.textures is None or self.trees is not trees or tree.leaves > self.textures.lines * WIDTH:
-            self.trees, self.textures = trees, MeshTextures(self.device.gl, trees, tree.leaves)
+        if self.textures is None or self.meshes is not meshes or tree.leaves > self.textures.lines * WIDTH:
+            self.meshes, self.textures = meshes, MeshTextures(self.device.gl, meshes.trees, tree.leaves)
             frame.counts["bytes_uploaded"] += self.textures.bytes
         nodes = tree.packed()
         self.textures.write_instances(nodes)
         table = np.zeros(len(chosen), CASTER.dtype)
-        rows = inverse_of(linear, offsets) * np.array([tree.tree.scale for tree in trees])[mesh, :, None]
+        rows = inverse_of(linear, offsets) * meshes.scales[mesh, :, None]
         for k in range(3):
             table[f"row{k}"] = rows[:, k]
         table["first_node"] = self.textures.first_nodes[mesh]
         table["first_triangle"] = self.textures.first_triangles[mesh]
-        table["leaves"] = np.array([tree.tree.leaves for tree in trees])[mesh]
-        table["per_leaf"] = np.array([tree.tree.per_leaf for tree in trees])[mesh]
+        table["leaves"] = meshes.leaves[mesh]
+        table["per_leaf"] = meshes.per_leaf[mesh]
         table["instance"] = frame.tables["placement"].rows[chosen]
         table["first_own"] = frame.tables["geometry"].first_triangle[mesh]
         frame.tables["casters"] = {
@@ -166,11 +177,13 @@ class InstanceTree(Pass):
         frame.counts["bytes_uploaded"] += table.nbytes + nodes.nbytes
 
 
-def boxes_around(linear: np.ndarray, offsets: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high corners (I,3) float32 of what is in boxes (I,B,2,3), moved by linear (I,3,3) and offsets (I,3)."""
-    middles, halves = parts.astype(np.float64).mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0
-    middles = np.einsum("nij,nbj->nbi", linear, middles) + offsets[:, None]
-    halves = np.einsum("nij,nbj->nbi", np.abs(linear), halves)
+def boxes_around(
+    linear: np.ndarray, offsets: np.ndarray, middles: np.ndarray, halves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (I,3) float32 of boxes of middles and halves (I,B,3), moved by (I,3,3) and (I,3)."""
+    turned = linear.swapaxes(1, 2)
+    middles = middles @ turned + offsets[:, None]
+    halves = halves @ np.abs(turned)
     low, high = (middles - halves).min(1), (middles + halves).max(1)
     slack = 1e-6 * (np.abs(low) + np.abs(high))
     return (low - slack).astype(np.float32), (high + slack).astype(np.float32)
