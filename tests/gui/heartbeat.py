@@ -15,19 +15,20 @@ class Heartbeat:
 
     def __init__(self) -> None:
         self.beats: list[float] = []
+        self.lives = True
 
     def __enter__(self) -> Self:
         bpy.app.timers.register(self._beat, persistent=True)
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        bpy.app.timers.unregister(self._beat)
+        self.lives = False
 
     @property
     def longest_gap(self) -> float:
         """Seconds between two beats, at most."""
         return max((after - before for before, after in zip(self.beats, self.beats[1:], strict=False)), default=0.0)
 
-    def _beat(self) -> float:
+    def _beat(self) -> float | None:
         self.beats.append(time.perf_counter())
-        return BEAT
+        return BEAT if self.lives else None

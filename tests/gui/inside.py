@@ -38,7 +38,8 @@ class Play:
 
     def end(self, failure: str) -> None:
         seconds = time.perf_counter() - self.began
-        result = {"failure": failure, "seconds": seconds, "figures": self.stage.figures, "blender": bpy.app.version}
+        region = self.stage.region.width, self.stage.region.height
+        result = {"failure": failure, "seconds": seconds, "figures": self.stage.figures, "region": region}
         (self.folder / "result.json").write_text(json.dumps(result))
         bpy.ops.wm.quit_blender()
 

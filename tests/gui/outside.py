@@ -19,8 +19,8 @@ from .scenario import Scenario
 
 INSIDE = Path(__file__).with_name("inside.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
-#: What Blender's factory layout puts beside and above a 3D viewport, in pixels of the window.
-BESIDE, ABOVE = 238, 116
+#: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
+PART, LESS = (0.8286, 0.922), (3.7, 45.8)
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
 #: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
 WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -72,7 +72,9 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
 
 
 def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> Outcome:
-    width, height = scenario.region[0] + BESIDE, scenario.region[1] + ABOVE
+    width, height = (
+        round((pixels + less) / part) for pixels, less, part in zip(scenario.region, LESS, PART, strict=True)
+    )
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
     script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
     arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]
