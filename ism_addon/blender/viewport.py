@@ -64,7 +64,8 @@ class Viewport:
         if self._picture is not None:
             region = context.region
             self._presenter.draw(engine, context.scene, self._picture.color, region.width, region.height)
-        engine.update_stats("", self._job.error or f"Sample {self._job.samples_done}/{self._job.samples}")
+        shown = self._picture.samples if self._picture is self._job.picture() and self._picture else 0
+        engine.update_stats("", self._job.error or f"Sample {shown}/{self._job.samples}")
         if not self._job.finished and not bpy.app.timers.is_registered(_look):
             bpy.app.timers.register(_look, first_interval=LOOK_EVERY)
 
@@ -91,7 +92,8 @@ class Viewport:
             self._asked = asked
 
     def _news(self) -> tuple:
-        return self._job, self._job.picture(), self._job.samples_done, self._job.finished
+        """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
+        return self._job, self._job.picture(), self._job.finished
 
 
 def coarser(pixel: int, seconds: float) -> int:
