@@ -109,6 +109,11 @@ class Grid:
         first = -corners.min(0) - self.texels.min(0)
         return first, np.ptp(corners, axis=0) + np.ptp(self.texels, axis=0) + 1
 
+    def room(self, width: int, height: int) -> np.ndarray:
+        """(2,): no grid like this one has more fine pixels, whatever places it holds."""
+        _, size = self.bounds(width, height)
+        return size - np.ptp(self.texels, axis=0) + np.abs(self.fine_from_pixel).sum(1) + 1
+
     def fine_from_clip(self, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
         """(2,2) and (2,): what turns clip coordinates x, y of the picture, and w, into those of the fine one."""
         (first, fine), size = self.bounds(width, height), np.array([width, height])

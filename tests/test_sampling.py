@@ -209,6 +209,17 @@ def test_the_places_of_a_grid_are_the_fine_pixels_of_a_pixel(count):
 
 
 @pytest.mark.parametrize("count", GRIDS)
+def test_all_grids_of_as_many_places_fit_into_the_room_of_each(count):
+    """And nearly fill it: a picture needs memory for its fine pixels once."""
+    grids = [grid(number, count) for number in range(500)]
+    sizes = np.array([one.bounds(9, 7)[1] for one in grids])
+    rooms = np.array([one.room(9, 7) for one in grids])
+    assert (rooms == rooms[0]).all()
+    assert (sizes.max(0) <= rooms[0]).all()
+    assert (sizes.max(0) >= rooms[0] - 3).all()
+
+
+@pytest.mark.parametrize("count", GRIDS)
 def test_a_fine_pixel_shows_what_is_at_its_place(count):
     """In clip coordinates: from a place in the picture to the centre of its pixel in the fine one."""
     one, size = grid(3, count), np.array([9, 7])

@@ -7,6 +7,7 @@ own context would stay current and take our calls without a word.
 
 import ctypes
 import sys
+from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,6 +17,9 @@ import moderngl
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
+
+SYNC_GPU_COMMANDS_COMPLETE = 0x9117
+FOR_EVER = (1 << 64) - 1  # ns
 
 
 class NoOpenGL(RuntimeError):
@@ -32,8 +36,10 @@ class Device:
     #: Returns when the GPU has done all that was asked of it, without holding the interpreter's lock:
     #: moderngl's own finish() and read() hold it while they wait, and Blender's window with it.
     wait: Callable[[], None]
-    #: Lets the GPU begin with what was asked of it so far.
-    flush: Callable[[], None]
+    #: Lets the GPU begin with what was asked of it since the last time, and waits in the same way until it is done with
+    #: what was asked before that: two portions are on their way at most. Software drivers have room for no more, and
+    #: would wait for it in the middle of a draw.
+    hand_over: Callable[[], None]
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
@@ -53,5 +59,25 @@ def open_device() -> Device:
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
     gl.gc_mode = "context_gc"  # what is let go of is freed by gl.gc(), in this thread
-    finish, flush = (ctypes.CFUNCTYPE(None)(gl.mglo._context.load(name)) for name in ("glFinish", "glFlush"))
-    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish, flush)
+    load = gl.mglo._context.load
+    finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
+    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish, portion_by_portion(load))
+
+
+def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
+    """What Device.hand_over is; `load` gives the addresses of OpenGL's functions."""
+    fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
+    wait = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint64)(load("glClientWaitSync"))
+    delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
+    flush = ctypes.CFUNCTYPE(None)(load("glFlush"))
+    under_way: deque[int] = deque()
+
+    def hand_over() -> None:
+        under_way.append(fence(SYNC_GPU_COMMANDS_COMPLETE, 0))
+        flush()
+        if len(under_way) > 1:
+            earlier = under_way.popleft()
+            wait(earlier, 0, FOR_EVER)
+            delete(earlier)
+
+    return hand_over

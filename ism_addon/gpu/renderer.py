@@ -194,7 +194,7 @@ def places_in_pixel(view: View, samples: int, limit: int) -> int:
     """How many samples share one drawing of the triangles, on a grid finer than the pixels' by as much."""
     counts = [count for count in GRIDS if count <= samples and margin(view.filter_width) > 0]
     for count in sorted(counts, reverse=True):
-        _, size = grid(0, count).bounds(view.width, view.height)
+        size = grid(0, count).room(view.width, view.height)
         if size.max() <= limit and size.prod() <= MOST_FINE_PIXELS:
             return count
     return 1

@@ -75,8 +75,9 @@ class GBuffer(Pass):
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
         gl, size = frame.device.gl, tuple(map(int, frame.grid.bounds(frame.view.width, frame.view.height)[1]))
+        room = tuple(map(int, frame.grid.room(frame.view.width, frame.view.height)))
         for name in ("triangles", "z"):
-            frame.targets.reserve(name, self.writes[name], size)
+            frame.targets.reserve(name, self.writes[name], room)
         target = frame.targets.into("triangles", "z")
         target.viewport = 0, 0, *size
         target.clear(depth=1.0, viewport=target.viewport)
@@ -103,5 +104,5 @@ class GBuffer(Pass):
             )
             waiting += count
             if waiting >= PORTION:
-                self.device.flush()
+                self.device.hand_over()
                 waiting = 0
