@@ -7,6 +7,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
 
 from . import engine, sight
 from .watch import Watch
@@ -48,6 +50,10 @@ class Stage:
     def scene(self) -> bpy.types.Scene:
         return self.window.scene
 
+    @property
+    def view_layer(self) -> bpy.types.ViewLayer:
+        return self.window.view_layer
+
     def rendered(self) -> None:
         """Switch the viewport to Rendered shading by our engine."""
         self.scene.render.engine = "ISM"
@@ -63,9 +69,19 @@ class Stage:
         """Operators inside this with-block act on the 3D viewport."""
         return bpy.context.temp_override(window=self.window, area=self.area, region=self.region)
 
+    def remember(self, name: str) -> None:
+        """A step for undo: edits by script make none by themselves."""
+        with self.in_viewport():
+            bpy.ops.ed.undo_push(message=name)
+
+    def place_of(self, point: tuple[float, float, float]) -> tuple[float, float]:
+        """Where a point of the world is seen, as parts of the region from below left."""
+        across, up = location_3d_to_region_2d(self.region, self.view, Vector(point))
+        return across / self.region.width, up / self.region.height
+
     def measured(self, name: str, value: float, unit: str = "", must: float | None = None, aim: float | None = None):
         """Keep a figure for the report; more than it must be fails the scenario at its end."""
-        self.figures[name] = {"value": value, "unit": unit, "must": must, "aim": aim}
+        self.figures[name] = {"value": float(value), "unit": unit, "must": must, "aim": aim}
         if must is not None and value > must:
             self.missed.append(f"{name}: {value:.4g} {unit}, must be at most {must:g}")
 
