@@ -130,7 +130,13 @@ class Stage:
 
     def pixels(self, name: str) -> np.ndarray:
         """The 3D viewport's (H,W,3) float32 display values from 0 to 1, top row first, cut from a true screenshot."""
+        return self._cut(name, self.region)
+
+    def pixels_of_area(self, name: str) -> np.ndarray:
+        """The same of the whole area, with all its regions."""
+        return self._cut(name, self.area)
+
+    def _cut(self, name: str, part: bpy.types.Region | bpy.types.Area) -> np.ndarray:
         whole = sight.screenshot(self.folder / f"{name}.png")
-        region, (rows, _) = self.region, whole.shape[:2]
-        top = rows - region.y - region.height
-        return whole[top : top + region.height, region.x : region.x + region.width]
+        top = len(whole) - part.y - part.height
+        return whole[top : top + part.height, part.x : part.x + part.width]

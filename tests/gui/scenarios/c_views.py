@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways to look at a scene: turning it, through the camera, in part, from four sides."""
+
+import time
+
+import bpy
+import numpy as np
+from mathutils import Quaternion
+
+from tests.gui import engine, scenery
+from tests.gui.scenario import scenario
+from tests.gui.sight import picture, rmse
+from tests.gui.stage import Stage, Steps
+
+#: view_camera_zoom at which the camera's frame is as wide as the region: ((√2 + zoom / 50) / 2)² = 1.
+FILLS = 50.0 * (2.0 - 2.0**0.5)
+
+
+@scenario(region=(1280, 720), patience=240)
+def orbit(stage: Stage) -> Steps:
+    """The view is turned in 30 steps: pictures on the way, none unlit, and no reading of the scene."""
+    scenery.crowd()
+    scenery.look(stage.view, 9.0)
+    stage.bare()
+    stage.rendered()
+    yield from stage.rested()
+    bright = stage.pixels("before").mean()
+    start = stage.view.view_rotation.copy()
+    since = time.perf_counter()
+    for step in range(1, 31):
+        stage.view.view_rotation = Quaternion((0.0, 0.0, 1.0), 0.05 * step) @ start
+        stage.area.tag_redraw()
+        yield from stage.wait(0.1)
+        if step % 10 == 0:
+            brightness = stage.pixels(f"step {step}").mean() / bright
+            assert 0.6 < brightness < 1.6, f"step {step} is {brightness:.2f} times as bright as the view before"
+    took = time.perf_counter() - since
+    updates = [call for call in stage.watch.calls if call.name == "view_update" and call.began >= since]
+    stage.measured("orbit", took, "s")
+    stage.measured("orbit: longest redraw", 1e3 * stage.watch.longest_redraw(since), "ms", must=30, aim=10)
+    stage.measured("orbit: readings of the scene", len(updates), must=0)
+    yield from stage.rested()
+    turn = lambda: setattr(stage.view, "view_rotation", start)  # noqa: E731
+    seconds = yield from stage.seen(turn, stage.place_of((0.0, -0.5, 0.35)))
+    stage.measured("first picture after a turn", seconds, "s", must=1, aim=0.25)
+    yield from stage.rested()
+
+
+@scenario(patience=180)
+def camera_against_final(stage: Stage) -> Steps:
+    """The camera's view, converged, is what F12 renders in the same size."""
+    scenery.studio()
+    scenery.camera()
+    stage.bare()
+    stage.rendered()
+    yield from stage.turns()
+    _through_camera(stage)
+    yield from stage.rested()
+    seen = stage.pixels("viewport")
+    path = stage.folder / "final.png"
+    _render(stage, path)
+    final = picture(path)
+    difference = 255 * rmse(seen, final)
+    stage.measured("viewport against F12, RMSE", difference, "/255", must=1, aim=0)
+    stage.measured("viewport against F12, largest", 255 * np.abs(seen - final).max(), "/255")
+
+
+@scenario(patience=180)
+def render_region(stage: Stage) -> Steps:
+    """With a render region, its inside is as before and its outside has no picture."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.bare()
+    stage.rendered()
+    yield from stage.rested()
+    whole = stage.pixels("whole")
+    with stage.in_viewport():
+        rows, columns = whole.shape[:2]
+        left, right, top, bottom = columns // 4, columns // 2, rows // 4, 3 * rows // 4
+        bpy.ops.view3d.render_border(xmin=left, xmax=right, ymin=rows - bottom, ymax=rows - top)
+    yield from stage.rested()
+    part = stage.pixels("part")
+    inside = np.s_[top + 4 : bottom - 4, left + 4 : right - 4]
+    stage.measured("inside, RMSE", 255 * rmse(whole[inside], part[inside]), "/255", must=1)
+    assert rmse(whole[:, right + 8 :], part[:, right + 8 :]) > 0.05, "the picture goes on outside the render region"
+    with stage.in_viewport():
+        bpy.ops.view3d.clear_render_border()
+    yield from stage.rested()
+    stage.measured("cleared, RMSE", 255 * rmse(whole, stage.pixels("cleared")), "/255", must=1)
+
+
+@scenario(patience=240)
+def quad_view(stage: Stage) -> Steps:
+    """Four views in one area; then a second area beside it in Solid shading, and each has its own picture."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.bare()
+    stage.rendered()
+    yield from stage.rested()
+    with stage.in_viewport():
+        bpy.ops.screen.region_quadview()
+    yield from stage.rested(90)
+    four = stage.pixels_of_area("four views")
+    halves = [half for rows in np.array_split(four, 2) for half in np.array_split(rows, 2, axis=1)]
+    for index, quarter in enumerate(halves):
+        assert quarter.max() - quarter.min() > 0.2, f"view {index} of four is empty"
+    with stage.in_viewport():
+        bpy.ops.screen.region_quadview()
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield from stage.turns()
+    solid = [area for area in stage.window.screen.areas if area.type == "VIEW_3D"][1]
+    solid.spaces.active.shading.type = "SOLID"
+    yield from stage.rested()
+    since = time.perf_counter()
+    yield from stage.wait(2.0)
+    stage.measured("redraws in 2 s beside Solid shading", stage.watch.redraws(since), must=0, aim=0)
+    assert stage.pixels("beside Solid").std() > 0.05, "the rendered half is empty"
+
+
+@scenario(patience=180)
+def material_preview(stage: Stage) -> Steps:
+    """A second area in Material Preview comes and goes while ours renders."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.rendered()
+    yield from stage.rested()
+    with stage.in_viewport():
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield from stage.turns()
+    stage.scene.ism.viewport.samples = 256
+    other = [area for area in stage.window.screen.areas if area.type == "VIEW_3D"][1]
+    other.spaces.active.shading.type = "MATERIAL"
+    bpy.data.objects["Cube"].data.materials.append(scenery.material("Green", (0.05, 0.8, 0.1)))
+    yield from stage.wait(5.0)
+    stage.pixels("both")
+    other.spaces.active.shading.type = "SOLID"
+    stage.scene.ism.viewport.samples = 4
+    yield from stage.rested()
+    shown = stage.pixels("ours")
+    assert (shown[..., 1] - shown[..., 0]).max() > 0.2, "the cube's new material does not show"
+    assert not engine.errors()
+
+
+def _through_camera(stage: Stage) -> None:
+    """The camera's frame fills the region, pixel by pixel."""
+    render, region = stage.scene.render, stage.region
+    render.resolution_x, render.resolution_y, render.resolution_percentage = region.width, region.height, 100
+    stage.view.view_perspective = "CAMERA"
+    stage.view.view_camera_zoom = FILLS
+    stage.view.view_camera_offset = (0.0, 0.0)
+
+
+def _render(stage: Stage, path) -> None:
+    """F12, with as many samples as the viewport."""
+    ism = stage.scene.ism
+    for name in ("samples", "light_points", "map_size", "surface_points"):
+        setattr(ism.render, name, getattr(ism.viewport, name))
+    stage.scene.render.filepath = str(path)
+    with bpy.context.temp_override(window=stage.window):
+        bpy.ops.render.render(write_still=True)
