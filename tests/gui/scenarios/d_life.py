@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""While the viewport renders, Blender goes on with its life: final renders, files, extensions that come and go."""
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+from tests.gui import engine, random_edits, scenery
+from tests.gui.heartbeat import Heartbeat
+from tests.gui.memory import resident
+from tests.gui.scenario import scenario
+from tests.gui.sight import picture
+from tests.gui.stage import Stage, Steps
+
+LOADS, EDITS = 20, 300
+LONG = 4096  # samples that no scenario waits for
+
+
+@scenario(patience=180)
+def final_render(stage: Stage) -> Steps:
+    """F12 is rendered while the viewport renders, and the window stays alive."""
+    yield from _busy(stage)
+    render = stage.scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 320, 240, 100
+    render.filepath = str(stage.folder / "final.png")
+    bpy.context.preferences.view.render_display_type = "NONE"
+    ended = []
+    bpy.app.handlers.render_complete.append(lambda *_: ended.append(True))
+    with Heartbeat() as heartbeat:
+        with bpy.context.temp_override(window=stage.window):
+            bpy.ops.render.render("INVOKE_DEFAULT", write_still=True)
+        yield from stage.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 90, "F12 is done")
+    stage.measured("longest gap of a 100 Hz timer", 1e3 * heartbeat.longest_gap, "ms", must=100, aim=40)
+    final = picture(stage.folder / "final.png")
+    assert final.max() - final.min() > 0.3, "F12's picture is empty"
+    stage.scene.ism.viewport.samples = 4
+    yield from stage.rested()
+    assert stage.pixels("viewport").std() > 0.05
+
+
+@scenario(patience=180)
+def file_load(stage: Stage) -> Steps:
+    """Another file is loaded while the viewport renders, and is seen."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.bare()
+    stage.rendered()
+    stage.scene.ism.viewport.samples = 4
+    yield from stage.rested()
+    first = stage.pixels("saved")
+    path = _save(stage)
+    yield from _busy(stage)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    yield from stage.rested()
+    stage.measured("loaded against saved, largest", 255 * abs(stage.pixels("loaded") - first).max(), "/255", must=2)
+
+
+@scenario(patience=180)
+def disabled_and_enabled(stage: Stage) -> Steps:
+    """The extension is disabled and enabled again while the viewport renders, twice."""
+    for time in ("first", "second"):
+        yield from _busy(stage)
+        bpy.ops.preferences.addon_disable(module=engine.PACKAGE)
+        yield from stage.wait(1.0)
+        assert "ISM" not in {kind.bl_idname for kind in bpy.types.RenderEngine.__subclasses__() if kind.is_registered}
+        bpy.ops.preferences.addon_enable(module=engine.PACKAGE)
+        stage.rendered()
+        stage.scene.ism.viewport.samples = 4
+        yield from stage.rested()
+        assert stage.pixels(f"after the {time} time").std() > 0.05, "no picture after the extension has come back"
+
+
+@scenario(region=(480, 320), patience=400)
+def long_day(stage: Stage) -> Steps:
+    """300 random edits and 20 file loads: nothing breaks, and memory does not grow."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.rendered()
+    stage.scene.ism.viewport.samples = 4
+    path = _save(stage)
+    chance = random.Random(1)
+    sizes = []
+    for _ in range(LOADS):
+        yield from _load(stage, path)
+        sizes.append(resident())
+        for _ in range(EDITS // LOADS):
+            edit: Callable = chance.choice(random_edits.ALL)
+            edit(stage, chance)
+            yield from stage.wait(chance.choice((0.0, 0.05, 0.2)))
+            assert not engine.errors(), f"{edit.__name__}: {engine.errors()}"
+    yield from _load(stage, path)
+    sizes.append(resident())
+    # The first rounds fill caches: Blender's undo steps, shaders, the allocator's arenas.
+    warm = sizes[LOADS // 4]
+    stage.measured("memory after a quarter", warm / 1e6, "MB")
+    stage.measured("growth of memory in the rest", (sizes[-1] - warm) / 1e6, "MB", must=50, aim=10)
+    assert stage.pixels("at the end").std() > 0.05
+
+
+def _busy(stage: Stage) -> Steps:
+    """The studio, with so many samples that the viewport is not done."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.bare()
+    stage.scene.ism.viewport.samples = LONG
+    stage.rendered()
+    yield from stage.wait(2.0)
+    assert engine.is_busy()
+
+
+def _save(stage: Stage) -> Path:
+    path = stage.folder / "studio.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+def _load(stage: Stage, path: Path) -> Steps:
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    yield from stage.rested()
