@@ -51,7 +51,7 @@ def recolour(_stage: Stage, chance: Random) -> None:
 
 
 def edit_mesh(_stage: Stage, chance: Random) -> None:
-    meshes = [thing.data for thing in bpy.data.objects if thing.type == "MESH"]
+    meshes = [mesh for mesh in bpy.data.meshes if mesh.vertices]
     if meshes:
         mesh = chance.choice(meshes)
         mesh.vertices[0].co.z += chance.uniform(-0.5, 0.5)
