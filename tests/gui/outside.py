@@ -78,7 +78,7 @@ def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> 
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
     script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
     arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]
-    variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1"}
+    variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1", "TMPDIR": str(folder)}
     command = blender.command(f"{width}x{height}", arguments, variables, (project.ROOT, archive.parent, folder))
     began = time.perf_counter()
     status = _run(command, folder / "blender.log", scenario.patience + START)

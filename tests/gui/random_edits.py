@@ -83,10 +83,6 @@ def next_frame(stage: Stage, _chance: Random) -> None:
     stage.scene.frame_set(stage.scene.frame_current + 1)
 
 
-def remember(stage: Stage, _chance: Random) -> None:
-    stage.remember("random")
-
-
 def undo(stage: Stage, _chance: Random) -> None:
     with stage.in_viewport():
         if bpy.ops.ed.undo.poll():
@@ -99,7 +95,8 @@ def redo(stage: Stage, _chance: Random) -> None:
             bpy.ops.ed.redo()
 
 
-ALL = (
+EDITS = (
     *(move, scale, add, add_light, delete, hide, duplicate, recolour, edit_mesh, empty_mesh, occlude),
-    *(change_method, turn, change_shading, next_frame, remember, remember, undo, redo),
+    *(change_method, turn, change_shading, next_frame),
 )
+STEPS = (undo, redo)

@@ -30,17 +30,21 @@ def orbit(stage: Stage) -> Steps:
     yield from stage.rested()
     bright = stage.pixels("before").mean()
     start = stage.view.view_rotation.copy()
+    stage.watch.place = (0.5, 0.5)
     since = time.perf_counter()
     for step in range(1, 31):
         stage.view.view_rotation = Quaternion((0.0, 0.0, 1.0), 0.05 * step) @ start
         stage.area.tag_redraw()
         yield from stage.wait(0.1)
-        if step % 10 == 0:
+        if step % 15 == 0:
             brightness = stage.pixels(f"step {step}").mean() / bright
             assert 0.6 < brightness < 1.6, f"step {step} is {brightness:.2f} times as bright as the view before"
     took = time.perf_counter() - since
     updates = [call for call in stage.watch.calls if call.name == "view_update" and call.began >= since]
     stage.measured("orbit", took, "s")
+    colors = [tuple(call.seen) for call in stage.watch.glimpses(since)]
+    pictures = len(set(colors)) - 1
+    stage.measured("orbit: a new picture every", took / max(1, pictures), "s", must=1, aim=0.25)
     stage.measured("orbit: longest redraw", 1e3 * stage.watch.longest_redraw(since), "ms", must=30, aim=10)
     stage.measured("orbit: readings of the scene", len(updates), must=0)
     yield from stage.rested()
