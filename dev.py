@@ -2,6 +2,7 @@
 """The developer's door: sets up what is needed, once, then shows, tests or packs the add-on."""
 
 import argparse
+import shutil
 import sys
 from pathlib import Path
 
@@ -61,6 +62,8 @@ def gui_test(names: list[str], program: str | None, root: Path, output: Path) ->
     try:
         if program is None:
             blender_root.install(root.resolve())
+        elif shutil.which(program) is None:
+            raise blender_root.Missing(f"there is no program {program}")
     except blender_root.Missing as reason:
         print(f"Not tested in a real Blender: {reason}.")
         return SKIPPED

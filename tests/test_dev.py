@@ -9,7 +9,8 @@ import zipfile
 
 import pytest
 
-from tests.tools import environments, machine, project
+from tests.gui.scenario import scenarios
+from tests.tools import blender_root, environments, machine, project
 
 
 def dev(*arguments):
@@ -56,6 +57,30 @@ def test_a_python_without_bpy_is_told_which_has_one(monkeypatch, tmp_path, blend
         next(environments.environments())
     assert sentence in exit.value.code
     assert "Use Python 3.11 or 3.13" in exit.value.code
+
+
+def test_an_unknown_scenario_is_named():
+    run = dev("gui-test", "no_such_thing")
+    assert run.returncode == 2
+    assert "no scenario no_such_thing, but: switch_to_rendered" in run.stdout
+
+
+def test_without_a_blender_with_a_window_it_says_so_and_is_skipped(tmp_path):
+    run = dev("gui-test", "--blender", str(tmp_path / "blender"))
+    assert run.returncode == 77
+    assert "Not tested in a real Blender: there is no program" in run.stdout
+
+
+def test_a_root_folder_is_for_root(monkeypatch, tmp_path):
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    with pytest.raises(blender_root.Missing, match="by root only"):
+        blender_root.install(tmp_path)
+
+
+def test_every_scenario_says_what_it_is_about():
+    found = scenarios()
+    assert len({scenario.name for scenario in found}) == len(found) > 10
+    assert all(scenario.about.endswith(".") for scenario in found)
 
 
 @pytest.fixture(scope="module")

@@ -44,8 +44,12 @@ def install(root: Path) -> None:
     """Make the root folder, if it is not there: some minutes, 350 MB to download, 1.6 GB on disk. Raises Missing."""
     if os.geteuid() != 0:
         raise Missing("a root folder with a Blender in it can be made and entered by root only")
-    if (root / "usr/bin/blender").exists():
-        return
+    if not (root / "usr/bin/blender").exists():
+        _install(root)
+    _run(*inside(root, "true"))
+
+
+def _install(root: Path) -> None:
     print(f"installing Blender from Debian {SUITE} into {root}", flush=True)
     if shutil.which("debootstrap") is None:
         _run("apt-get", "-qq", "update")
@@ -78,5 +82,5 @@ def _run(*command: str) -> None:
     )
     if done.returncode:
         last = " ".join(done.stdout.strip().splitlines()[-2:])
-        name = next(word for word in command if word in ("debootstrap", "apt-get"))
-        raise Missing(f"Blender could not be installed from Debian: {name} said: {last}")
+        name = next((word for word in command if word in ("debootstrap", "apt-get")), command[0])
+        raise Missing(f"Blender could not be installed from Debian or started: {name} said: {last}")
