@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 SUITE = "trixie"  # Blender 4.3.2, Python 3.13
-PACKAGES = "blender xvfb openbox imagemagick libgl1 libgl1-mesa-dri libglx-mesa0 libegl1 libegl-mesa0 python3"
+PACKAGES = "blender xvfb openbox imagemagick libgl1 libgl1-mesa-dri libglx-mesa0 libegl1 libegl-mesa0 python3-numpy"
 #: Runs a command in the root folder, with folders of the machine under the same paths: ROOT [FOLDER …] -- command.
 ENTER = """
 root=$1; shift
