@@ -11,7 +11,7 @@ def opened_device():
 
     device = open_device()
     yield device
-    device.gl.release()
+    device.close()
 
 
 @pytest.fixture

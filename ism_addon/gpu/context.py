@@ -18,6 +18,9 @@ import moderngl
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
 
+#: Where contexts need no window, and no display either.
+ON_EGL = sys.platform.startswith("linux")
+
 SYNC_GPU_COMMANDS_COMPLETE = 0x9117
 FOR_EVER = (1 << 64) - 1  # ns
 
@@ -45,11 +48,18 @@ class Device:
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
+    def close(self) -> None:
+        """Free the context and all that is in it. In the thread that opened it."""
+        if ON_EGL:
+            # It keeps a context with all its textures as long as it is current in a thread, even in one that is gone.
+            ctypes.CFUNCTYPE(ctypes.c_uint)(self.gl.mglo._context.load("eglReleaseThread"))()
+        self.gl.release()
+
 
 def open_device() -> Device:
     """Open a context without a window. Raises NoOpenGL."""
     try:
-        if sys.platform.startswith("linux"):
+        if ON_EGL:
             gl = moderngl.create_context(standalone=True, backend="egl", require=FLOOR)
         else:
             gl = moderngl.create_context(standalone=True, require=FLOOR)

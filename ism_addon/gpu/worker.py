@@ -249,7 +249,7 @@ class Studio:
             self.end(job)
         for renderer in chain(*self.renderers.values()):
             renderer.release()
-        self.device.gl.release()
+        self.device.close()
 
 
 def draw(renderer: "Renderer", coarse_renderer: "Renderer", job: Job) -> Iterator[None]:

@@ -9,7 +9,7 @@ import bpy
 
 from tests.gui import engine, random_edits, scenery
 from tests.gui.heartbeat import Heartbeat
-from tests.gui.memory import resident
+from tests.tools.memory import resident
 from tests.gui.scenario import scenario
 from tests.gui.sight import picture
 from tests.gui.stage import Stage, Steps
