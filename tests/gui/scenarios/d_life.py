@@ -9,10 +9,10 @@ import bpy
 
 from tests.gui import engine, random_edits, scenery
 from tests.gui.heartbeat import Heartbeat
-from tests.tools.memory import resident
 from tests.gui.scenario import scenario
 from tests.gui.sight import picture
 from tests.gui.stage import Stage, Steps
+from tests.tools.memory import resident
 
 LOADS, EDITS = 20, 300
 LONG = 4096  # samples that no scenario waits for
