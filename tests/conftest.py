@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests of several floors share: an open OpenGL device, watched for errors."""
+"""What tests of several floors share: an open OpenGL device, watched for errors, and a worker."""
+
+import threading
 
 import pytest
 
@@ -22,3 +24,14 @@ def device(opened_device):
         yield opened_device
         assert gl.error == "GL_NO_ERROR"
         gl.gc()
+
+
+@pytest.fixture
+def worker():
+    """A Worker, whose thread must have ended with it."""
+    from ism_addon.gpu.worker import Worker
+
+    made = Worker()
+    yield made
+    made.stop()
+    assert not [thread for thread in threading.enumerate() if thread.name == "ISM renderer"]

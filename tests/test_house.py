@@ -39,7 +39,7 @@ FLOORS = {
     ),
     "gpu": Floor((*PURE, "gpu"), ("numpy", "moderngl"), "the pipeline must run without Blender, on a snapshot alone"),
     "blender": Floor(
-        (*PURE, "blender", "gpu.worker"),
+        (*PURE, "blender", "gpu.job", "gpu.worker"),
         ("numpy", *BLENDER_PACKAGES),
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),

@@ -9,18 +9,10 @@ from pathlib import Path
 import pytest
 
 from ism_addon.gpu import program
-from ism_addon.gpu.worker import Worker
 
 from .scenes.small import pillar_field
 from .studio import SMALL_SETTINGS
 from .test_worker import LONG, begun, ended, request
-
-
-@pytest.fixture
-def worker():
-    made = Worker()
-    yield made
-    made.stop()
 
 
 @pytest.fixture

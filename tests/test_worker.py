@@ -12,13 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ism_addon.gpu.job import Job, Request
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.gpu.worker import Job, Request, Worker
-from ism_addon.gpu.worker import draw as steps
+from ism_addon.gpu.studio import draw as steps
 
 from .scenes.small import box_over_plane, pillar_field
 from .studio import SMALL_SETTINGS, draw, with_quality
-from .tools.memory import resident
 
 ROOT = Path(__file__).parent.parent
 LONG = with_quality(SMALL_SETTINGS, samples=60_000)
@@ -42,14 +41,6 @@ def begun(job: Job) -> bool:
     while job.picture() is None and not job.finished and time.monotonic() < until:
         job.wait(0.5)
     return job.picture() is not None
-
-
-@pytest.fixture
-def worker():
-    made = Worker()
-    yield made
-    made.stop()
-    assert not [thread for thread in threading.enumerate() if thread.name == "ISM renderer"]
 
 
 def test_a_job_gives_a_picture(worker, device):
@@ -216,18 +207,6 @@ def test_a_start_while_another_thread_stops(worker):
         assert ended(job)
 
 
-@pytest.mark.skipif(not resident(), reason="this system does not say how much memory a process has")
-def test_stop_gives_all_memory_back(worker):
-    """Also what drivers keep in main memory: with software OpenGL that is all of it."""
-    sizes = []
-    for _ in range(16):
-        assert ended(worker.start(request(size=(640, 480)), "client"))
-        worker.stop()
-        sizes.append(resident())
-    # The allocator keeps some of it, not always as much; a context that is left behind is 60 MB a round.
-    assert min(sizes[10:]) - min(sizes[4:10]) < 60e6
-
-
 def test_a_request_that_cannot_be_drawn_is_an_error_of_its_own(worker):
     broken = worker.start(request(replace(SMALL_SETTINGS, show="nonsense")), "one")
     sound = worker.start(request(), "two")
@@ -252,7 +231,8 @@ def complaint(head: str, **environment: str) -> str:
     """What a job's error is in an interpreter of its own, after the lines `head`."""
     script = (
         f"{head}\n"
-        "from ism_addon.gpu.worker import Request, Worker\n"
+        "from ism_addon.gpu.job import Request\n"
+        "from ism_addon.gpu.worker import Worker\n"
         "from tests.scenes.small import box_over_plane\n"
         "from ism_addon.settings import Settings\n"
         "worker = Worker()\n"

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
-from . import account, final, viewport
+from . import account, final, lookout, viewport
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
 
@@ -79,6 +79,6 @@ def register() -> None:
 
 def unregister() -> None:
     bpy.app.handlers.load_pre.remove(stop)
-    viewport.stop_looking()
+    lookout.stop()
     bpy.utils.unregister_class(ISMRenderEngine)
     stop()

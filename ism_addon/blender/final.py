@@ -6,7 +6,8 @@ import time
 import bpy
 import numpy as np
 
-from ..gpu.worker import Job, Picture, Request, shared
+from ..gpu.job import Job, Picture, Request
+from ..gpu.worker import shared
 from ..scene import View
 from . import account, camera, controls, extract
 

@@ -9,7 +9,7 @@ from .. import snapshot
 from ..gpu.worker import shared
 from ..scene import View
 from ..settings import Settings
-from . import camera, controls, extract, viewport
+from . import camera, controls, extract, lookout, viewport
 
 
 class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
@@ -58,7 +58,7 @@ class ISM_OT_reload_shaders(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         shared.reload()
-        viewport.redraw()
+        lookout.redraw()
         self.report({"INFO"}, "The next picture is drawn by the shaders as they are now")
         return {"FINISHED"}
 

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One 3D viewport: asks the worker for pictures, shows the latest, and never waits for one."""
 
-from weakref import WeakSet, finalize
+from weakref import finalize
 
 import bpy
 
-from ..gpu.worker import Job, Picture, Request, shared
+from ..gpu.job import Job, Picture, Request
+from ..gpu.worker import shared
 from ..scene import Scene, View
-from . import account, camera, controls, extract
+from . import camera, controls, extract, lookout
 from .present import Presenter
-
-LOOK_EVERY = 0.04  # s: how long a new picture can go unnoticed
 
 #: The pixels of the first picture after a change are as coarse as it takes for it to come after about so long. s
 FIRST = 0.1
@@ -19,8 +18,6 @@ COARSEST = 8
 
 #: A viewport's switches for kinds of objects.
 KINDS = [name for name in bpy.types.SpaceView3D.bl_rna.properties.keys() if name.startswith("show_object_viewport_")]  # noqa: SIM118
-
-_alive: "WeakSet[Viewport]" = WeakSet()
 
 
 class Viewport:
@@ -37,7 +34,7 @@ class Viewport:
         self._picture: Picture | None = None
         self._told: tuple | None = None
         self._presenter = Presenter()
-        _alive.add(self)
+        lookout.watch(self)
         # It dies with its engine, in whose own __del__ Blender has already taken everything away.
         finalize(self, shared.forget, self._client).atexit = False
 
@@ -66,8 +63,8 @@ class Viewport:
             self._presenter.draw(engine, context.scene, self._picture.color, region.width, region.height)
         shown = self._picture.samples if self._picture is self._job.picture() and self._picture else 0
         engine.update_stats("", self._job.error or f"Sample {shown}/{self._job.samples}")
-        if not self._job.finished and not bpy.app.timers.is_registered(_look):
-            bpy.app.timers.register(_look, first_interval=LOOK_EVERY)
+        if not self._job.finished:
+            lookout.start()
 
     @property
     def has_news(self) -> bool:
@@ -84,12 +81,18 @@ class Viewport:
     def _ask(self, view: View, scene: bpy.types.Scene) -> None:
         chosen = controls.read(scene, "viewport")
         asked = (self._scene, _fingerprint(view), chosen, shared.edition)
-        if asked != self._asked:
+        if asked != self._asked and not self._nothing_to_show_yet:
             if self._job is not None and self._job.first_seconds:
                 self._coarse = coarser(self._coarse, self._job.first_seconds)
+                self._picture = self._job.picture()
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
             self._asked = asked
+
+    @property
+    def _nothing_to_show_yet(self) -> bool:
+        """Whether the job has to go on to its first picture, though outdated: a view that turns would have none."""
+        return self.is_waiting and self._job.picture() is None
 
     def _news(self) -> tuple:
         """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
@@ -121,28 +124,3 @@ def _shows(space: bpy.types.SpaceView3D) -> tuple:
 def _fingerprint(view: View) -> tuple:
     matrices = view.clip_from_view.tobytes(), view.view_from_world.tobytes()
     return *matrices, view.width, view.height, view.filter_width, view.transparent
-
-
-def _look() -> float | None:
-    """Timer: redraw the viewports while one of them has something new to show, and at the end what it took."""
-    news = [viewport for viewport in _alive if viewport.has_news]
-    for viewport in news:
-        account.keep("viewport", viewport.statistics)
-    if news:
-        redraw(also_properties=not any(viewport.is_waiting for viewport in _alive))
-    return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
-
-
-def redraw(also_properties: bool = False) -> None:
-    """Draw all viewports in Rendered shading again, and perhaps the properties, whose statistics they are."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            rendered = area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED"
-            if rendered or (also_properties and area.type == "PROPERTIES"):
-                area.tag_redraw()
-
-
-def stop_looking() -> None:
-    """End the timer."""
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)

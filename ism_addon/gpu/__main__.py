@@ -12,9 +12,10 @@ from typing import Any
 from .. import snapshot
 from ..scene import View
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
+from .job import Job, Picture, Request
 from .png import display_from_linear, write_png
 from .profile import table
-from .worker import Job, Picture, Request, Worker
+from .worker import Worker
 
 
 def parser() -> argparse.ArgumentParser:

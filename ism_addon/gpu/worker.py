@@ -6,90 +6,11 @@ so one thread does all OpenGL, a pass at a time, and takes turns between its cli
 Nobody waits for it unless they ask to.
 """
 
-import logging
 import threading
 import time
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
-from itertools import chain
-from typing import TYPE_CHECKING
+from collections.abc import Hashable
 
-import numpy as np
-
-from ..scene import Scene, View
-from ..settings import Settings
-from .profile import Profile
-
-if TYPE_CHECKING:
-    from .context import Device
-    from .renderer import Renderer
-
-log = logging.getLogger(__name__)
-
-#: The part of the time that pictures may take which are only shown until there is a better one.
-SHOWING = 0.1
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """What is to be drawn."""
-
-    scene: Scene
-    view: View
-    settings: Settings
-    surfaces: bool = True  # whether depth and normals are wanted too
-    coarse: int = 1  # px of the view along either side of one in the first picture, which comes the sooner
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
-
-    color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
-    depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
-    normal: np.ndarray | None  # (H,W,3) float32 world space
-    samples: int
-
-
-class Job:
-    """One request on its way. All of it may be asked from any thread."""
-
-    def __init__(self, request: Request, news: threading.Condition):
-        self.request = request
-        self.samples = request.settings.quality.samples
-        self.samples_done = 0
-        self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one
-        self.finished = False
-        self.cancelled = False
-        self.error = ""
-        self.statistics: dict = {}
-        self._news = news
-        self._seen = 0
-        self._happened = 0
-        self._picture: Picture | None = None
-
-    def picture(self) -> Picture | None:
-        """The newest picture, the same object until there is a newer one."""
-        return self._picture
-
-    def wait(self, timeout: float) -> bool:
-        """Until there is news since the last call, or `timeout` seconds: whether there was any."""
-        with self._news:
-            told = self._news.wait_for(lambda: self._happened != self._seen or self.finished, timeout)
-            self._seen = self._happened
-            return told
-
-    def cancel(self) -> None:
-        """Stop after the pass that is being drawn."""
-        self.cancelled = True
-
-    def tell(self, **changes: object) -> None:
-        """Set attributes and wake whoever waits. The worker's side."""
-        with self._news:
-            for name, value in changes.items():
-                setattr(self, name, value)
-            self._happened += 1
-            self._news.notify_all()
+from .job import Job, Request
 
 
 class Worker:
@@ -100,6 +21,8 @@ class Worker:
         self._jobs: dict[Hashable, Job] = {}
         self._forgotten: set[Hashable] = set()
         self._thread: threading.Thread | None = None
+        self._rest_ends = 0.0  # monotonic s
+        self._rests = False
         #: Of the shaders: pictures of another edition may differ.
         self.edition = 0
 
@@ -128,6 +51,23 @@ class Worker:
             self._forgotten.add(client)
             self._news.notify_all()
 
+    def rest(self, seconds: float) -> None:
+        """Begin no pass until go_on(), or for so long: for those who have something short to do undisturbed."""
+        with self._news:
+            self._rest_ends = time.monotonic() + seconds
+
+    def go_on(self) -> None:
+        """End a rest."""
+        with self._news:
+            self._rest_ends = 0.0
+            self._news.notify_all()
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing is being drawn."""
+        with self._news:
+            return self._rests or self._thread is None or not self._has_work()
+
     def stop(self) -> None:
         """End all jobs and the thread, and wait for it."""
         with self._news:
@@ -148,6 +88,7 @@ class Worker:
     def _run(self) -> None:
         try:
             from .context import NoOpenGL, open_device
+            from .studio import Studio
         except ImportError as reason:
             self._refuse(f"moderngl, which comes with the extension, could not be loaded ({reason})")
             return
@@ -168,8 +109,17 @@ class Worker:
             studio.tidy(jobs, forgotten)
             studio.reload(edition)
             for client, job in jobs.items():
+                self._rest()
                 studio.step(client, job)
         studio.close()
+
+    def _rest(self) -> None:
+        """Wait as long as a rest lasts."""
+        with self._news:
+            self._rests = True
+            while (left := self._rest_ends - time.monotonic()) > 0.0 and not self._stopped():
+                self._news.wait(left)
+            self._rests = False
 
     def _has_work(self) -> bool:
         return self._stopped() or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
@@ -188,98 +138,6 @@ class Worker:
             self._jobs.clear()
         for job in jobs:
             job.tell(error=reason, finished=True)
-
-
-class Studio:
-    """The worker's side: a renderer a client, and how far their jobs are. Lives in the worker's thread."""
-
-    def __init__(self, device: "Device", edition: int):
-        self.device = device
-        self.edition = edition
-        #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
-        self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
-        self.running: dict[Job, Iterator[None]] = {}
-
-    def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
-        """Drop jobs that were replaced, and the renderers of clients that are gone."""
-        for job in self.running.keys() - set(jobs.values()):
-            self.end(job)
-        for client in forgotten & self.renderers.keys():
-            for renderer in self.renderers.pop(client):
-                renderer.release()
-
-    def reload(self, edition: int) -> None:
-        """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
-        if edition != self.edition:
-            self.edition = edition
-            self.device.programs.clear()
-            self.renderers.clear()
-            self.device.gl.gc()
-
-    def step(self, client: Hashable, job: Job) -> None:
-        """Draw one pass of a job; whatever goes wrong is the job's own error."""
-        error = ""
-        try:
-            if job not in self.running:
-                self.running[job] = draw(*self.of(client), job)
-            if not job.cancelled and next(self.running[job], job) is not job:
-                return
-        except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
-            log.debug("drawing failed", exc_info=True)
-            error = f"The picture could not be drawn: {reason}"
-        self.end(job, error)
-
-    def of(self, client: Hashable) -> "tuple[Renderer, Renderer]":
-        """The renderers that are kept for the client."""
-        from .renderer import Renderer
-
-        if client not in self.renderers:
-            self.renderers[client] = Renderer(self.device), Renderer(self.device)
-        return self.renderers[client]
-
-    def end(self, job: Job, error: str = "") -> None:
-        """Nothing more comes of this job."""
-        if job in self.running:
-            self.running.pop(job).close()
-        job.tell(finished=True, error=error)
-
-    def close(self) -> None:
-        """Free all that the GPU holds for us."""
-        for job in list(self.running):
-            self.end(job)
-        for renderer in chain(*self.renderers.values()):
-            renderer.release()
-        self.device.close()
-
-
-def draw(renderer: "Renderer", coarse_renderer: "Renderer", job: Job) -> Iterator[None]:
-    """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
-    request, profile = job.request, Profile()
-    if request.coarse > 1:
-        view = request.view.coarse(request.coarse)
-        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile):
-            yield
-        job._picture = Picture(coarse_renderer.picture(), None, None, 0)
-        job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
-        yield
-    start = time.perf_counter()
-    next_picture = start
-    surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
-    for sample in range(job.samples):
-        for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
-            yield
-        now = time.perf_counter()
-        if sample == 0 and request.surfaces:
-            surfaces = renderer.depth_and_normal()
-        job.samples_done = sample + 1
-        job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
-        job.statistics = profile.statistics(request.scene, sample + 1, now - start)
-        if sample + 1 == job.samples or now >= next_picture:
-            job._picture = Picture(renderer.picture(), *surfaces, sample + 1)
-            shown = time.perf_counter()
-            next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
-        job.tell()
-        yield
 
 
 #: The worker that Blender's engine uses.

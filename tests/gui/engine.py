@@ -19,11 +19,11 @@ def engine_class() -> Any:
 
 def is_busy() -> bool:
     """Whether a viewport lacks samples, or has not shown the last."""
-    viewports = list(module("blender.viewport")._alive)
+    viewports = list(module("blender.lookout")._alive)
     return not viewports or any(viewport.is_waiting or viewport.has_news for viewport in viewports)
 
 
 def errors() -> list[str]:
     """What the viewports tell their user instead of a picture."""
-    jobs = [viewport._job for viewport in module("blender.viewport")._alive]
+    jobs = [viewport._job for viewport in module("blender.lookout")._alive]
     return [job.error for job in jobs if job is not None and job.error]

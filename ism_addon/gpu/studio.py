@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the worker's thread draws: renderers, kept for each client, and jobs, a pass at each step."""
+
+import logging
+import time
+from collections.abc import Hashable, Iterator
+from itertools import chain
+
+import numpy as np
+
+from .context import Device
+from .job import Job, Picture
+from .profile import Profile
+from .renderer import Renderer
+
+log = logging.getLogger(__name__)
+
+#: The part of the time that pictures may take which are only shown until there is a better one.
+SHOWING = 0.1
+
+
+class Studio:
+    """A renderer a client, and how far their jobs are."""
+
+    def __init__(self, device: Device, edition: int):
+        self.device = device
+        self.edition = edition
+        #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
+        self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
+        self.running: dict[Job, Iterator[None]] = {}
+
+    def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
+        """Drop jobs that were replaced, and the renderers of clients that are gone."""
+        for job in self.running.keys() - set(jobs.values()):
+            self.end(job)
+        for client in forgotten & self.renderers.keys():
+            for renderer in self.renderers.pop(client):
+                renderer.release()
+
+    def reload(self, edition: int) -> None:
+        """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
+        if edition != self.edition:
+            self.edition = edition
+            self.device.programs.clear()
+            self.renderers.clear()
+            self.device.gl.gc()
+
+    def step(self, client: Hashable, job: Job) -> None:
+        """Draw one pass of a job; whatever goes wrong is the job's own error."""
+        error = ""
+        try:
+            if job not in self.running:
+                self.running[job] = draw(*self.of(client), job)
+            if not job.cancelled and next(self.running[job], job) is not job:
+                return
+        except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
+            log.debug("drawing failed", exc_info=True)
+            error = f"The picture could not be drawn: {reason}"
+        self.end(job, error)
+
+    def of(self, client: Hashable) -> tuple[Renderer, Renderer]:
+        """The renderers that are kept for the client."""
+        if client not in self.renderers:
+            self.renderers[client] = Renderer(self.device), Renderer(self.device)
+        return self.renderers[client]
+
+    def end(self, job: Job, error: str = "") -> None:
+        """Nothing more comes of this job."""
+        if job in self.running:
+            self.running.pop(job).close()
+        job.tell(finished=True, error=error)
+
+    def close(self) -> None:
+        """Free all that the GPU holds for us."""
+        for job in list(self.running):
+            self.end(job)
+        for renderer in chain(*self.renderers.values()):
+            renderer.release()
+        self.device.close()
+
+
+def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
+    """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
+    request, profile = job.request, Profile()
+    if request.coarse > 1:
+        view = request.view.coarse(request.coarse)
+        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile):
+            yield
+        job._picture = Picture(coarse_renderer.picture(), None, None, 0)
+        job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
+        yield
+    start = time.perf_counter()
+    next_picture = start
+    surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
+    for sample in range(job.samples):
+        for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
+            yield
+        now = time.perf_counter()
+        if sample == 0 and request.surfaces:
+            surfaces = renderer.depth_and_normal()
+        job.samples_done = sample + 1
+        job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
+        job.statistics = profile.statistics(request.scene, sample + 1, now - start)
+        if sample + 1 == job.samples or now >= next_picture:
+            job._picture = Picture(renderer.picture(), *surfaces, sample + 1)
+            shown = time.perf_counter()
+            next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
+        job.tell()
+        yield
