@@ -7,6 +7,9 @@ import numpy as np
 from ..scene import View
 from .reach import within
 
+#: Left, right, bottom and top of a part of a picture, in pixels of the whole.
+Part = tuple[int, int, int, int]
+
 #: The types of camera whose picture a matrix can describe.
 DRAWABLE = ("PERSP", "ORTHO")
 
@@ -56,19 +59,22 @@ def viewport_view(
     width: int,
     height: int,
     camera: bpy.types.Object | None = None,
+    part: Part | None = None,
 ) -> View:
-    """What a 3D viewport of width × height pixels shows; the camera is the one that it may look through.
+    """What a 3D viewport of width × height pixels shows, or a part of it; the camera is what it may look through.
 
     Raises CameraError if the viewport looks through a camera that cannot be drawn.
     """
     if region_data.view_perspective == "CAMERA" and camera is not None:
         _check(camera)
     render = depsgraph.scene_eval.render
+    left, right, bottom, top = part or (0, width, 0, height)
+    clip_from_view = np.array(region_data.window_matrix, np.float64)
     return View(
-        clip_from_view=np.array(region_data.window_matrix, np.float64),
+        clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
         view_from_world=_rigid_inverse(np.linalg.inv(np.array(region_data.view_matrix, np.float64))),
-        width=width,
-        height=height,
+        width=right - left,
+        height=top - bottom,
         filter_width=render.filter_size,
         transparent=render.film_transparent,
     )
@@ -80,14 +86,56 @@ def full_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
     return max(render.resolution_x * scale // 100, 1), max(render.resolution_y * scale // 100, 1)
 
 
-def border(render: bpy.types.RenderSettings) -> tuple[int, int, int, int]:
-    """Left, right, bottom and top of what is rendered, in pixels of the whole picture; rounded as Blender does."""
+def border(render: bpy.types.RenderSettings) -> Part:
+    """What of the whole picture is rendered."""
     width, height = full_size(render)
     if not render.use_border:
         return 0, width, 0, height
-    x = (np.array([render.border_min_x, render.border_max_x], np.float32) * np.float32(width)).astype(int)
-    y = (np.array([render.border_min_y, render.border_max_y], np.float32) * np.float32(height)).astype(int)
-    return int(x[0]), max(int(x[1]), int(x[0]) + 1), int(y[0]), max(int(y[1]), int(y[0]) + 1)
+    x = np.array([render.border_min_x, render.border_max_x], np.float32)
+    y = np.array([render.border_min_y, render.border_max_y], np.float32)
+    return *_pixels(x, width), *_pixels(y, height)
+
+
+def render_region(
+    depsgraph: bpy.types.Depsgraph,
+    space: bpy.types.SpaceView3D,
+    region_data: bpy.types.RegionView3D,
+    width: int,
+    height: int,
+    camera: bpy.types.Object | None,
+) -> Part:
+    """What of a 3D viewport of width × height pixels is drawn: its render region, or in the camera's view the camera's.
+
+    One pixel at least, at the side where the rest of it would be.
+    """
+    render = depsgraph.scene_eval.render
+    if region_data.view_perspective == "CAMERA" and camera is not None:
+        if not render.use_border:
+            return 0, width, 0, height
+        left, right, bottom, top = _frame(depsgraph, region_data, camera)
+        x = left + (right - left) * np.array([render.border_min_x, render.border_max_x])
+        y = bottom + (top - bottom) * np.array([render.border_min_y, render.border_max_y])
+    elif space.use_render_border:
+        x = np.array([space.render_border_min_x, space.render_border_max_x])
+        y = np.array([space.render_border_min_y, space.render_border_max_y])
+    else:
+        return 0, width, 0, height
+    return *_pixels(x, width), *_pixels(y, height)
+
+
+def _pixels(ends: np.ndarray, count: int) -> tuple[int, int]:
+    """The first of `count` pixels and the one after the last between two fractions; rounded as Blender does."""
+    first, end = (ends.clip(0, 1) * ends.dtype.type(count)).astype(int)
+    first = min(int(first), count - 1)
+    return first, max(int(end), first + 1)
+
+
+def _frame(depsgraph: bpy.types.Depsgraph, region_data: bpy.types.RegionView3D, camera: bpy.types.Object) -> np.ndarray:
+    """Left, right, bottom and top of the camera's frame in a viewport that looks through it, as fractions of that."""
+    corners = camera.evaluated_get(depsgraph).data.view_frame(scene=depsgraph.scene_eval)
+    points = np.array([(*corner, 1.0) for corner in corners]) @ np.array(region_data.window_matrix, np.float64).T
+    places = points[:, :2] / points[:, 3:] / 2.0 + 0.5
+    return np.array([places.min(0), places.max(0)]).T.reshape(-1)
 
 
 def _check(camera: bpy.types.Object) -> None:

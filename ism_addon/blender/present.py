@@ -6,6 +6,9 @@ import gpu
 import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
+#: Left, bottom, width and height, in pixels of a region.
+Place = tuple[float, float, float, float]
+
 
 class Presenter:
     """Keeps the picture that it last drew as a texture: uploading one is what makes large viewports lag."""
@@ -14,10 +17,8 @@ class Presenter:
         self._color: np.ndarray | None = None
         self._texture: gpu.types.GPUTexture | None = None
 
-    def draw(
-        self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, width: int, height: int
-    ) -> None:
-        """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, over width × height pixels."""
+    def draw(self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, place: Place) -> None:
+        """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, at a place of the region."""
         if color is not self._color:
             rows, columns, channels = color.shape
             texels = gpu.types.Buffer("FLOAT", rows * columns * channels, color.reshape(-1))
@@ -25,6 +26,6 @@ class Presenter:
             self._color = color
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
-        draw_texture_2d(self._texture, (0, 0), width, height)
+        draw_texture_2d(self._texture, place[:2], *place[2:])
         engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")

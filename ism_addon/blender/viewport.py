@@ -9,7 +9,7 @@ from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
 from ..scene import Scene, View
 from . import camera, controls, extract, lookout
-from .present import Presenter
+from .present import Place, Presenter
 
 #: The pixels of the first picture after a change are as coarse as it takes for it to come after about so long. s
 FIRST = 0.1
@@ -31,7 +31,8 @@ class Viewport:
         self._coarse = COARSEST // 2
         self._asked: tuple | None = None
         self._job: Job | None = None
-        self._picture: Picture | None = None
+        self._place: Place = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
+        self._shown: tuple[Picture, Place] | None = None
         self._told: tuple | None = None
         self._presenter = Presenter()
         lookout.watch(self)
@@ -51,18 +52,18 @@ class Viewport:
             self.update(context, depsgraph)
         try:
             pixel = engine.get_preview_pixel_size(context.scene) * controls.pixel_size(context.scene)
-            view = seen(context, depsgraph, pixel)
+            view, place = seen(context, depsgraph, pixel)
         except camera.CameraError as error:
             engine.update_stats("", str(error))
             return
-        self._ask(view, context.scene)
+        self._ask(view, place, context.scene)
         self._told = self._news()
-        self._picture = self._job.picture() or self._picture
-        if self._picture is not None:
-            region = context.region
-            self._presenter.draw(engine, context.scene, self._picture.color, region.width, region.height)
-        shown = self._picture.samples if self._picture is self._job.picture() and self._picture else 0
-        engine.update_stats("", self._job.error or f"Sample {shown}/{self._job.samples}")
+        self._look_at_job()
+        if self._shown is not None:
+            picture, place = self._shown
+            self._presenter.draw(engine, context.scene, picture.color, place)
+        newest = self._job.picture()
+        engine.update_stats("", self._job.error or f"Sample {newest.samples if newest else 0}/{self._job.samples}")
         if not self._job.finished:
             lookout.start()
 
@@ -78,16 +79,22 @@ class Viewport:
     def is_waiting(self) -> bool:
         return self._job is not None and not self._job.finished
 
-    def _ask(self, view: View, scene: bpy.types.Scene) -> None:
+    def _ask(self, view: View, place: Place, scene: bpy.types.Scene) -> None:
         chosen = controls.read(scene, "viewport")
-        asked = (self._scene, _fingerprint(view), chosen, shared.edition)
+        asked = (self._scene, _fingerprint(view), place, chosen, shared.edition)
         if asked != self._asked and not self._nothing_to_show_yet:
             if self._job is not None and self._job.first_seconds:
                 self._coarse = coarser(self._coarse, self._job.first_seconds)
-                self._picture = self._job.picture()
+                self._look_at_job()
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
-            self._asked = asked
+            self._asked, self._place = asked, place
+
+    def _look_at_job(self) -> None:
+        """Show its picture, if it has one by now."""
+        picture = self._job.picture()
+        if picture is not None:
+            self._shown = picture, self._place
 
     @property
     def _nothing_to_show_yet(self) -> bool:
@@ -107,13 +114,18 @@ def coarser(pixel: int, seconds: float) -> int:
     return max(pixel // 2, 1) if seconds < FIRST / 5.0 else pixel
 
 
-def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int) -> View:
-    """What the context's 3D viewport shows, each pixel that is drawn being `pixel` of its own wide and high."""
-    region, space, scene = context.region, context.space_data, context.scene
-    seen_through = space.camera if space.use_local_camera else scene.camera
-    return camera.viewport_view(
-        depsgraph, context.region_data, max(1, region.width // pixel), max(1, region.height // pixel), seen_through
-    )
+def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int) -> tuple[View, Place]:
+    """What the context's 3D viewport shows, and where in it.
+
+    Each pixel that is drawn is `pixel` of its own wide and high.
+    """
+    region, space, data = context.region, context.space_data, context.region_data
+    seen_through = space.camera if space.use_local_camera else context.scene.camera
+    size = width, height = max(1, region.width // pixel), max(1, region.height // pixel)
+    part = left, right, bottom, top = camera.render_region(depsgraph, space, data, *size, seen_through)
+    across, up = region.width / width, region.height / height
+    place = left * across, bottom * up, (right - left) * across, (top - bottom) * up
+    return camera.viewport_view(depsgraph, data, *size, seen_through, part), place
 
 
 def _shows(space: bpy.types.SpaceView3D) -> tuple:

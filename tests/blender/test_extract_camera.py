@@ -175,10 +175,15 @@ def test_a_camera_that_is_scaled_to_nothing_is_refused(camera, scale):
         final_view()
 
 
-def viewport(perspective="PERSP"):
+def viewport_space():
     """The first 3D viewport of Blender's startup file."""
     areas = (area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D")
-    region = next(areas).spaces[0].region_3d
+    return next(areas).spaces[0]
+
+
+def viewport(perspective="PERSP"):
+    """What that looks at."""
+    region = viewport_space().region_3d
     region.view_matrix = Matrix.Rotation(0.4, 4, "X") @ Matrix.Translation((1, 2, -10))
     region.view_perspective = perspective
     return region
@@ -198,3 +203,32 @@ def test_a_viewport_refuses_a_panoramic_camera_only_when_it_looks_through_it(cam
     cameras.viewport_view(depsgraph, viewport("PERSP"), 64, 48, camera)
     with pytest.raises(cameras.CameraError):
         cameras.viewport_view(depsgraph, viewport("CAMERA"), 64, 48, camera)
+
+
+@pytest.mark.parametrize(
+    ("border", "part"),
+    [
+        ((0.25, 0.5, 0.25, 0.75), (16, 32, 12, 36)),
+        ((0.0, 1.0, 0.0, 1.0), (0, 64, 0, 48)),
+        ((0.5, 0.5, 1.0, 1.0), (32, 33, 47, 48)),
+    ],
+)
+def test_a_viewports_render_region_is_a_part_of_it(empty_scene, border, part):
+    space, depsgraph = viewport_space(), bpy.context.evaluated_depsgraph_get()
+    region = space.region_3d
+    space.use_render_border = False
+    assert cameras.render_region(depsgraph, space, region, 64, 48, None) == (0, 64, 0, 48)
+    space.use_render_border = True
+    for name, value in zip(("min_x", "max_x", "min_y", "max_y"), border, strict=True):
+        setattr(space, f"render_border_{name}", value)
+    assert cameras.render_region(depsgraph, space, region, 64, 48, None) == part
+
+
+def test_a_part_of_a_viewport_shows_what_the_whole_does_there(empty_scene):
+    region, depsgraph = viewport(), bpy.context.evaluated_depsgraph_get()
+    whole = cameras.viewport_view(depsgraph, region, 64, 48)
+    part = cameras.viewport_view(depsgraph, region, 64, 48, part=(16, 32, 12, 36))
+    assert (part.width, part.height) == (16, 24)
+    for point in POINTS:
+        pixel = landed(whole, point) * (64, 48)
+        assert np.allclose(landed(part, point) * (16, 24) + (16, 12), pixel, atol=1e-6)

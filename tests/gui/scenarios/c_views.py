@@ -98,6 +98,35 @@ def render_region(stage: Stage) -> Steps:
     stage.measured("cleared, RMSE", 255 * rmse(whole, stage.pixels("cleared")), "/255", must=1)
 
 
+@scenario(patience=180)
+def camera_border(stage: Stage) -> Steps:
+    """Through the camera, the border of its render is what is drawn, wherever its frame is in the viewport."""
+    scenery.studio()
+    scenery.camera()
+    stage.bare()
+    stage.rendered()
+    yield from stage.turns()
+    stage.view.view_perspective = "CAMERA"
+    stage.view.view_camera_zoom, stage.view.view_camera_offset = 5.0, (0.1, -0.05)
+    yield from stage.rested()
+    whole = stage.pixels("whole")
+    render, camera = stage.scene.render, stage.scene.camera
+    render.use_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.375, 0.75
+    frame = [camera.matrix_world @ corner for corner in camera.data.view_frame(scene=stage.scene)]
+    left, bottom = np.min([stage.place_of(corner) for corner in frame], axis=0)
+    right, top = np.max([stage.place_of(corner) for corner in frame], axis=0)
+    yield from stage.rested()
+    part = stage.pixels("part")
+    rows, columns = whole.shape[:2]
+    x = np.round((left + (right - left) * np.array([0.25, 0.75])) * columns).astype(int)
+    y = np.round((1.0 - bottom - (top - bottom) * np.array([0.75, 0.375])) * rows).astype(int)
+    inside = np.s_[y[0] + 4 : y[1] - 4, x[0] + 4 : x[1] - 4]
+    stage.measured("inside, RMSE", 255 * rmse(whole[inside], part[inside]), "/255", must=1)
+    for name, side in {"left": np.s_[:, : x[0] - 4], "above": np.s_[: y[0] - 4], "below": np.s_[y[1] + 4 :]}.items():
+        assert rmse(whole[side], part[side]) > 0.05, f"the picture goes on {name} of the border"
+
+
 @scenario(patience=240)
 def quad_view(stage: Stage) -> Steps:
     """Four views in one area; then a second area beside it in Solid shading, and each has its own picture."""
