@@ -53,7 +53,7 @@ def bench(name: str, output: Path, further: list[str]) -> int:
     return environment.run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
 
 
-def gui_test(names: list[str], program: str | None, root: Path, output: Path) -> int:
+def gui_test(names: list[str], program: str | None, root: Path, output: Path, any_pace: bool) -> int:
     """Play scenarios in a Blender with a window: those named, or all."""
     every = scenarios()
     if unknown := set(names) - {scenario.name for scenario in every}:
@@ -71,7 +71,7 @@ def gui_test(names: list[str], program: str | None, root: Path, output: Path) ->
     (archive,) = extension.build(environment.python, environment.extension, output.resolve() / "zip", ["linux-x64"])
     blender = outside.Blender(program) if program else outside.Blender("blender", root.resolve())
     chosen = [scenario for scenario in every if not names or scenario.name in names]
-    return int(not outside.play(chosen, archive, output.resolve(), blender))
+    return int(not outside.play(chosen, archive, output.resolve(), blender, any_pace))
 
 
 def pack(output: Path, platforms: list[str]) -> int:
@@ -93,6 +93,7 @@ def main() -> int:
     verb.add_argument("--blender", metavar="PATH", help="a Blender of this machine, instead of one in a root folder")
     verb.add_argument("--root", type=Path, default=BUILD / "blender-trixie", help="folder of that root (%(default)s)")
     verb.add_argument("--output", type=Path, default=BUILD / "gui-test", help="folder of the record (%(default)s)")
+    verb.add_argument("--any-pace", action="store_true", help="do not fail for what takes longer than it must")
     verb = verbs.add_parser("bench", help="measure; further arguments go to the benchmark")
     verb.add_argument("name", choices=BENCHMARKS)
     verb.add_argument("--output", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
@@ -112,7 +113,7 @@ def main() -> int:
     if arguments.verb == "test":
         return test(further)
     if arguments.verb == "gui-test":
-        return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output)
+        return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output, arguments.any_pace)
     return pack(arguments.output, arguments.platform)
 
 

@@ -40,6 +40,7 @@ class Play:
         seconds = time.perf_counter() - self.began
         region = self.stage.region.width, self.stage.region.height
         result = {"failure": failure, "seconds": seconds, "figures": self.stage.figures, "region": region}
+        result["slow"] = "\n".join(self.stage.slow)
         (self.folder / "result.json").write_text(json.dumps(result))
         bpy.ops.wm.quit_blender()
 

@@ -16,6 +16,8 @@ from .watch import Watch
 Steps = Generator[None, None, None]
 DIFFERENT = 0.03  # of a mean colour: more than noise and coarse first pictures do to a patch
 
+TIMES = ("s", "ms")  # units of what depends on the machine, and on what else it does
+
 
 class Stage:
     """Nothing of bpy is kept: a file that is loaded replaces all of it."""
@@ -24,6 +26,7 @@ class Stage:
         self.folder = folder
         self.figures: dict[str, dict] = {}
         self.missed: list[str] = []
+        self.slow: list[str] = []
         self.watch = Watch(engine.engine_class())
 
     @property
@@ -80,10 +83,11 @@ class Stage:
         return across / self.region.width, up / self.region.height
 
     def measured(self, name: str, value: float, unit: str = "", must: float | None = None, aim: float | None = None):
-        """Keep a figure for the report; more than it must be fails the scenario at its end."""
+        """Keep a figure for the report; more than it must be fails the scenario at its end, or is too slow."""
         self.figures[name] = {"value": float(value), "unit": unit, "must": must, "aim": aim}
         if must is not None and value > must:
-            self.missed.append(f"{name}: {value:.4g} {unit}, must be at most {must:g}")
+            kind = self.slow if unit in TIMES else self.missed
+            kind.append(f"{name}: {value:.4g} {unit}, must be at most {must:g}")
 
     def wait(self, seconds: float) -> Steps:
         """Let Blender's main loop run."""
