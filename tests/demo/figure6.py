@@ -18,7 +18,7 @@ import bpy
 from ism_addon import addon
 from ism_addon.blender.engine import statistics
 from ism_addon.gpu.profile import table
-from tests.scenes import atrium
+from tests.scenes import atrium, atrium_light
 
 BAR = 30  # characters
 
@@ -72,15 +72,10 @@ def saved_atrium(path: Path) -> Path:
     if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
         print("building the atrium")
         atrium.build(path)
-        look(bpy.context.scene.ism)
+        atrium_light.occlusion(bpy.context.scene.ism.ssao)
         bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside the pictures
         bpy.ops.wm.save_mainfile(compress=True)
     return path
-
-
-def look(ism: bpy.types.PropertyGroup) -> None:
-    """The ambient occlusion of a room of this size."""
-    ism.ssao.radius, ism.ssao.intensity, ism.ssao.attenuation = 1.5, 2.0, 0.5
 
 
 def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:

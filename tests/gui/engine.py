@@ -20,7 +20,9 @@ def engine_class() -> Any:
 def is_busy() -> bool:
     """Whether a viewport lacks samples, or has not shown the last."""
     viewports = list(module("blender.lookout")._alive)
-    return not viewports or any(viewport.is_waiting or viewport.has_news for viewport in viewports)
+    return not viewports or any(
+        viewport._job is None or viewport.is_waiting or viewport.has_news for viewport in viewports
+    )
 
 
 def errors() -> list[str]:

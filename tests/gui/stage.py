@@ -104,9 +104,9 @@ class Stage:
         """Let the main loop run until the condition holds. Fails after that many seconds."""
         end = time.perf_counter() + seconds
         while not condition():
-            assert not engine.errors(), f"the engine said {engine.errors()}"
             assert time.perf_counter() < end, f"{what}: not after {seconds} s"
             yield
+        assert not engine.errors(), f"the engine said {engine.errors()}"
 
     def rested(self, seconds: float = 60.0) -> Steps:
         """Until the viewport shows the last sample of the scene as it is now."""

@@ -66,3 +66,8 @@ def look() -> None:
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
     with suppress(TypeError):  # the add-on is not registered: Blender's default engine stays
         scene.render.engine = "ISM"
+
+
+def occlusion(ssao: bpy.types.PropertyGroup) -> None:
+    """The engine's ambient occlusion for a room of this size."""
+    ssao.radius, ssao.intensity, ssao.attenuation = 1.5, 2.0, 0.5
