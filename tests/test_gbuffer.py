@@ -10,13 +10,14 @@ import pytest
 from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers import Draw, mip_chain, portions
 from ism_addon.gpu.layout import directions_from_octahedron
+from ism_addon.gpu.passes.gbuffer import logarithm_of_depth
 from ism_addon.gpu.renderer import places_in_pixel
 from ism_addon.sampling import grid
 from ism_addon.scene import Image
 
 from . import reference
 from .scenes.small import sphere
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, placed, quad, rubble, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, perspective, placed, quad, rubble, stage, with_quality
 
 #: Pixels whose centre lies on an edge more exactly than float32 can tell.
 EDGE = 0.01
@@ -112,6 +113,31 @@ def test_two_triangles_of_which_the_nearer_wins(device):
     for order in ([near, far], [far, near]):
         ours = gbuffer(device, stage(order), from_above(1.0, (16, 16)))
         assert ours["world"][:, 2] == pytest.approx(1e-3, abs=2e-4)
+
+
+@pytest.mark.parametrize("distance", [10.0, 100.0, 500.0])
+def test_what_lies_a_little_behind_stays_hidden_though_the_near_plane_is_close(device, distance):
+    """Blender's viewports begin 1 cm before the eye and end at 1 km."""
+    apart, wide = 1e-4 * distance, 2.0 * distance
+    near, far = (quad((-0.5 * wide, -0.5 * wide, z), (wide, 0, 0), (0, wide, 0)) for z in (apart, 0.0))
+    view = look((0.0, -0.6 * distance, 0.8 * distance))
+    view = replace(view, clip_from_view=perspective(math.radians(50.0), 32 / 24, 0.01, 1000.0))
+    for order in ([near, far], [far, near]):
+        ours = gbuffer(device, stage(order), view)
+        assert ours["world"][:, 2] == pytest.approx(apart, abs=0.2 * apart)
+
+
+@pytest.mark.parametrize(("near", "far"), [(0.01, 1000.0), (0.5, 2.0), (1e-3, 1e30)])
+def test_depth_is_a_logarithm_of_the_distance(near, far):
+    start, scale = logarithm_of_depth(perspective(1.0, 1.5, near, far))
+    assert scale * (math.log2(near) - start) == pytest.approx(0.0, abs=1e-6)
+    assert 0.0 < scale * (math.log2(min(far, 1e9)) - start) <= 1.0 + 1e-6
+    if far < 1e9:
+        assert scale * (math.log2(far) - start) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_orthographic_depth_is_linear():
+    assert logarithm_of_depth(from_above(1.0).clip_from_view) == (0.0, 0.0)
 
 
 def test_what_is_invisible_is_not_drawn(device):

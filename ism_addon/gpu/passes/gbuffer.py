@@ -6,6 +6,7 @@ is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3, store depth, no
 """
 
 import moderngl
+import numpy as np
 
 from ...scene import Change
 from ..block import clip_from_anchor
@@ -22,6 +23,23 @@ PORTION = 1 << 15
 
 #: Depth of the background, as in Cycles' depth pass. m
 FAR_AWAY = 1e10
+
+
+#: Far planes at which projections have none, in near planes' distances.
+ENDLESS = 2.0**40
+
+
+def logarithm_of_depth(clip_from_view: np.ndarray) -> tuple[float, float]:
+    """(x, y) so that (log2(w) - x) y is 0 at the near plane and 1 at the far one, w being clip space's.
+
+    (0, 0) for an orthographic view, whose depth is linear. Logarithms are as exact, in parts, near and far.
+    """
+    (a, b), p = clip_from_view[2, 2:], clip_from_view[3, 2]
+    if p == 0.0:
+        return 0.0, 0.0
+    near, over_far = p * b / -(a + p), (p - a) / (p * b)
+    nearest, farthest = np.log2(near), -np.log2(max(over_far, 1.0 / (ENDLESS * near)))
+    return float(nearest), float(1.0 / (farthest - nearest))
 
 
 class GBuffer(Pass):
@@ -88,7 +106,8 @@ class GBuffer(Pass):
         gl.enable_only(moderngl.DEPTH_TEST)
         mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
-        bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift))
+        logarithm = logarithm_of_depth(frame.view.clip_from_view)
+        bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift), logarithm=logarithm)
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
         draws, waiting = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel), 0
