@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..scene import Instances, Mesh
 from . import meshes
@@ -101,7 +102,7 @@ class Geometry:
     def _row(
         self,
         source: bpy.types.Object,
-        world_from_object: "bpy.types.Matrix",
+        world_from_object: Matrix,
         shown: tuple[bpy.types.Object, ...],
         view_layer: bpy.types.ViewLayer,
     ) -> _Row:

@@ -75,14 +75,4 @@ def _seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[V
     return view, controls.read(context.scene, "viewport")
 
 
-CLASSES = (ISM_OT_save_snapshot, ISM_OT_reload_shaders)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((ISM_OT_save_snapshot, ISM_OT_reload_shaders))

@@ -19,9 +19,4 @@ class ISM_RENDER_PT_developer(ISMPanel, bpy.types.Panel):
         layout.operator("ism.reload_shaders", icon="FILE_REFRESH")
 
 
-def register() -> None:
-    bpy.utils.register_class(ISM_RENDER_PT_developer)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(ISM_RENDER_PT_developer)
+register, unregister = bpy.utils.register_classes_factory((ISM_RENDER_PT_developer,))

@@ -31,9 +31,4 @@ class ISM_VIEW3D_PT_shading(bpy.types.Panel):
         layout.prop(ism, "show")
 
 
-def register() -> None:
-    bpy.utils.register_class(ISM_VIEW3D_PT_shading)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(ISM_VIEW3D_PT_shading)
+register, unregister = bpy.utils.register_classes_factory((ISM_VIEW3D_PT_shading,))

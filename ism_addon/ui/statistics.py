@@ -64,9 +64,4 @@ class ISM_RENDER_PT_statistics(ISMPanel, bpy.types.Panel):
                 cell.label(text=text)
 
 
-def register() -> None:
-    bpy.utils.register_class(ISM_RENDER_PT_statistics)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(ISM_RENDER_PT_statistics)
+register, unregister = bpy.utils.register_classes_factory((ISM_RENDER_PT_statistics,))

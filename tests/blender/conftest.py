@@ -7,9 +7,18 @@ from typing import Any
 import bpy
 import pytest
 
+from ism_addon import addon
 from ism_addon.blender import extract
 
 SQUARE = ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+
+
+@pytest.fixture
+def registered() -> Iterator[None]:
+    """The add-on, for as long as the test lasts."""
+    addon.register()
+    yield
+    addon.unregister()
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon import addon
 from ism_addon.blender import engine, final
 from tests.blender import exr
 
@@ -15,11 +14,7 @@ WIDTH, HEIGHT = 48, 32
 BACKGROUND = 1e9  # m: depths beyond are where nothing is
 
 
-@pytest.fixture(scope="module", autouse=True)
-def registered():
-    addon.register()
-    yield
-    addon.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -22,13 +22,6 @@ def python(script, **environment):
     return subprocess.run(command, cwd=ROOT, env=everything, capture_output=True, text=True, timeout=60)
 
 
-@pytest.fixture
-def registered():
-    addon.register()
-    yield
-    addon.unregister()
-
-
 def compatible():
     """Names of the panels, apart from our own, that show in this engine."""
     others = [panel for panel in bpy.types.Panel.__subclasses__() if not panel.__module__.startswith("ism_addon.")]

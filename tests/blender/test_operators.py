@@ -5,17 +5,12 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon import addon, snapshot
+from ism_addon import snapshot
 from ism_addon.blender import camera, controls
 from ism_addon.gpu.worker import shared
 from ism_addon.settings import DebugView
 
-
-@pytest.fixture(autouse=True)
-def registered():
-    addon.register()
-    yield
-    addon.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -14,13 +14,13 @@ from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
 OURS = {"Draft", "Good", "Final", "Classic_2013"}
 
 
+pytestmark = pytest.mark.usefixtures("registered")
+
+
 @pytest.fixture(autouse=True)
-def registered(tmp_path, monkeypatch):
-    """With a folder of its own for what users keep."""
+def folder(tmp_path, monkeypatch):
+    """Of its own for what users keep."""
     monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path))
-    addon.register()
-    yield
-    addon.unregister()
 
 
 @pytest.fixture

@@ -29,11 +29,7 @@ def group_of(scene, name):
     return getattr(scene.ism, name) if name else scene.ism
 
 
-@pytest.fixture(scope="module", autouse=True)
-def registered():
-    addon.register()
-    yield
-    addon.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

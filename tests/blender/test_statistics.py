@@ -4,17 +4,16 @@
 import bpy
 import pytest
 
-from ism_addon import addon
 from ism_addon.blender import account, engine
 from ism_addon.ui import statistics
 
+pytestmark = pytest.mark.usefixtures("registered")
+
 
 @pytest.fixture(autouse=True)
-def registered():
+def forgotten():
+    """What earlier pictures took."""
     account._kept.clear()
-    addon.register()
-    yield
-    addon.unregister()
 
 
 @pytest.fixture
