@@ -71,7 +71,7 @@ def _seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[V
     if region.type != "WINDOW":  # of a quad view's four, the last can be turned
         region = [each for each in context.area.regions if each.type == "WINDOW"][-1]
     with context.temp_override(region=region):
-        view, _place = viewport.seen(context, depsgraph, controls.pixel_size(context.scene))
+        view, _place = viewport.seen(context, depsgraph)
     return view, controls.read(context.scene, "viewport")
 
 

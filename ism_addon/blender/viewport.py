@@ -51,8 +51,7 @@ class Viewport:
         if self._scene is None or self._shows != _shows(context.space_data):
             self.update(context, depsgraph)
         try:
-            pixel = engine.get_preview_pixel_size(context.scene) * controls.pixel_size(context.scene)
-            view, place = seen(context, depsgraph, pixel)
+            view, place = seen(context, depsgraph)
         except camera.CameraError as error:
             engine.update_stats("", str(error))
             return
@@ -114,11 +113,9 @@ def coarser(pixel: int, seconds: float) -> int:
     return max(pixel // 2, 1) if seconds < FIRST / 5.0 else pixel
 
 
-def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel: int) -> tuple[View, Place]:
-    """What the context's 3D viewport shows, and where in it.
-
-    Each pixel that is drawn is `pixel` of its own wide and high.
-    """
+def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, Place]:
+    """What the context's 3D viewport shows, and where in it."""
+    pixel = controls.pixel_size(context.scene)
     region, space, data = context.region, context.space_data, context.region_data
     seen_through = space.camera if space.use_local_camera else context.scene.camera
     size = width, height = max(1, region.width // pixel), max(1, region.height // pixel)
