@@ -26,14 +26,14 @@ UNDRAWN = {
 }
 
 
-def scene(depsgraph: bpy.types.Depsgraph) -> Scene:
-    """Everything that the depsgraph shows, with a sentence for each kind of thing that was left out."""
-    return Reader().read(depsgraph)
-
-
 def everywhere(_object: bpy.types.Object) -> bool:
     """What a final render shows of what the depsgraph does: all."""
     return True
+
+
+def scene(depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool] = everywhere) -> Scene:
+    """Everything that the depsgraph shows and is wanted, with a sentence for each kind of thing that was left out."""
+    return Reader().read(depsgraph, shown)
 
 
 class Reader:

@@ -7,7 +7,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from .. import snapshot
 from ..gpu.worker import shared
-from ..scene import View
+from ..scene import Scene, View
 from ..settings import Settings
 from . import camera, controls, extract, lookout, viewport
 
@@ -31,8 +31,7 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         depsgraph = context.evaluated_depsgraph_get()
         try:
-            view, chosen = _seen(context, depsgraph)
-            scene = extract.scene(depsgraph)
+            scene, view, chosen = _seen(context, depsgraph)
             snapshot.save(self.filepath, scene, view, chosen)
         except (camera.CameraError, OSError) as reason:
             self.report({"ERROR"}, f"The snapshot was not saved: {reason}")
@@ -63,16 +62,17 @@ class ISM_OT_reload_shaders(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, Settings]:
-    """The view and the settings of the viewport that asks; from other editors, of the final render."""
+def _seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[Scene, View, Settings]:
+    """What the viewport that asks is drawn from; from other editors, the final render."""
     if context.area is None or context.area.type != "VIEW_3D":
-        return camera.final_view(depsgraph), controls.read(context.scene, "render")
+        return extract.scene(depsgraph), camera.final_view(depsgraph), controls.read(context.scene, "render")
     region = context.region
     if region.type != "WINDOW":  # of a quad view's four, the last can be turned
         region = [each for each in context.area.regions if each.type == "WINDOW"][-1]
     with context.temp_override(region=region):
         view, _place = viewport.seen(context, depsgraph)
-    return view, controls.read(context.scene, "viewport")
+    scene = extract.scene(depsgraph, viewport.shown_by(context.space_data))
+    return scene, view, controls.read(context.scene, "viewport")
 
 
 register, unregister = bpy.utils.register_classes_factory((ISM_OT_save_snapshot, ISM_OT_reload_shaders))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One 3D viewport: asks the worker for pictures, shows the latest, and never waits for one."""
 
+from collections.abc import Callable
 from weakref import finalize
 
 import bpy
@@ -44,7 +45,7 @@ class Viewport:
         space = context.space_data
         shows = _shows(space)
         whole, self._shows = shows != self._shows, shows
-        self._scene = self._reader.read(depsgraph, lambda thing: thing.visible_in_viewport_get(space), whole)
+        self._scene = self._reader.read(depsgraph, shown_by(space), whole)
 
     def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Show the latest picture, and ask for others if what it should show has changed."""
@@ -123,6 +124,11 @@ def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[Vi
     across, up = region.width / width, region.height / height
     place = left * across, bottom * up, (right - left) * across, (top - bottom) * up
     return camera.viewport_view(depsgraph, data, *size, seen_through, part), place
+
+
+def shown_by(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.Object], bool]:
+    """Whether a viewport shows an object, of those that its depsgraph has."""
+    return lambda thing: thing.visible_in_viewport_get(space)
 
 
 def _shows(space: bpy.types.SpaceView3D) -> tuple:

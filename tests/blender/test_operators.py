@@ -58,6 +58,15 @@ def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, presse
     assert (settings.quality.samples, settings.show) == (3, DebugView.DEPTH)
 
 
+def test_from_a_viewport_it_is_without_what_that_hides(scene, viewport, tmp_path):
+    area, region = viewport
+    area.spaces.active.show_object_viewport_mesh = False
+    with bpy.context.temp_override(area=area, region=region):
+        bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz"))
+    saved, _, _ = snapshot.load(tmp_path / "a.npz")
+    assert saved.triangle_count == 0
+
+
 def test_without_a_camera_it_says_so(scene, tmp_path):
     scene.camera = None
     with pytest.raises(RuntimeError, match="not saved: The scene has no active camera"):
