@@ -2,8 +2,16 @@
 """The only place here that knows the engine's inside: whether its viewports are done, and what went wrong."""
 
 import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+import numpy as np
+
+from . import sight
 
 PACKAGE = "bl_ext.user_default.ism_soft_shadows"
 
@@ -25,7 +33,21 @@ def is_busy() -> bool:
     )
 
 
+def jobs() -> list[Any]:
+    """What the viewports have asked the worker for last: other objects as soon as they ask for something else."""
+    return [viewport._job for viewport in module("blender.lookout")._alive]
+
+
 def errors() -> list[str]:
     """What the viewports tell their user instead of a picture."""
-    jobs = [viewport._job for viewport in module("blender.lookout")._alive]
-    return [job.error for job in jobs if job is not None and job.error]
+    return [job.error for job in jobs() if job is not None and job.error]
+
+
+def drawn(snapshot: Path) -> np.ndarray:
+    """What a snapshot's picture is when it is drawn without Blender: display values, top row first."""
+    path = snapshot.with_suffix(".png")
+    command = [sys.executable, "-m", "ism_addon.gpu", str(snapshot), "-o", str(path)]
+    installed = Path(module("gpu").__file__).parents[2]
+    packages = {"PYTHONPATH": os.pathsep.join(sys.path)}  # Blender's numpy, and moderngl from the extension's wheels
+    subprocess.run(command, cwd=installed, env={**os.environ, **packages}, check=True)
+    return sight.picture(path)

@@ -22,6 +22,22 @@ def studio() -> None:
     world(0.1)
 
 
+def shadow_play() -> None:
+    """A cube, a ball and a rod, black before white."""
+    clear()
+    black = material("Black", (0.0, 0.0, 0.0))
+    for name, mesh, place in (
+        ("Cube", cube(1.2), (-0.9, 0.0, 0.6)),
+        ("Ball", ball(0.7), (1.0, 0.2, 0.7)),
+        ("Rod", cube(0.2), (0.0, -1.5, 0.2)),
+    ):
+        mesh.materials.append(black)
+        add(name, mesh, place)
+    bpy.data.objects["Rod"].scale.x = 15.0
+    scene().view_settings.view_transform = "Standard"
+    world(1.0)
+
+
 def crowd(balls: int = 500) -> None:
     """Balls of 1000 triangles in rows behind a free one in front, each a mesh of its own, under an area light."""
     clear()

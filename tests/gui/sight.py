@@ -9,6 +9,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+#: Of a picture of an area: without the sides, in which Blender draws its round corners and small arrows.
+INSIDE = np.s_[20:-20, 20:-20]
+UNLIKE = 0.1  # display values that are not to be taken for another at an edge
+
 
 def screenshot(path: Path) -> np.ndarray:
     """Write what is on the screen to a PNG: (H,W,3) float32 display values from 0 to 1, top row first."""
@@ -43,3 +47,17 @@ def _picture_by_blender(path: Path) -> np.ndarray:
 def rmse(one: np.ndarray, other: np.ndarray) -> float:
     """Root of the mean squared difference."""
     return float(np.sqrt(np.mean((one.astype(np.float64) - other) ** 2)))
+
+
+def astray(one: np.ndarray, other: np.ndarray) -> int:
+    """How many pixels of either picture are unlike all that the other has there and in the pixels around."""
+    strays = 0
+    for picture, reference in ((one, other), (other, one)):
+        around = np.lib.stride_tricks.sliding_window_view(_padded(reference), (3, 3), axis=(0, 1))
+        low, high = around.min(axis=(-2, -1)) - UNLIKE, around.max(axis=(-2, -1)) + UNLIKE
+        strays += int(((picture < low) | (picture > high)).any(axis=-1).sum())
+    return strays
+
+
+def _padded(picture: np.ndarray) -> np.ndarray:
+    return np.pad(picture, ((1, 1), (1, 1), (0, 0)), mode="edge")

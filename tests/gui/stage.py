@@ -34,8 +34,13 @@ class Stage:
         return bpy.context.window_manager.windows[0]
 
     @property
+    def areas(self) -> list[bpy.types.Area]:
+        """All 3D viewports; the first is where a scenario acts, as long as it does not say otherwise."""
+        return [area for area in self.window.screen.areas if area.type == "VIEW_3D"]
+
+    @property
     def area(self) -> bpy.types.Area:
-        return next(area for area in self.window.screen.areas if area.type == "VIEW_3D")
+        return self.areas[0]
 
     @property
     def region(self) -> bpy.types.Region:
@@ -58,9 +63,19 @@ class Stage:
         return self.window.view_layer
 
     def rendered(self) -> None:
-        """Switch the viewport to Rendered shading by our engine."""
+        """Switch the viewports to Rendered shading by our engine."""
         self.scene.render.engine = "ISM"
-        self.space.shading.type = "RENDERED"
+        for area in self.areas:
+            area.spaces.active.shading.type = "RENDERED"
+
+    def solid(self) -> None:
+        """Switch the viewports to Blender's own drawing of black objects on white."""
+        for area in self.areas:
+            shading = area.spaces.active.shading
+            shading.type, shading.light = "SOLID", "FLAT"
+            shading.color_type, shading.single_color = "SINGLE", (0.0, 0.0, 0.0)
+            shading.background_type, shading.background_color = "VIEWPORT", (1.0, 1.0, 1.0)
+            shading.show_object_outline = False
 
     def bare(self) -> None:
         """Nothing in the viewport but the picture."""
@@ -136,9 +151,9 @@ class Stage:
         """The 3D viewport's (H,W,3) float32 display values from 0 to 1, top row first, cut from a true screenshot."""
         return self._cut(name, self.region)
 
-    def pixels_of_area(self, name: str) -> np.ndarray:
-        """The same of the whole area, with all its regions."""
-        return self._cut(name, self.area)
+    def pixels_of_area(self, name: str, area: bpy.types.Area | None = None) -> np.ndarray:
+        """The same of a whole area, with all its regions."""
+        return self._cut(name, area or self.area)
 
     def _cut(self, name: str, part: bpy.types.Region | bpy.types.Area) -> np.ndarray:
         whole = sight.screenshot(self.folder / f"{name}.png")

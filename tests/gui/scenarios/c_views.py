@@ -2,22 +2,15 @@
 """Ways to look at a scene: turning it, through the camera, in part, from four sides."""
 
 import time
-from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Quaternion
 
-from tests.gui import engine, scenery
+from tests.gui import engine, final, scenery
 from tests.gui.scenario import scenario
-from tests.gui.sight import picture, rmse
+from tests.gui.sight import INSIDE, picture, rmse
 from tests.gui.stage import Stage, Steps
-
-#: view_camera_zoom at which the camera's frame is as wide as the region: ((√2 + zoom / 50) / 2)² = 1.
-FILLS = 50.0 * (2.0 - 2.0**0.5)
-
-#: Pixels at the sides of an area in which Blender draws its round corners and small arrows.
-OUTLINE = 20
 
 
 @scenario(region=(1280, 720), patience=240)
@@ -62,15 +55,14 @@ def camera_against_final(stage: Stage) -> Steps:
     stage.bare()
     stage.rendered()
     yield from stage.turns()
-    _through_camera(stage)
+    final.through_camera(stage)
     yield from stage.rested()
     seen = stage.pixels("viewport")
     path = stage.folder / "final.png"
-    _render(stage, path)
-    final = picture(path)
-    inside = np.s_[OUTLINE:-OUTLINE, OUTLINE:-OUTLINE]
-    stage.measured("viewport against F12, RMSE", 255 * rmse(seen[inside], final[inside]), "/255", must=1, aim=0)
-    stage.measured("viewport against F12, largest", 255 * np.abs(seen - final)[inside].max(), "/255")
+    final.render(stage, path)
+    rendered = picture(path)
+    stage.measured("viewport against F12, RMSE", 255 * rmse(seen[INSIDE], rendered[INSIDE]), "/255", must=1, aim=0)
+    stage.measured("viewport against F12, largest", 255 * np.abs(seen - rendered)[INSIDE].max(), "/255")
 
 
 @scenario(patience=180)
@@ -177,23 +169,3 @@ def material_preview(stage: Stage) -> Steps:
     shown = stage.pixels("ours")
     assert (shown[..., 1] - shown[..., 0]).max() > 0.2, "the cube's new material does not show"
     assert not engine.errors()
-
-
-def _through_camera(stage: Stage) -> None:
-    """The camera's frame fills the region, pixel by pixel."""
-    render, region = stage.scene.render, stage.region
-    render.resolution_x, render.resolution_y, render.resolution_percentage = region.width, region.height, 100
-    stage.view.view_perspective = "CAMERA"
-    stage.view.view_camera_zoom = FILLS
-    stage.view.view_camera_offset = (0.0, 0.0)
-
-
-def _render(stage: Stage, path: Path) -> None:
-    """F12, with as many samples as the viewport."""
-    ism = stage.scene.ism
-    for name in ("samples", "light_points", "map_size", "surface_points"):
-        setattr(ism.render, name, getattr(ism.viewport, name))
-    stage.scene.render.filepath = str(path)
-    stage.scene.render.dither_intensity = 0.0  # the viewport has none
-    with bpy.context.temp_override(window=stage.window):
-        bpy.ops.render.render(write_still=True)
