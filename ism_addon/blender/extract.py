@@ -44,6 +44,7 @@ class Reader:
         self._geometry = Geometry(self._materials)
         self._lights = LightTable()
         self._others = Findings()
+        self._instancers: set[int] = set()  # session_uids
         self._scene: Scene | None = None
 
     def read(
@@ -56,7 +57,7 @@ class Reader:
 
         `shown` says whether an object that stands for itself, or makes others stand, is wanted.
         """
-        changed = updates.read(depsgraph)
+        changed = updates.read(depsgraph, self._instancers)
         self._geometry.distrust(changed.shapes)
         if changed.images:
             self._materials.forget_images()
@@ -73,10 +74,13 @@ class Reader:
         """Everything that stands in the scene."""
         view_layer = depsgraph.view_layer_eval
         self._others = Findings()
+        self._instancers.clear()
         parts = self._materials, self._geometry, self._lights
         for part in parts:
             part.begin()
         for instance in depsgraph.object_instances:
+            if instance.is_instance:
+                self._instancers.add(instance.parent.original.session_uid)
             if not instance.show_self or not shown(instance.parent if instance.is_instance else instance.object):
                 continue
             kind = instance.object.type

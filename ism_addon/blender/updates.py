@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender says has changed since a depsgraph was last looked at, in the parts that are read one by one."""
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import bpy
@@ -22,8 +23,11 @@ class Updates(NamedTuple):
     shapes: frozenset[int]  # session_uid of the objects whose mesh, or what they instance, was made anew
 
 
-def read(depsgraph: bpy.types.Depsgraph) -> Updates:
-    """All that the depsgraph names. What it names and we do not know means everything."""
+def read(depsgraph: bpy.types.Depsgraph, instancers: Collection[int]) -> Updates:
+    """All that the depsgraph names. What it names and we do not know means everything.
+
+    `instancers` are the session_uids of the objects that made others stand when it was last looked at.
+    """
     whole = images = False
     objects, materials, shapes = [], [], set()
     for update in depsgraph.updates:
@@ -32,7 +36,8 @@ def read(depsgraph: bpy.types.Depsgraph) -> Updates:
             objects.append(changed)
             if update.is_updated_geometry:
                 shapes.add(changed.original.session_uid)
-            whole |= changed.is_instancer or changed.type not in {"MESH", "LIGHT", *SILENT}
+            whole |= changed.original.session_uid in instancers or _may_instance(update)
+            whole |= changed.type not in {"MESH", "LIGHT", *SILENT}
         elif isinstance(changed, bpy.types.Material):
             materials.append(changed)
         elif isinstance(changed, bpy.types.Image):
@@ -40,3 +45,9 @@ def read(depsgraph: bpy.types.Depsgraph) -> Updates:
         elif not isinstance(changed, ELSEWHERE):
             whole = True
     return Updates(whole, tuple(objects), tuple(materials), images, frozenset(shapes))
+
+
+def _may_instance(update: bpy.types.DepsgraphUpdate) -> bool:
+    """Whether the object makes others stand, or may have begun to: of those by geometry nodes Blender does not say."""
+    by_nodes = update.is_updated_geometry and any(modifier.type == "NODES" for modifier in update.id.modifiers)
+    return update.id.is_instancer or by_nodes

@@ -35,6 +35,8 @@ def stage(empty_scene, add) -> SimpleNamespace:
     leaf = add("leaf", TRIANGLE, inner)
     holder = add("holder", None)
     holder.instance_type, holder.instance_collection = "COLLECTION", inner
+    row = add("row", ([], []))
+    row.modifiers.new("row", "NODES").node_group = row_of(leaf)
     lamp = add("lamp", bpy.data.lights.new("lamp", "AREA"))
     image = bpy.data.images.new("image", 4, 4)
     texture = blue.node_tree.nodes.new("ShaderNodeTexImage")
@@ -45,8 +47,23 @@ def stage(empty_scene, add) -> SimpleNamespace:
     empty_scene.world.use_nodes = True
     return SimpleNamespace(
         scene=empty_scene, add=add, red=red, blue=blue, image=image, inner=inner,
-        first=first, twin=twin, child=child, modified=modified, leaf=leaf, holder=holder, lamp=lamp,
+        first=first, twin=twin, child=child, modified=modified, leaf=leaf, holder=holder, row=row, lamp=lamp,
     )  # fmt: skip
+
+
+def row_of(thing: bpy.types.Object) -> bpy.types.NodeTree:
+    """Geometry nodes that instance an object along a line, as often as the modifier says."""
+    nodes = bpy.data.node_groups.new("row", "GeometryNodeTree")
+    nodes.interface.new_socket("Count", in_out="INPUT", socket_type="NodeSocketInt").default_value = 2
+    nodes.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    kinds = "NodeGroupInput", "GeometryNodeMeshLine", "GeometryNodeObjectInfo", "GeometryNodeInstanceOnPoints"
+    given, line, info, instances, made = (nodes.nodes.new(kind) for kind in (*kinds, "NodeGroupOutput"))
+    info.inputs["Object"].default_value, info.inputs["As Instance"].default_value = thing, True
+    nodes.links.new(given.outputs["Count"], line.inputs["Count"])
+    nodes.links.new(line.outputs["Mesh"], instances.inputs["Points"])
+    nodes.links.new(info.outputs["Geometry"], instances.inputs["Instance"])
+    nodes.links.new(instances.outputs["Instances"], made.inputs["Geometry"])
+    return nodes
 
 
 @pytest.fixture
@@ -92,6 +109,13 @@ def duplicate(stage: SimpleNamespace) -> None:
     copy = stage.twin.copy()
     copy.location.x += 3.0
     stage.scene.collection.objects.link(copy)
+
+
+def lengthen_row(stage: SimpleNamespace) -> None:
+    for modifier in stage.row.modifiers:
+        count = modifier.node_group.interface.items_tree["Count"].identifier
+        modifier[count] = (modifier[count] + 2) % 5
+        stage.row.update_tag()
 
 
 def recolor(stage: SimpleNamespace) -> None:
@@ -164,6 +188,12 @@ EDITS: dict[str, Callable[[SimpleNamespace], None]] = {
     "more of an array": lambda stage: setattr(
         stage.modified.modifiers["array"], "count", 1 + stage.modified.modifiers["array"].count % 4
     ),
+    "more or less of a row": lengthen_row,
+    "move a row": shift("row"),
+    "instance a collection or not": lambda stage: setattr(
+        stage.holder, "instance_type", "NONE" if stage.holder.instance_type == "COLLECTION" else "COLLECTION"
+    ),
+    "no row": lambda stage: stage.row.modifiers.clear(),
     "paint an image": paint,
     "duplicate": duplicate,
     "rename": lambda stage: setattr(stage.first, "name", "another"),
