@@ -46,6 +46,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().update(context, depsgraph)
+        self.tag_redraw()  # a script's edit need not have told any editor
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().draw(self, context, depsgraph)
