@@ -3,6 +3,7 @@
 
 Outside Blender, with the standard library alone: `scenario` (what a scenario is, and which there are) and `outside`
 (a Blender for each, and the table). Inside: `inside` plays one scenario on a `stage`; `watch` looks over the engine's
-shoulder, `heartbeat` at Blender's main loop, `sight` at the window's pixels; `engine` is the only one that knows the
-engine's inside, `blank` is one to compare it with; `scenery` builds what is seen, `final` renders it by F12.
+shoulder, `heartbeat` at Blender's main loop, `sight` at the window's pixels; `follow` asks whether the picture is right
+after each act; `engine` is the only one that knows the engine's inside, `blank` is one to compare it with; `scenery`
+builds what is seen, `final` renders it by F12.
 """

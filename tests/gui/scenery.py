@@ -66,6 +66,15 @@ def add(name: str, data: bpy.types.ID, place: tuple[float, float, float] = (0.0,
     return thing
 
 
+def collection(name: str, *things: bpy.types.Object) -> bpy.types.Collection:
+    """A new collection, not in the scene, of objects that are."""
+    made = bpy.data.collections.new(name)
+    for thing in things:
+        scene().collection.objects.unlink(thing)
+        made.objects.link(thing)
+    return made
+
+
 def lamp(name: str, place: tuple[float, float, float], watts: float, size: float) -> bpy.types.Object:
     """A square area light that looks at the middle."""
     light = bpy.data.lights.new(name, "AREA")
@@ -85,8 +94,21 @@ def world(strength: float) -> None:
 def material(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
     made = bpy.data.materials.new(name)
     made.use_nodes = True
-    made.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (*color, 1.0)
+    recolour(made.name, color)
     return made
+
+
+def recolour(name: str, color: tuple[float, float, float]) -> None:
+    """Give a material another base colour."""
+    shader = bpy.data.materials[name].node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (*color, 1.0)
+
+
+def stretch(mesh: bpy.types.Mesh) -> None:
+    """Make a mesh higher."""
+    for vertex in mesh.vertices:
+        vertex.co.z *= 2.0
+    mesh.update()
 
 
 def look(view: bpy.types.RegionView3D, distance: float = 7.0) -> None:

@@ -45,14 +45,8 @@ def mesh(stage: Stage) -> Steps:
     """A mesh edited in Object Mode; undone and done again."""
     scenery.studio()
     yield from _settle(stage)
-
-    def stretch() -> None:
-        edited = bpy.data.objects["Cube"].data
-        for vertex in edited.vertices:
-            vertex.co.z *= 2.5
-        edited.update()
-
-    yield from _edit_and_undo(stage, "mesh edited", stage.place_of((-0.9, 0.0, 1.7)), stretch)
+    stretch = lambda: scenery.stretch(bpy.data.objects["Cube"].data)  # noqa: E731
+    yield from _edit_and_undo(stage, "mesh edited", stage.place_of((-0.9, 0.0, 1.5)), stretch)
 
 
 @scenario(patience=180)
@@ -124,17 +118,14 @@ def among_many(stage: Stage) -> Steps:
     stage.measured("extraction", 1e3 * stage.watch.longest_update(since), "ms", must=10, aim=2)
     stage.measured("longest redraw with it", 1e3 * stage.watch.longest_redraw(since), "ms", must=30, aim=10)
     stage.measured("first picture after the move", seconds, "s", must=1, aim=0.25)
-    seconds = yield from stage.seen(lambda: _recolour("Red"), stage.place_of((3.0, -0.5, 0.35)))
+    seconds = yield from stage.seen(
+        lambda: scenery.recolour("Red", (0.05, 0.1, 0.9)), stage.place_of((3.0, -0.5, 0.35))
+    )
     stage.measured("first picture after a new colour", seconds, "s", must=1, aim=0.25)
     yield from stage.rested()
     seconds = yield from stage.seen(lambda: shine(bpy.data.lights["Lamp"]), MIDDLE)
     stage.measured("first picture after a recoloured light", seconds, "s", must=1, aim=0.25)
     yield from stage.rested()
-
-
-def _recolour(name: str) -> None:
-    shader = bpy.data.materials[name].node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (0.05, 0.1, 0.9, 1.0)
 
 
 def _settle(stage: Stage) -> Steps:
