@@ -53,9 +53,23 @@ def test_the_first_sample_shows_what_was_predicted_alone(device):
 @pytest.mark.parametrize("count", [2, 5, 300])
 def test_a_correction_without_noise_is_believed_whole(device, count):
     """All samples found the same: the mean square is the square of the mean over their number."""
-    means, corrections = random_picture(), 0.2 * random_picture(1) - 0.1
+    means, corrections = 0.1 + random_picture(), 0.2 * random_picture(1) - 0.1
     found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), count)
     assert found == pytest.approx(means + corrections, abs=1e-5)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_no_correction_is_larger_than_the_light_in_doubt(device, sign):
+    means, corrections = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5 * sign)
+    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5, doubt=0.2)
+    assert found == pytest.approx(means + 0.2 * sign, abs=1e-5)
+
+
+def test_no_correction_takes_away_more_light_than_there_is(device):
+    """What negative lights have made darker than black stays so."""
+    means, corrections = 0.2 * random_picture() - 0.1, np.full((HEIGHT, WIDTH, 3), -0.5)
+    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5)
+    assert found == pytest.approx(means.clip(max=0.0), abs=1e-5)
 
 
 def noisy(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

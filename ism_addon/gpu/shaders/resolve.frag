@@ -1,4 +1,5 @@
 // The mean of the samples, with their corrections as far as those stand out of their noise.
+#include "lib/luminance.glsl"
 uniform sampler2D sum;
 uniform sampler2D sum_correction;
 uniform sampler2D weights;
@@ -22,6 +23,10 @@ void main() {
         found += fetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), texel);
     vec4 mean = fetch(near, at);
     vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
-    if (taps > 0) resolved.rgb += believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
+    vec3 change = believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
+    // No correction is larger than the light in doubt, and none takes away more light than there is.
+    float most = fetch(weights, at).w / mean.a;
+    change *= min(most / max(abs(luminance(change)), 1e-30), 1.0);
+    if (taps > 0) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, 0.0));
 #endif
 }
