@@ -15,7 +15,7 @@ from . import account
 
 LOOK_EVERY = 0.01  # s: how long a new picture can go unnoticed
 STILL_EVERY = 0.002  # s: how long it can go unnoticed that the worker rests
-PATIENCE = 0.1  # s: so long at most a new picture waits for that
+PATIENCE = 0.5  # s: so long at most a new picture waits for that; the longest pass is the first with finer pixels
 REST = 1.0  # s: a redraw that takes longer, or never comes, does not keep the worker from its work
 
 

@@ -43,6 +43,12 @@ def errors() -> list[str]:
     return [job.error for job in jobs() if job is not None and job.error]
 
 
+def milliseconds(*passes: str) -> float:
+    """What each of these passes took on average in the viewports' last picture, summed up."""
+    rows = module("blender.account").of("viewport")["passes"]
+    return sum(rows[name]["ms"] / max(rows[name]["drawn"], 1) for name in passes)
+
+
 def drawn(snapshot: Path) -> np.ndarray:
     """What a snapshot's picture is when it is drawn without Blender: display values, top row first."""
     path = snapshot.with_suffix(".png")
