@@ -9,6 +9,7 @@ fetch for that is 32 bytes, corners in bytes within the box around all four (Yli
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -83,37 +84,43 @@ def build(low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> Tree:
     per_leaf = -(-len(low) // leaves)
     count = len(low)
     order = np.minimum(np.arange(leaves * per_leaf), count)  # number `count` stands for no box
-    middles = np.append(low + high, low[-1:] + high[-1:], 0)
-    halves = [order]
+    middles = np.append(low + high, low[-1:] + high[-1:], 0).T[:, None, order]
+    halves = [(middles, order[None])]
     if depth and count > LARGE:
-        halves = list(split(middles, order[None]).reshape(2, -1))
+        middles, both = split(*halves[0])
+        halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     with ThreadPoolExecutor() as cores:
-        order = np.concatenate(list(cores.map(lambda half: sort(middles, half, per_leaf), halves)))
+        order = np.concatenate(list(cores.map(lambda half: sort(*half, per_leaf), halves)))
     nodes = np.empty((2 * leaves, 2, 3), np.float32)
     nothing = np.full((1, 3), np.inf, np.float32)
-    nodes[leaves:, 0] = np.append(low, nothing, 0)[order].reshape(leaves, per_leaf, 3).min(1)
-    nodes[leaves:, 1] = np.append(high, -nothing, 0)[order].reshape(leaves, per_leaf, 3).max(1)
+    in_leaves = order.reshape(leaves, per_leaf).T  # reduced row by row: numpy is slow along short axes
+    nodes[leaves:, 0] = reduce(np.minimum, map(np.append(low, nothing, 0).__getitem__, in_leaves))
+    nodes[leaves:, 1] = reduce(np.maximum, map(np.append(high, -nothing, 0).__getitem__, in_leaves))
     for level in range(depth - 1, -1, -1):
         first = 1 << level
         children = nodes[2 * first : 4 * first].reshape(first, 2, 2, 3)
-        nodes[first : 2 * first, 0] = children[:, :, 0].min(1)
-        nodes[first : 2 * first, 1] = children[:, :, 1].max(1)
+        nodes[first : 2 * first, 0] = np.minimum(children[:, 0, 0], children[:, 1, 0])
+        nodes[first : 2 * first, 1] = np.maximum(children[:, 0, 1], children[:, 1, 1])
     nodes[0] = NOWHERE
     nodes[nodes[:, 0, 0] > nodes[:, 1, 0]] = NOWHERE
     return Tree(np.minimum(order, count - 1), leaves, nodes)
 
 
-def sort(middles: np.ndarray, order: np.ndarray, per_leaf: int) -> np.ndarray:
-    """Split boxes `order` (N,), N a power of two times per_leaf, until each leaf has its own."""
-    groups = order[None]
+def sort(middles: np.ndarray, groups: np.ndarray, per_leaf: int) -> np.ndarray:
+    """Split boxes (1,N), N a power of two times per_leaf, until each leaf has its own; their middles are (3,1,N)."""
     while groups.shape[1] > per_leaf:
-        groups = split(middles, groups).reshape(2 * len(groups), -1)
+        middles, groups = split(middles, groups)
     return groups.ravel()
 
 
-def split(middles: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """Each row of groups (G,N) in another order: the lower half along its longest axis first."""
-    points = middles[groups]
-    longest = (points.max(1) - points.min(1)).argmax(1)
-    along = np.take_along_axis(points, longest[:, None, None], 2)[..., 0]
-    return np.take_along_axis(groups, np.argpartition(along, groups.shape[1] // 2, axis=1), 1)
+def split(middles: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each row of groups (G,N) as two, the lower half along its longest axis first; with middles (3,G,N).
+
+    Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
+    """
+    longest = (middles.max(2) - middles.min(2)).argmax(0)
+    along = middles[longest, np.arange(len(groups))]
+    order = np.argpartition(along, groups.shape[1] // 2, axis=1)
+    halves = 2 * len(groups), groups.shape[1] // 2
+    middles = np.take_along_axis(middles, order[None], 2).reshape(3, *halves)
+    return middles, np.take_along_axis(groups, order, 1).reshape(halves)

@@ -6,6 +6,7 @@ Two levels, as in every ray tracer that moves things: a mesh keeps its tree wher
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import reduce
 from typing import ClassVar
 from weakref import WeakKeyDictionary
 
@@ -50,8 +51,8 @@ class MeshTree:
 def mesh_tree(mesh: Mesh) -> MeshTree:
     """The tree of a mesh that has triangles."""
     positions = (mesh.positions - centre_of(mesh.positions)).astype(np.float32)
-    corners = positions[mesh.triangles]
-    tree = build(corners.min(1), corners.max(1), TRIANGLES_PER_LEAF)
+    corners = [positions[corner] for corner in mesh.triangles.T]
+    tree = build(reduce(np.minimum, corners), reduce(np.maximum, corners), TRIANGLES_PER_LEAF)
     steps = np.rint(tree.steps(positions)).astype(np.int32)[mesh.triangles]
     return MeshTree(tree, tree.packed(), packed_triangles(steps, np.arange(len(steps)))[tree.order])
 
