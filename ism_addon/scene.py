@@ -9,6 +9,7 @@ A mesh, an image, a light table that did not change must be passed on as the sam
 from dataclasses import dataclass, fields, replace
 from enum import Enum, IntEnum
 from functools import cached_property
+from itertools import chain, repeat
 from typing import Self
 
 import numpy as np
@@ -123,7 +124,12 @@ class Scene:
         for part, value in parts.items():
             if value.equals(getattr(other, part)):
                 parts[part] = getattr(other, part)
-        shared = replace(self, **parts)
+        others = chain(other.images, repeat(None))
+        images = tuple(
+            old if old is not None and (old is new or old.equals(new)) else new
+            for new, old in zip(self.images, others, strict=False)
+        )
+        shared = replace(self, **parts, images=images)
         same = all(getattr(shared, member.name) == getattr(other, member.name) for member in fields(self))
         return other if same else shared
 

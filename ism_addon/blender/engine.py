@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
-from . import account, final, lookout, viewport
+from . import account, final, frames, lookout, viewport
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
 
@@ -70,11 +70,13 @@ def statistics() -> dict:
 @persistent
 def stop(*_args: Any) -> None:
     """End all drawing, and the worker's thread: before another file is loaded, and at the end."""
+    frames.forget()
     shared.stop()
 
 
 def register() -> None:
     bpy.utils.register_class(ISMRenderEngine)
+    frames.register()
     bpy.app.handlers.load_pre.append(stop)
 
 
@@ -82,4 +84,5 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(stop)
     lookout.stop()
     bpy.utils.unregister_class(ISMRenderEngine)
+    frames.unregister()
     stop()

@@ -70,6 +70,11 @@ class Reader:
         self._scene = self._tables(depsgraph)
         return self._scene
 
+    def distrust(self) -> None:
+        """Nothing that was read need hold any more; what turns out to do is the same object, all the same."""
+        self._geometry.distrust_all()
+        self._materials.forget_images()
+
     def _walk(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> None:
         """Everything that stands in the scene."""
         view_layer = depsgraph.view_layer_eval

@@ -9,7 +9,7 @@ import numpy as np
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
 from ..scene import View
-from . import account, camera, controls, extract
+from . import account, camera, controls, frames
 
 #: Blender's name of a pass, and the part of a Picture that goes into it.
 PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
@@ -19,25 +19,26 @@ SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
 
 def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
     """Render the depsgraph's view layer. What cannot be drawn becomes one sentence in the engine's report."""
-    scene = extract.scene(depsgraph)
+    layer = depsgraph.view_layer_eval
+    shares = frames.Layer() if engine.is_preview else frames.layer(depsgraph)
+    scene = shares.read(depsgraph)
     if not engine.is_preview:
         for warning in scene.warnings:
             engine.report({"WARNING"}, warning)
     chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
-    layer = depsgraph.view_layer_eval
     surfaces = layer.use_pass_z or layer.use_pass_normal
-    client = object()
     try:
         for view_name in _view_names(engine, layer.name):
             engine.active_view_set(view_name)
             view = camera.final_view(depsgraph, engine)
-            job = shared.start(Request(scene, view, chosen, surfaces), client)
+            job = shared.start(Request(scene, view, chosen, surfaces), shares.client)
             if not _render_view(engine, job, view, layer.name, view_name):
                 break
     except camera.CameraError as error:
         _refuse(engine, str(error))
     finally:
-        shared.forget(client)
+        if engine.is_preview:
+            shared.forget(shares.client)
 
 
 def _view_names(engine: bpy.types.RenderEngine, layer: str) -> list[str]:

@@ -51,6 +51,10 @@ class Geometry:
         self._changed = changed
         self._renewed.clear()
 
+    def distrust_all(self) -> None:
+        """Nothing that was read holds."""
+        self._readings.clear()
+
     def begin(self) -> None:
         """Before all instances are added."""
         self._rows.clear()

@@ -142,9 +142,9 @@ def test_unknown_errors_are_not_swallowed():
     result = python(
         "import bpy\n"
         "from ism_addon import addon\n"
-        "from ism_addon.blender import extract\n"
+        "from ism_addon.blender import camera\n"
         "addon.register()\n"
-        "extract.scene = None\n"
+        "camera.final_view = None\n"
         "bpy.context.scene.render.engine = 'ISM'\n"
         "bpy.ops.render.render()\n"
     )

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the frames of an animation share: what was read of the scene, and what the worker keeps for who asks.
+
+Kept as long as Blender's render job lasts and, with its Persistent Data, until the next one.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..gpu.worker import shared
+from ..scene import Scene
+from .extract import Reader
+
+
+@dataclass(eq=False)
+class Layer:
+    """A view layer that is rendered."""
+
+    reader: Reader = field(default_factory=Reader)
+    client: object = field(default_factory=object)
+
+    def read(self, depsgraph: bpy.types.Depsgraph) -> Scene:
+        """The Scene by now; what is as in the frame before is the same object."""
+        # Blender builds a depsgraph anew for each frame, but for Persistent Data. A new one names its scene as updated,
+        # and does not say what is as it was before.
+        if any(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
+            self.reader.distrust()
+        return self.reader.read(depsgraph, whole=True)
+
+
+_layers: dict[tuple[int, str], Layer] = {}
+
+
+def layer(depsgraph: bpy.types.Depsgraph) -> Layer:
+    """The depsgraph's."""
+    key = depsgraph.scene.original.session_uid, depsgraph.view_layer.name
+    return _layers.setdefault(key, Layer())
+
+
+def forget() -> None:
+    """Let go of all that is kept."""
+    while _layers:
+        shared.forget(_layers.popitem()[1].client)
+
+
+@persistent
+def end(scene: bpy.types.Scene, *_more: Any) -> None:
+    """A render job has ended."""
+    if not scene.render.use_persistent_data:
+        forget()
+
+
+HANDLERS = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
+
+
+def register() -> None:
+    for handlers in HANDLERS:
+        handlers.append(end)
+
+
+def unregister() -> None:
+    for handlers in HANDLERS:
+        handlers.remove(end)
+    forget()
