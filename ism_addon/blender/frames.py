@@ -35,8 +35,10 @@ _layers: dict[tuple[int, str], Layer] = {}
 
 
 def layer(depsgraph: bpy.types.Depsgraph) -> Layer:
-    """The depsgraph's."""
+    """The depsgraph's. One is kept at a time: of many layers, the graphics card might not hold all."""
     key = depsgraph.scene.original.session_uid, depsgraph.view_layer.name
+    if key not in _layers:
+        forget()
     return _layers.setdefault(key, Layer())
 
 

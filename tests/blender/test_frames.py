@@ -158,3 +158,11 @@ def test_nothing_is_kept_after_the_job_but_with_persistent_data(scene, animated)
     animated()
     assert frames._layers
     frames.forget()
+
+
+def test_of_several_layers_one_is_kept(scene, animated):
+    scene.view_layers.new("Other")
+    scene.render.use_persistent_data = True
+    animated()
+    assert [name for _scene, name in frames._layers] == ["Other"]
+    frames.forget()
