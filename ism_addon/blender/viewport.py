@@ -31,6 +31,7 @@ class Viewport:
         self._shows: tuple | None = None
         self._coarse = COARSEST // 2
         self._asked: tuple | None = None
+        self._late = False  # what it should show is still to be asked for
         self._job: Job | None = None
         self._place: Place = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
         self._shown: tuple[Picture, Place] | None = None
@@ -64,12 +65,13 @@ class Viewport:
             self._presenter.draw(engine, context.scene, picture.color, place)
         newest = self._job.picture()
         engine.update_stats("", self._job.error or f"Sample {newest.samples if newest else 0}/{self._job.samples}")
-        if not self._job.finished:
+        if self.is_waiting or self.has_news:
             lookout.start()
 
     @property
     def has_news(self) -> bool:
-        return self._job is not None and self._told != self._news()
+        may_ask = self._late and not self._nothing_to_show_yet
+        return self._job is not None and (may_ask or self._told != self._news())
 
     @property
     def statistics(self) -> dict:
@@ -82,7 +84,8 @@ class Viewport:
     def _ask(self, view: View, place: Place, scene: bpy.types.Scene) -> None:
         chosen = controls.read(scene, "viewport")
         asked = (self._scene, _fingerprint(view), place, chosen, shared.edition)
-        if asked != self._asked and not self._nothing_to_show_yet:
+        self._late = asked != self._asked and self._nothing_to_show_yet
+        if asked != self._asked and not self._late:
             if self._job is not None and self._job.first_seconds:
                 self._coarse = coarser(self._coarse, self._job.first_seconds)
                 self._look_at_job()
