@@ -10,7 +10,7 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
-from . import engine, sight
+from . import engine, scenery, sight
 from .watch import Watch
 
 Steps = Generator[None, None, None]
@@ -122,6 +122,13 @@ class Stage:
             assert time.perf_counter() < end, f"{what}: not after {seconds} s"
             yield
         assert not engine.errors(), f"the engine said {engine.errors()}"
+
+    def settled(self, distance: float = 7.0) -> Steps:
+        """Nothing but the picture of the scene's middle, from that many metres, in full."""
+        scenery.look(self.view, distance)
+        self.bare()
+        self.rendered()
+        yield from self.rested()
 
     def rested(self, seconds: float = 60.0) -> Steps:
         """Until the viewport shows the last sample of the scene as it is now."""

@@ -103,10 +103,7 @@ def ambient_occlusion(stage: Stage) -> Steps:
 def among_many(stage: Stage) -> Steps:
     """One object is moved among 500,000 triangles."""
     scenery.crowd()
-    scenery.look(stage.view, 9.0)
-    stage.bare()
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled(9.0)
     stage.measured("triangles", scenery.triangles())
     stage.pixels("before")
     place = stage.place_of((0.0, -0.5, 0.35))
@@ -132,10 +129,7 @@ def among_many(stage: Stage) -> Steps:
 
 
 def _settle(stage: Stage) -> Steps:
-    scenery.look(stage.view)
-    stage.bare()
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled()
     stage.remember("Before")
 
 

@@ -17,10 +17,7 @@ from tests.gui.stage import Stage, Steps
 def orbit(stage: Stage) -> Steps:
     """The view is turned in 30 steps: pictures on the way, none unlit, and no reading of the scene."""
     scenery.crowd()
-    scenery.look(stage.view, 9.0)
-    stage.bare()
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled(9.0)
     bright = stage.pixels("before").mean()
     start = stage.view.view_rotation.copy()
     stage.watch.place = (0.5, 0.5)
@@ -69,10 +66,7 @@ def camera_against_final(stage: Stage) -> Steps:
 def render_region(stage: Stage) -> Steps:
     """With a render region, its inside is as before and its outside has no picture."""
     scenery.studio()
-    scenery.look(stage.view)
-    stage.bare()
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled()
     whole = stage.pixels("whole")
     with stage.in_viewport():
         rows, columns = whole.shape[:2]
@@ -123,10 +117,7 @@ def camera_border(stage: Stage) -> Steps:
 def quad_view(stage: Stage) -> Steps:
     """Four views in one area; then a second area beside it in Solid shading, and each has its own picture."""
     scenery.studio()
-    scenery.look(stage.view)
-    stage.bare()
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled()
     with stage.in_viewport():
         bpy.ops.screen.region_quadview()
     yield from stage.rested(90)

@@ -45,11 +45,8 @@ def final_render(stage: Stage) -> Steps:
 def file_load(stage: Stage) -> Steps:
     """Another file is loaded while the viewport renders, and is seen."""
     scenery.studio()
-    scenery.look(stage.view)
-    stage.bare()
-    stage.rendered()
     stage.scene.ism.viewport.samples = 4
-    yield from stage.rested()
+    yield from stage.settled()
     first = stage.pixels("saved")
     path = _save(stage)
     yield from _busy(stage)

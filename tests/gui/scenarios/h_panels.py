@@ -145,9 +145,6 @@ def preview_icons(stage: Stage) -> Steps:
 
 def _settle(stage: Stage) -> Steps:
     scenery.studio()
-    scenery.look(stage.view)
     stage.scene.view_settings.view_transform = "Standard"
-    stage.bare()
     stage.scene.ism.viewport.samples = 4
-    stage.rendered()
-    yield from stage.rested()
+    yield from stage.settled()
