@@ -17,15 +17,17 @@ from . import block
 from .atlas import batches
 from .context import Device
 from .layout import directions_from_octahedron
-from .passes import Frame, Pass
+from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
 from .passes.blur import Blur
+from .passes.check import Check
 from .passes.gather import Gather
-from .passes.gbuffer import FAR_AWAY, GBuffer
+from .passes.gbuffer import GBuffer
 from .passes.light_points import LightPoints, points_per_light
 from .passes.lights import Lights
 from .passes.predict import Predict
 from .passes.pull_push import PullPush
+from .passes.reach import Reach
 from .passes.resolve import Resolve
 from .passes.scout import Scout
 from .passes.shade import Shade
@@ -44,7 +46,7 @@ from .targets import DEPTH, Targets
 #: What the camera sees, in the parts of the picture that the sample is spent on, and the lights;
 BEFORE = (Meshes, Place, Colours, Sift, GBuffer, Lights)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
-FITTED = (MeshTrees, InstanceTree, Scout, Predict, Trace)
+FITTED = (MeshTrees, InstanceTree, Reach, Scout, Check, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
 CLASSIC = (LightPoints, SurfacePoints, Subsets)

@@ -85,3 +85,9 @@ class Targets:
                 del self.textures[name]
                 for around in [key for key in self.framebuffers if name in key]:
                     del self.framebuffers[around]
+
+
+def pixels(texture: moderngl.Texture) -> np.ndarray:
+    """(H,W,components) float32 of a texture of floats or of bytes, these as parts of 255."""
+    whole = np.frombuffer(texture.read(alignment=1), np.uint8 if texture.dtype == "f1" else np.float32)
+    return whole.reshape(*texture.size[::-1], texture.components) / np.float32(255 if texture.dtype == "f1" else 1)

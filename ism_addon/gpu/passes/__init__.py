@@ -19,15 +19,29 @@ from ..layout import Record
 from ..program import bind, compile_program
 from ..targets import Target, Targets
 
+#: Depth of the background, as in Cycles' depth pass. m
+FAR_AWAY = 1e10
+
 #: Pixels along a block: what takes part in a sample, or does not.
 BLOCK = 8
 
 #: Pixels from one scout to the next, along either side.
 SCOUTS_APART = 2
 
-#: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number, and for
-#: Trace the chance of a block where nothing is in doubt.
-BLOCKS = np.dtype([("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4")])
+#: Pixels along a block among those that scouted.
+SCOUTED_BLOCK = BLOCK // SCOUTS_APART
+
+#: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number, for Trace
+#: the chance of a block where nothing is in doubt, and for Check the light.
+BLOCKS = np.dtype(
+    [("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4"), ("light", "f4")]
+)
+
+#: Samples before which predictions are made: when there are a few rays, and as often as their number has doubled since.
+RENEWED = {0, 4, *(2**k for k in range(4, 32))}
+
+#: What a close look found of a light: rays that arrived, and rays.
+SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
 
 def blocks_at(chosen: np.ndarray) -> np.ndarray:
@@ -166,7 +180,7 @@ class Pass:
         target.use()
         gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
-        content = gl.buffer(blocks), "2f 4f 1f 1f", "block", "where", "number", "sure"
+        content = gl.buffer(blocks), "2f 4f 1f 1f 1f", "block", "where", "number", "sure", "light"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, *target.size
 

@@ -15,15 +15,11 @@ from ..context import Device
 from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
-from . import Frame, Pass
+from . import FAR_AWAY, Frame, Pass
 
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
 #: memory for all of them.
 PORTION = 1 << 15
-
-#: Depth of the background, as in Cycles' depth pass. m
-FAR_AWAY = 1e10
-
 
 #: Far planes at which projections have none, in near planes' distances.
 ENDLESS = 2.0**40

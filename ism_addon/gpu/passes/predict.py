@@ -11,8 +11,8 @@ import numpy as np
 from ...scene import Change
 from ..context import Device
 from ..program import bind
-from ..targets import Target
-from . import BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
+from ..targets import Target, pixels
+from . import BLOCK, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
 PREDICTION = Target(2, "f1")
@@ -20,17 +20,11 @@ PREDICTION = Target(2, "f1")
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
-#: Pixels along a block among those that scouted.
-SCOUTED_BLOCK = BLOCK // SCOUTS_APART
-
-#: Samples before which predictions are made: when there are a few rays, and as often as their number has doubled since.
-RENEWED = {0, 4, *(2**k for k in range(4, 32))}
-
 
 class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
-    reads = ("scouted", "position", "normal", "depth")
+    reads = ("scouted", "spotted", "position", "normal", "depth")
     writes = {
         "around": Target(2, "f1", divisor=SCOUTS_APART),  # a light's prediction where scouts were
         "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
@@ -52,13 +46,14 @@ class Predict(Pass):
             return
         tables, first = frame.tables, frame.sample == 0
         if first:
+            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
             tables["seen"] = self.of_each_light(frame, "seen", SEEN)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()
-            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
         else:
             for light, found in self.by_blocks(frame, tables["seen"], 1).items():
                 tables["found"][light] |= found
+            self.add(frame, tables["spotted"])
         self.device.gl.copy_framebuffer(frame.targets.into("foreseen"), frame.targets.into("position"))
         tables["predictions"] = self.of_each_light(frame, "predictions", PREDICTION)
         for light, prediction in tables["predictions"].items():
@@ -68,23 +63,29 @@ class Predict(Pass):
         """A texture of the picture's size; that which the table has, if it fits."""
         size, kept = (frame.view.width, frame.view.height), frame.tables.get(table, {})
         fits = {light: texture for light, texture in kept.items() if texture.size == size}
-        lights = frame.tables["scouted"]
+        lights = frame.tables["found"]
         return {light: fits[light] if light in fits else target.create(self.device.gl, size) for light in lights}
+
+    def add(self, frame: Frame, spotted: dict[int, np.ndarray]) -> None:
+        """Lights that had seemed hidden, and the blocks (rows,columns) where they are not."""
+        for light, seen in spotted.items():
+            frame.tables["found"][light] = np.stack([seen, np.ones_like(seen)], 2)
+            for table, target in (("scouted", SCOUTED), ("seen", SEEN)):
+                size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
+                frame.tables[table][light] = target.create(self.device.gl, size)
+                self.device.gl.framebuffer([frame.tables[table][light]]).clear()
 
     def by_blocks(self, frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
         """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
-        gl, (columns, rows) = self.device.gl, frame.blocks
-        texture = gl.texture((columns, rows * len(rays)), 2)
-        into = gl.framebuffer([texture])
-        into.use()
+        gl = self.device.gl
         gl.enable_only(moderngl.NOTHING)
-        for number, found in enumerate(rays.values()):
-            into.viewport = 0, number * rows, columns, rows
-            bind(self.blocks.program, rays=found, first_row=number * rows, width=BLOCK // apart)
+        found = {light: gl.texture(frame.blocks, 2) for light in rays}
+        for light, texture in found.items():
+            gl.framebuffer([texture]).use()
+            bind(self.blocks.program, rays=rays[light], width=BLOCK // apart)
             self.blocks.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
-        found = np.frombuffer(texture.read(alignment=1), np.uint8).reshape(len(rays), rows, columns, 2) > 0
-        return dict(zip(rays, found, strict=True))
+        return {light: pixels(texture) > 0.0 for light, texture in found.items()}
 
     def predict(self, frame: Frame, light: int, prediction: moderngl.Texture, traced: bool) -> None:
         """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""

@@ -1,31 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first look at what each light reaches: one shadow ray from every fourth pixel."""
+"""A close look at what each light reaches: one shadow ray from every fourth pixel, where Reach asks for it."""
 
 import moderngl
-import numpy as np
 
 from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT
 from ..program import bind
-from ..targets import Target
-from . import SCOUTS_APART, Frame, Pass
-
-#: Of each light: rays that arrived, and rays.
-SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
+from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
 
 class Scout(Pass):
-    """For each light that casts shadows, whether a ray from every fourth pixel arrives."""
+    """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
 
-    reads = ("position", "normal", "albedo", "lights", "casters")
+    reads = ("position", "normal", "albedo", "lights", "casters", "reach")
     makes = ("scouted",)
     depends_on = (Change.VIEW, Change.LIGHTS)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
+        self.pixels = self.in_blocks(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample == 0
@@ -33,21 +28,26 @@ class Scout(Pass):
     def draw(self, frame: Frame) -> None:
         gl, view = self.device.gl, frame.view
         size = -(-view.width // SCOUTED.divisor), -(-view.height // SCOUTED.divisor)
-        lights = np.flatnonzero(frame.scene.lights.casts_shadow)
+        casts = frame.scene.lights.casts_shadow
+        lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
         frame.tables["scouted"] = {light: SCOUTED.create(gl, size) for light in lights}
         gl.enable_only(moderngl.NOTHING)
-        for light, place in zip(lights, additive_sequence(0, len(lights), 2), strict=True):
-            gl.framebuffer([frame.tables["scouted"][light]]).use()
+        places = additive_sequence(0, len(casts), 2)
+        for light in lights:
+            into = gl.framebuffer([frame.tables["scouted"][light]])
+            into.clear()
             bind(
-                self.pixels.program,
+                self.pixels,
                 position=frame.targets["position"],
                 normals=frame.targets["normal"],
                 albedo=frame.targets["albedo"],
                 triangles=frame.targets["triangle"],
                 lights=frame.tables["lights"],
                 light_index=light,
+                offset=(0, 0),
                 pixel_steps=PIXEL_STEPS,
-                place=tuple(place),
+                place=tuple(places[light]),
                 **frame.tables["casters"],
             )
-            self.pixels.render(moderngl.TRIANGLES, vertices=3)
+            blocks = blocks_at(frame.tables["reach"][light].scouted)
+            self.draw_blocks(frame, into, self.pixels, blocks, block=SCOUTED_BLOCK)

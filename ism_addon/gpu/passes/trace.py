@@ -26,14 +26,14 @@ ENOUGH = 0.2
 TRUST = 0.03
 LEAST_CHANCE = 0.1
 
-#: The chance of a block in which nothing is in doubt.
+#: The chance of a block in which nothing is in doubt, for a light that could be all there is.
 SURE_CHANCE = 0.0625
 
 
 class Trace(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
-    reads = ("blocks", "position", "normal", "depth", "albedo", "lights", "casters", "predictions", "foreseen")
+    reads = ("blocks", "position", "normal", "depth", "albedo", "lights", "casters", "reach", "predictions", "foreseen")
     writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
     settings = ("shadow.enabled",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
@@ -60,7 +60,9 @@ class Trace(Pass):
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
             casts = frame.traces and bool(lights.casts_shadow[light])
-            traced, shown = self.chosen(frame, light, shift[2]) if casts else (None, frame.tables["blocks"])
+            if light not in frame.tables["reach"] or (casts and light not in frame.tables["found"]):
+                continue
+            traced, shown = self.chosen(frame, light, shift[2], casts)
             kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
             shared = {
                 "position": frame.targets["position"],
@@ -77,7 +79,7 @@ class Trace(Pass):
             program = self.program(*kind, 0, 1)
             bind(program, **shared)
             self.draw_blocks(frame, predicted, program, shown)
-            if casts and len(traced):
+            if len(traced):
                 places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
         for kind, uniforms, seen, traced in with_rays:
@@ -86,10 +88,14 @@ class Trace(Pass):
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)
 
-    def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
+    def chosen(self, frame: Frame, light: int, shift: float, casts: bool) -> tuple[np.ndarray, np.ndarray]:
         """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
-        blocks = frame.tables["blocks"].copy()
+        blocks, reach = frame.tables["blocks"], frame.tables["reach"][light]
         column, row = blocks["block"].astype(np.int64).T
+        worth = reach.worth[row, column]
+        blocks, row, column = blocks[worth], row[worth], column[worth]
+        if not casts:
+            return blocks[:0], blocks
         seen, hidden = frame.tables["found"][light][row, column].T
         doubtful = seen & hidden
         if frame.sample == 0:
@@ -98,7 +104,8 @@ class Trace(Pass):
         phase = additive_sequence(0, columns * rows, 1)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
         phase += blocks["number"] // len(frame.grid.places) * RAY_STEPS[0]
-        turn = (blocks["number"] + 1.0) * SURE_CHANCE + phase
-        sure = ~doubtful & (np.floor(turn) > np.floor(turn - SURE_CHANCE))
-        blocks["sure"] = np.where(doubtful, 0.0, SURE_CHANCE)
+        chance = SURE_CHANCE * reach.part[row, column]
+        turn = (blocks["number"] + 1.0) * chance + phase
+        sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))
+        blocks["sure"] = np.where(doubtful, 0.0, chance)
         return blocks[doubtful | sure], blocks[seen & ~doubtful & ~sure]

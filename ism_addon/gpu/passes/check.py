@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights that seem to be hidden from everywhere are looked for again, now and then.
+
+Block by block and light by light, a few of them each sample, the more often the more such a light could change: what
+many of them cost together is what one would. A light that is found is Predict's and Trace's from then on.
+"""
+
+import moderngl
+import numpy as np
+
+from ...sampling import PIXEL_STEPS, additive_sequence
+from ...scene import Change
+from ..context import Device
+from ..layout import CASTER, LIGHT
+from ..program import bind
+from ..targets import Target, pixels
+from . import BLOCKS, RENEWED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass
+
+#: The chance, in a sample, of a block to be looked at for a light that could be all the light there is.
+CHANCE = 0.25
+
+
+class Check(Pass):
+    """Where lights were spotted that had seemed hidden."""
+
+    reads = ("position", "normal", "albedo", "lights", "casters", "reach", "scouted")
+    writes = {"checked": Target(4, "f4", divisor=SCOUTS_APART)}  # see check.frag
+    makes = ("spotted",)
+    depends_on = (Change.LIGHTS, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.pixels = self.in_blocks(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.traces and frame.sample > 0
+
+    def draw(self, frame: Frame) -> None:
+        target = frame.targets.into("checked")
+        if frame.sample == 1:
+            target.clear()
+            frame.tables["spotted"] = {}
+        elif frame.sample in RENEWED:
+            frame.tables["spotted"] = self.spotted(frame)
+            target.clear()
+        blocks = self.chosen(frame)
+        self.device.gl.enable_only(moderngl.BLEND)
+        self.device.gl.blend_func = moderngl.ONE, moderngl.ONE
+        bind(
+            self.pixels,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            albedo=frame.targets["albedo"],
+            triangles=frame.targets["triangle"],
+            lights=frame.tables["lights"],
+            offset=(frame.sample % SCOUTS_APART, frame.sample // SCOUTS_APART % SCOUTS_APART),
+            pixel_steps=PIXEL_STEPS,
+            place=tuple(additive_sequence(frame.sample, 1, 2)[0]),
+            **frame.tables["casters"],
+        )
+        self.draw_blocks(frame, target, self.pixels, blocks, block=SCOUTED_BLOCK)
+
+    def chosen(self, frame: Frame) -> np.ndarray:
+        """Rows of BLOCKS: each pair of a light and a block as often as it has a chance (systematic sampling)."""
+        reach, casts = frame.tables["reach"], frame.scene.lights.casts_shadow
+        lights = [light for light in reach if casts[light] and light not in frame.tables["found"]]
+        if not lights:
+            return np.zeros(0, BLOCKS)
+        parts = [np.where(reach[light].worth, CHANCE * reach[light].part, 0.0) for light in lights]
+        sums = np.cumsum(parts, dtype=np.float64)
+        picks = np.searchsorted(sums, np.arange(additive_sequence(frame.sample, 1, 1)[0, 0], sums[-1]), side="right")
+        light, row, column = np.unravel_index(picks, (len(lights), *parts[0].shape))
+        blocks = np.zeros(len(picks), BLOCKS)
+        blocks["block"] = np.stack([column, row], 1)
+        blocks["light"] = np.array(lights)[light]
+        return blocks
+
+    def spotted(self, frame: Frame) -> dict[int, np.ndarray]:
+        """Of each light that was found since the last time, in which blocks (rows,columns)."""
+        self.device.wait()
+        numbers, squares, count, _ = np.moveaxis(pixels(frame.targets["checked"]).astype(np.float64), -1, 0)
+        alone = (count > 0.0) & (numbers * numbers == squares * count)  # of two lights at one pixel, none can be told
+        found: dict[int, np.ndarray] = {}
+        row, column = np.nonzero(alone)
+        for light in np.unique(numbers[alone] / count[alone]).astype(int) - 1:
+            here = numbers[alone] == count[alone] * (light + 1)
+            found[int(light)] = np.zeros(frame.blocks[::-1], bool)
+            found[int(light)][row[here] // SCOUTED_BLOCK, column[here] // SCOUTED_BLOCK] = True
+        return found

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which lights can change which blocks of pixels, and by how much: the others are left out.
+
+As in tiled shading (Olsson & Assarsson 2011), a block's surfaces are bounded by a box, and by a cone of normals, see
+`bounds`. Then one ray a block looks from afar which lights arrive at all: of what may be hidden, only what could make a
+good part of the light is looked for by Scout, and the rest by Check now and then. What would be too little
+of the light that arrives, all such lights together, is left out for good.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ...sampling import PIXEL_STEPS, additive_sequence
+from ...scene import Change
+from ..bounds import Bounds, Lamps, light_on
+from ..context import Device
+from ..layout import CASTER, LIGHT
+from ..program import bind
+from ..targets import Target, pixels
+from . import BLOCK, FAR_AWAY, SCOUTED, Frame, Pass
+
+#: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
+#: for darker than this part of the picture's mean.
+NEGLIGIBLE = 1e-3
+DARK = 0.1
+
+#: What a block shows is bounded in two parts, near and far, if the farthest depth is the nearest times this.
+SPLIT = 1.1
+
+#: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
+PAIRS = 1 << 15
+
+#: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
+STRONG = 0.25
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What a light may do to each block of the picture: arrays (rows, columns)."""
+
+    worth: np.ndarray  # bool: whether it counts at all
+    part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
+    scouted: np.ndarray  # bool: whether Scout has to look closely
+
+
+class Reach(Pass):
+    """For each light that counts anywhere, where it does."""
+
+    reads = ("position", "normal", "depth", "lights", "casters")
+    writes = {
+        # Twice as high as there are rows of blocks: what they show nearby, and what far off.
+        "lowest": Target(4, "f4", divisor=0),  # corner of the box around it; in alpha, whether there is any
+        "highest": Target(4, "f4", divisor=0),
+        "facing": Target(4, "f4", divisor=0),  # axis of the cone of its normals; in alpha, its cosine
+    }
+    makes = ("reach",)
+    depends_on = (Change.LIGHTS, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.surfaces = self.full_screen(block=BLOCK, far_away=FAR_AWAY, split=SPLIT)
+        self.rays = self.full_screen(LIGHT, CASTER, part="rays", block=BLOCK)
+        #: Of all samples so far; and the luminance (lights,rows,columns) of the irradiance that is possible there.
+        self.bounds: Bounds | None = None
+        self.most = np.zeros((0, 0, 0), np.float32)
+        #: Parts (rows,columns) of lights that are seen about blocks, and the luminance that is thought to arrive.
+        self.arrives: dict[int, np.ndarray] = {}
+        self.light = np.zeros((0, 0), np.float32)
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.lights.shape) > 0 and frame.fitted
+
+    def draw(self, frame: Frame) -> None:
+        if frame.sample & (frame.sample - 1):  # as often as the number of samples has doubled: surfaces come to light
+            return
+        seen = self.look(frame)
+        if frame.sample == 0:
+            self.bounds = seen
+            self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
+            self.arrives = self.from_afar(frame)
+            there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
+            self.light = around(there).mean((2, 3))
+        else:
+            new = np.flatnonzero(~self.bounds.hold(seen))
+            if not len(new):
+                return
+            self.bounds = self.bounds.joined(seen)
+            self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
+        frame.tables["reach"] = self.weighed()
+
+    def light_on(self, frame: Frame, bounds: Bounds, which: np.ndarray) -> list[np.ndarray]:
+        """See bounds.py: two arrays (lights, rows, columns) of the most on some of what the blocks show, by number."""
+        some, all_lamps = bounds.some(which), Lamps.of(frame.scene.lights, frame.anchor)
+        count, step = len(frame.scene.lights.shape), max(PAIRS // max(len(which), 1), 1)
+        columns, rows = frame.blocks
+        found = np.zeros((2, count, 2 * rows * columns), np.float32)
+
+        def fill(first: int) -> None:
+            found[:, first : first + step, which] = light_on(some, all_lamps[first : first + step])
+
+        with ThreadPoolExecutor() as cores:
+            list(cores.map(fill, range(0, count, step)))
+        return list(found.reshape(2, count, 2, rows, columns).max(2))
+
+    def look(self, frame: Frame) -> Bounds:
+        """What the blocks show, each nearby and far off."""
+        columns, rows = frame.blocks
+        for name, target in self.writes.items():
+            frame.targets.allocate(name, target, (columns, 2 * rows))
+        self.device.gl.enable_only(moderngl.NOTHING)
+        frame.targets.into(*self.writes).use()
+        bind(
+            self.surfaces.program,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            depth=frame.targets["depth"],
+            rows=rows,
+        )
+        self.surfaces.render(moderngl.TRIANGLES, vertices=3)
+        self.device.wait()
+        return Bounds.of(*(pixels(frame.targets[name]) for name in self.writes))
+
+    def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:
+        """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
+        gl, casts = self.device.gl, frame.scene.lights.casts_shadow
+        lights = np.flatnonzero(self.most.any((1, 2)))
+        seen = {int(light): SCOUTED.create(gl, frame.blocks) for light in lights if frame.traces and casts[light]}
+        gl.enable_only(moderngl.NOTHING)
+        places = additive_sequence(0, len(casts), 2)
+        bind(
+            self.rays.program,
+            position=frame.targets["position"],
+            normals=frame.targets["normal"],
+            albedo=frame.targets["albedo"],
+            triangles=frame.targets["triangle"],
+            lights=frame.tables["lights"],
+            offset=(BLOCK // 2, BLOCK // 2),
+            pixel_steps=PIXEL_STEPS,
+            **frame.tables.get("casters", {}),
+        )
+        for light, texture in seen.items():
+            gl.framebuffer([texture]).use()
+            bind(self.rays.program, light_index=light, place=tuple(places[light]))
+            self.rays.render(moderngl.TRIANGLES, vertices=3)
+        self.device.wait()
+        all_of_it = np.ones(frame.blocks[::-1], np.float32)
+        return {int(light): part_seen(pixels(seen[light])) if light in seen else all_of_it for light in lights}
+
+    def weighed(self) -> dict[int, Reached]:
+        """Which lights count where, by the most that each can bring."""
+        shown, found = self.bounds.seen.reshape(2, *self.light.shape).any(0), {}
+        average = float(self.light[shown].mean()) if shown.any() else 0.0
+        whole = np.maximum(self.light, max(average, float(np.finfo(np.float32).tiny)))
+        enough, left_out = NEGLIGIBLE * np.maximum(self.light, DARK * average), np.zeros_like(self.light)
+        parts = self.most / whole
+        for light in np.argsort(parts.sum((1, 2))):  # the faintest first
+            left_out += self.most[light]
+            worth = (self.most[light] > 0.0) & (left_out > enough)
+            if worth.any():
+                seen = self.arrives.get(int(light), np.zeros(()))
+                part = np.minimum(parts[light], 1.0)
+                found[int(light)] = Reached(worth, part, worth & ((part >= STRONG) | (seen > 0.0)))
+        return found
+
+
+def part_seen(rays: np.ndarray) -> np.ndarray:
+    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours."""
+    arrived, sent = (around(number).sum((2, 3)) for number in np.moveaxis(rays, 2, 0))
+    return arrived / np.maximum(sent, 1.0)
+
+
+def around(values: np.ndarray) -> np.ndarray:
+    """(H,W,3,3): each one of (H,W) and its eight neighbours; beyond the border, those at it."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, mode="edge"), (3, 3))
