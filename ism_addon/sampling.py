@@ -135,6 +135,9 @@ GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 RAY_STEPS = (0.7311, 0.5920)
 PIXEL_STEPS = (0.5622, 0.7520)
 
+#: And from light to light: the additive sequence's of two dimensions.
+LIGHT_STEPS = (0.7548776662, 0.5698402910)
+
 
 def van_der_corput(numbers: np.ndarray) -> np.ndarray:
     """Members (N,) of the sequence in [0,1): binary digits the other way round."""

@@ -62,11 +62,15 @@ class Check(Pass):
 
     def chosen(self, frame: Frame) -> np.ndarray:
         """Rows of BLOCKS: each pair of a light and a block as often as it has a chance (systematic sampling)."""
-        reach, casts = frame.tables["reach"], frame.scene.lights.casts_shadow
-        lights = [light for light in reach if casts[light] and light not in frame.tables["found"]]
-        if not lights:
+        casts, found = frame.scene.lights.casts_shadow, frame.tables["found"]
+        hidden = {
+            light: CHANCE * reach.part * (reach.worth & (reach.seen == 0.0) & (reach.dim | (light not in found)))
+            for light, reach in frame.tables["reach"].items()
+            if casts[light]
+        }
+        if not hidden:
             return np.zeros(0, BLOCKS)
-        parts = [np.where(reach[light].worth, CHANCE * reach[light].part, 0.0) for light in lights]
+        lights, parts = list(hidden), list(hidden.values())
         sums = np.cumsum(parts, dtype=np.float64)
         picks = np.searchsorted(sums, np.arange(additive_sequence(frame.sample, 1, 1)[0, 0], sums[-1]), side="right")
         light, row, column = np.unravel_index(picks, (len(lights), *parts[0].shape))

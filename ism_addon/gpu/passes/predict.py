@@ -21,10 +21,14 @@ PREDICTION = Target(2, "f1")
 SEEN = Target(2, "f4")
 
 
+#: The part that is thought to be seen of a light where it was spotted, though none of its first rays arrived.
+SPOTTED = 0.25
+
+
 class Predict(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
-    reads = ("scouted", "spotted", "position", "normal", "depth")
+    reads = ("scouted", "spotted", "reach", "position", "normal", "depth")
     writes = {
         "around": Target(2, "f1", divisor=SCOUTS_APART),  # a light's prediction where scouts were
         "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
@@ -69,6 +73,10 @@ class Predict(Pass):
     def add(self, frame: Frame, spotted: dict[int, np.ndarray]) -> None:
         """Lights that had seemed hidden, and the blocks (rows,columns) where they are not."""
         for light, seen in spotted.items():
+            reach = frame.tables["reach"][light]
+            reach.seen[seen] = np.maximum(reach.seen[seen], SPOTTED)
+            if light in frame.tables["found"] or not (seen & ~reach.dim).any():
+                continue
             frame.tables["found"][light] = np.stack([seen, np.ones_like(seen)], 2)
             for table, target in (("scouted", SCOUTED), ("seen", SEEN)):
                 size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)

@@ -27,8 +27,16 @@ from . import BLOCK, FAR_AWAY, SCOUTED, Frame, Pass
 NEGLIGIBLE = 1e-3
 DARK = 0.1
 
+#: A light that may bring no more than this part of a block's light is predicted for the block as a whole.
+DIM = 0.01
+
 #: What a block shows is bounded in two parts, near and far, if the farthest depth is the nearest times this.
 SPLIT = 1.1
+
+#: Of more lights than these, only those are looked for from each block that arrive at one of every so many, along
+#: either side of the picture.
+FEW = 16
+FARTHER = 4
 
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS = 1 << 15
@@ -42,8 +50,14 @@ class Reached:
     """What a light may do to each block of the picture: arrays (rows, columns)."""
 
     worth: np.ndarray  # bool: whether it counts at all
+    dim: np.ndarray  # bool: whether it counts so little that a block's pixels need no prediction of their own
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
-    scouted: np.ndarray  # bool: whether Scout has to look closely
+    seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
+
+    @property
+    def scouted(self) -> np.ndarray:
+        """(rows,columns) bool: whether Scout has to look closely."""
+        return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0))
 
 
 class Reach(Pass):
@@ -62,7 +76,7 @@ class Reach(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.surfaces = self.full_screen(block=BLOCK, far_away=FAR_AWAY, split=SPLIT)
-        self.rays = self.full_screen(LIGHT, CASTER, part="rays", block=BLOCK)
+        self.rays = self.full_screen(LIGHT, CASTER, part="rays")
         #: Of all samples so far; and the luminance (lights,rows,columns) of the irradiance that is possible there.
         self.bounds: Bounds | None = None
         self.most = np.zeros((0, 0, 0), np.float32)
@@ -125,11 +139,23 @@ class Reach(Pass):
 
     def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
-        gl, casts = self.device.gl, frame.scene.lights.casts_shadow
-        lights = np.flatnonzero(self.most.any((1, 2)))
-        seen = {int(light): SCOUTED.create(gl, frame.blocks) for light in lights if frame.traces and casts[light]}
+        casts = frame.scene.lights.casts_shadow & frame.traces
+        reaching = np.flatnonzero(self.most.any((1, 2)))
+        asked = reaching[casts[reaching]]
+        if len(asked) > FEW:
+            arrived = self.rays_from(frame, asked, FARTHER)
+            asked = np.array([light for light in asked if arrived[light][..., 0].any()], int)
+        rays = self.rays_from(frame, asked, 1)
+        unasked = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
+        return unasked | {light: part_seen(found) for light, found in rays.items()}
+
+    def rays_from(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
+        """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
+        gl, (columns, rows) = self.device.gl, frame.blocks
+        seen = {light: SCOUTED.create(gl, (-(-columns // apart), -(-rows // apart))) for light in lights}
+        if not seen:
+            return {}
         gl.enable_only(moderngl.NOTHING)
-        places = additive_sequence(0, len(casts), 2)
         bind(
             self.rays.program,
             position=frame.targets["position"],
@@ -137,17 +163,18 @@ class Reach(Pass):
             albedo=frame.targets["albedo"],
             triangles=frame.targets["triangle"],
             lights=frame.tables["lights"],
-            offset=(BLOCK // 2, BLOCK // 2),
+            apart=apart * BLOCK,
+            offset=(apart * BLOCK // 2, apart * BLOCK // 2),
             pixel_steps=PIXEL_STEPS,
-            **frame.tables.get("casters", {}),
+            **frame.tables["casters"],
         )
+        places = additive_sequence(0, len(frame.scene.lights.shape), 2)
         for light, texture in seen.items():
             gl.framebuffer([texture]).use()
             bind(self.rays.program, light_index=light, place=tuple(places[light]))
             self.rays.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
-        all_of_it = np.ones(frame.blocks[::-1], np.float32)
-        return {int(light): part_seen(pixels(seen[light])) if light in seen else all_of_it for light in lights}
+        return {light: pixels(texture) for light, texture in seen.items()}
 
     def weighed(self) -> dict[int, Reached]:
         """Which lights count where, by the most that each can bring."""
@@ -160,9 +187,9 @@ class Reach(Pass):
             left_out += self.most[light]
             worth = (self.most[light] > 0.0) & (left_out > enough)
             if worth.any():
-                seen = self.arrives.get(int(light), np.zeros(()))
                 part = np.minimum(parts[light], 1.0)
-                found[int(light)] = Reached(worth, part, worth & ((part >= STRONG) | (seen > 0.0)))
+                seen = self.arrives.setdefault(int(light), np.zeros_like(part))
+                found[int(light)] = Reached(worth, worth & (part < DIM), part, seen)
         return found
 
 

@@ -11,7 +11,7 @@ to how much they may change the picture, and weigh more the rarer they are.
 import moderngl
 import numpy as np
 
-from ...sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence
+from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS, additive_sequence
 from ...scene import Change, LightShape
 from ..context import Device
 from ..layout import CASTER, LIGHT
@@ -25,6 +25,7 @@ ENOUGH = 0.2
 #: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
 TRUST = 0.03
 LEAST_CHANCE = 0.1
+DIM_CHANCE = 0.01
 
 #: The chance of a block in which nothing is in doubt, for a light that could be all there is.
 SURE_CHANCE = 0.0625
@@ -43,10 +44,11 @@ class Trace(Pass):
         self.all_seen = Target(2, "f1").create(device.gl, (1, 1))
         self.all_seen.write(bytes([255, 0]))
 
-    def program(self, rectangle: bool, spread: bool, rays: int, places: int) -> moderngl.Program:
+    def program(self, rectangle: bool, spread: bool, rays: int, places: int, part: str = "") -> moderngl.Program:
         """For one kind of light: what the others would need, many drivers would walk through too."""
         kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread), "rays": rays}
-        return self.in_blocks(LIGHT, CASTER, trust=TRUST, least_chance=LEAST_CHANCE, places_in_pixel=places, **kind)
+        chances = {"trust": TRUST, "least_chance": DIM_CHANCE if part else LEAST_CHANCE}
+        return self.in_blocks(LIGHT, CASTER, part=part, places_in_pixel=places, **chances, **kind)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -63,6 +65,8 @@ class Trace(Pass):
             if light not in frame.tables["reach"] or (casts and light not in frame.tables["found"]):
                 continue
             traced, shown = self.chosen(frame, light, shift[2], casts)
+            if not len(traced) + len(shown):
+                continue
             kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
             shared = {
                 "position": frame.targets["position"],
@@ -87,12 +91,49 @@ class Trace(Pass):
             bind(program, **uniforms, enough=ENOUGH * frame.tables["brightness"], **frame.tables["casters"])
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)
+        self.draw_dim(frame)
+
+    def draw_dim(self, frame: Frame) -> None:
+        """Lights that are a small part of a block's light: all at once, predicted for the block as a whole."""
+        lights, rays = frame.scene.lights, int(frame.traces and frame.sample > 0)
+        target = frame.targets.into("predicted", "correction")
+        blocks = self.dim_ones(frame)
+        number = blocks["light"].astype(np.int64)
+        kinds = (lights.shape == LightShape.RECTANGLE) + 2 * (lights.spread < np.pi)
+        for kind in np.unique(kinds[number]):
+            program = self.program(bool(kind & 1), kind >= 2, rays, len(frame.grid.places), part="dim")
+            bind(
+                program,
+                position=frame.targets["position"],
+                normals=frame.targets["normal"],
+                albedo=frame.targets["albedo"],
+                triangles=frame.targets["triangle"],
+                lights=frame.tables["lights"],
+                pixel_steps=PIXEL_STEPS,
+                light_steps=LIGHT_STEPS,
+                ray_steps=RAY_STEPS,
+                enough=ENOUGH * frame.tables.get("brightness", 0.0),
+                **frame.tables.get("casters", {}),
+            )
+            self.draw_blocks(frame, target, program, blocks[kinds[number] == kind])
+
+    def dim_ones(self, frame: Frame) -> np.ndarray:
+        """Rows of BLOCKS, for each light that is dim there and not hidden; what is thought to be seen of it is `sure`."""
+        blocks = frame.tables["blocks"]
+        column, row = blocks["block"].astype(np.int64).T
+        found = [blocks[:0]]
+        for light, reach in frame.tables["reach"].items():
+            seen = np.where(reach.dim, reach.seen, 0.0)[row, column]
+            if seen.any():
+                found.append(blocks[seen > 0.0])
+                found[-1]["light"], found[-1]["sure"] = light, seen[seen > 0.0]
+        return np.concatenate(found)
 
     def chosen(self, frame: Frame, light: int, shift: float, casts: bool) -> tuple[np.ndarray, np.ndarray]:
         """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
         blocks, reach = frame.tables["blocks"], frame.tables["reach"][light]
         column, row = blocks["block"].astype(np.int64).T
-        worth = reach.worth[row, column]
+        worth = (reach.worth & ~reach.dim)[row, column]
         blocks, row, column = blocks[worth], row[worth], column[worth]
         if not casts:
             return blocks[:0], blocks
