@@ -19,7 +19,9 @@ TENT = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 3.0
 
 
 def prediction(renderer) -> np.ndarray:
-    """(H,W,2) of the first light."""
+    """(H,W,2) of the first light; of one that no ray saw, none is kept."""
+    if 0 not in renderer.tables["predictions"]:
+        return np.zeros((*renderer.targets["position"].size[::-1], 2))
     texture = renderer.tables["predictions"][0]
     return np.frombuffer(texture.read(), "u1").reshape(*texture.size[::-1], 2) / 255
 

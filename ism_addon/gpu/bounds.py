@@ -110,7 +110,9 @@ def light_on(bounds: Bounds, lamps: Lamps) -> tuple[np.ndarray, np.ndarray]:
     ahead = -dot(to, lamps.normal)
     upright = np.clip(dot(to, bounds.axis[:, None]) / distance, -1.0, 1.0)
     cosine, sine = np.cos(bounds.half_angle), np.sin(bounds.half_angle)
-    least_tilt = np.where(upright >= cosine, np.float32(1.0), upright * cosine + np.sqrt(1.0 - upright * upright) * sine)
+    least_tilt = np.where(
+        upright >= cosine, np.float32(1.0), upright * cosine + np.sqrt(1.0 - upright * upright) * sine
+    )
     height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
     across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
     outside = across * np.cos(lamps.half_angle) - ahead * np.sin(lamps.half_angle) > slack

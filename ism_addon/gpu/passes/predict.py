@@ -50,7 +50,8 @@ class Predict(Pass):
             return
         tables, first = frame.tables, frame.sample == 0
         if first:
-            tables["found"] = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
+            found = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
+            tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}
             tables["seen"] = self.of_each_light(frame, "seen", SEEN)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()

@@ -98,9 +98,10 @@ class Reach(Pass):
             there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
             self.light = around(there).mean((2, 3))
         else:
+            spotted = np.array(list(frame.tables.get("spotted", {})), int)
+            for light, rays in self.rays_from(frame, spotted, 1).items():
+                self.arrives[light] = np.maximum(self.arrives[light], part_seen(rays))
             new = np.flatnonzero(~self.bounds.hold(seen))
-            if not len(new):
-                return
             self.bounds = self.bounds.joined(seen)
             self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
         frame.tables["reach"] = self.weighed()

@@ -61,10 +61,7 @@ class Trace(Pass):
         shifts = additive_sequence(0, len(lights.shape), 3)
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
-            casts = frame.traces and bool(lights.casts_shadow[light])
-            if light not in frame.tables["reach"] or (casts and light not in frame.tables["found"]):
-                continue
-            traced, shown = self.chosen(frame, light, shift[2], casts)
+            traced, shown = self.chosen(frame, light, shift[2])
             if not len(traced) + len(shown):
                 continue
             kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
@@ -78,7 +75,7 @@ class Trace(Pass):
                 "pixel_steps": PIXEL_STEPS,
                 "depth": frame.targets["depth"],
                 "foreseen": frame.targets["foreseen"],
-                "prediction": frame.tables["predictions"][light] if casts else self.all_seen,
+                "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
             }
             program = self.program(*kind, 0, 1)
             bind(program, **shared)
@@ -118,7 +115,7 @@ class Trace(Pass):
             self.draw_blocks(frame, target, program, blocks[kinds[number] == kind])
 
     def dim_ones(self, frame: Frame) -> np.ndarray:
-        """Rows of BLOCKS, for each light that is dim there and not hidden; what is thought to be seen of it is `sure`."""
+        """Rows of BLOCKS for each light that is dim there; the part that is thought to be seen of it is `sure`."""
         blocks = frame.tables["blocks"]
         column, row = blocks["block"].astype(np.int64).T
         found = [blocks[:0]]
@@ -129,9 +126,17 @@ class Trace(Pass):
                 found[-1]["light"], found[-1]["sure"] = light, seen[seen > 0.0]
         return np.concatenate(found)
 
-    def chosen(self, frame: Frame, light: int, shift: float, casts: bool) -> tuple[np.ndarray, np.ndarray]:
+    @staticmethod
+    def casts(frame: Frame, light: int) -> bool:
+        """Whether a light has shadows."""
+        return frame.traces and bool(frame.scene.lights.casts_shadow[light])
+
+    def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
         """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
-        blocks, reach = frame.tables["blocks"], frame.tables["reach"][light]
+        blocks, reach = frame.tables["blocks"], frame.tables["reach"].get(light)
+        casts = self.casts(frame, light)
+        if reach is None or (casts and light not in frame.tables["found"]):
+            return blocks[:0], blocks[:0]
         column, row = blocks["block"].astype(np.int64).T
         worth = (reach.worth & ~reach.dim)[row, column]
         blocks, row, column = blocks[worth], row[worth], column[worth]

@@ -19,15 +19,16 @@ void main() {
     if (!here.seen) return;
     Light light = fetch_Light(lights, int(own_light + 0.5));
     float full = unshadowed_irradiance(light, here.position, here.normal), known = own_sure;
-    bool doubtful = known < 1.0;
-    predicted = full * vec4(light.radiance * known, doubtful ? luminance(light.radiance) : 0.0);
+    predicted = full * vec4(light.radiance * known, 0.0);
 #if RAYS
+    if (light.casts_shadow == 0 || full <= 0.0) return;
+    predicted.a = full * luminance(light.radiance); // of so few rays, none is proof
     float bright = luminance(light.radiance * here.albedo) * full / 3.141592653589793;
-    float chance = clamp(bright * (doubtful ? sqrt(max(known * (1.0 - known), 0.05)) : TRUST) / enough, LEAST_CHANCE, 1.0);
+    float chance = clamp(bright * (known < 1.0 ? sqrt(max(known * (1.0 - known), 0.05)) : TRUST) / enough, LEAST_CHANCE, 1.0);
     vec2 own = fract((own_light + 1.0) * light_steps);
     float phase = place_of_pixel(at / 4, own).x + floor(own_number / float(PLACES_IN_PIXEL)) * ray_steps.x;
     float number = floor(own_number * chance + phase);
-    if (light.casts_shadow == 0 || full <= 0.0 || floor((own_number + 1.0) * chance + phase) == number) return;
+    if (floor((own_number + 1.0) * chance + phase) == number) return;
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, own + number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight > 0.0) correction.rgb = light.radiance * (full * weight * ((sees(here, to) ? 1.0 : 0.0) - known) / chance);
