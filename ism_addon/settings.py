@@ -251,6 +251,9 @@ class Settings:
     shadow: Shadow = Shadow()
     ssao: SSAO = SSAO()
     quality: Quality = FINAL
+    #: Off, no work is left out that would not change the picture, and nothing is taken from the picture before: to
+    #: measure what that saves.
+    skip: bool = True
     show: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
         DebugView.COLOR,
         "Debug View",

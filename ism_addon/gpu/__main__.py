@@ -36,6 +36,11 @@ def parser() -> argparse.ArgumentParser:
         metavar="TARGET",
         help="an intermediate target instead of the picture: %(choices)s",
     )
+    line.add_argument(
+        "--skip",
+        action=argparse.BooleanOptionalAction,
+        help="leave out work that does not change the picture; off, to measure what that saves",
+    )
     line.add_argument("--profile", action="store_true", help="print what each pass took")
     for name, section in SECTIONS.items():
         group = line.add_argument_group(name)
@@ -97,7 +102,8 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
             if key.startswith(f"{name}.") and value is not None
         }
         settings = replace(settings, **{name: replace(getattr(settings, name), **given)})
-    return replace(settings, show=options.show or settings.show)
+    skip = settings.skip if options.skip is None else options.skip
+    return replace(settings, show=options.show or settings.show, skip=skip)
 
 
 def resized(view: View, width: int, height: int) -> View:

@@ -63,7 +63,7 @@ SHOWABLE = tuple(
     name
     for kind in PASSES
     for name, target in kind.writes.items()
-    if target.dtype != DEPTH and name != "triangles" and kind not in (Sift, Show, Accumulate, Resolve)
+    if target.dtype != DEPTH and name != "triangles" and kind not in (Sift, Reach, Check, Show, Accumulate, Resolve)
 )
 
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.
@@ -123,7 +123,8 @@ class Renderer:
         step, row = self.passes[kind], profile.rows[kind.__name__]
         needed = step.needed(frame)
         key = self.key(kind, frame) if needed else None
-        if kind in self.keys and self.keys[kind] == key:
+        may_keep = frame.settings.skip or frame.sample > 0 or not needed
+        if may_keep and kind in self.keys and self.keys[kind] == key:
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return kind.__name__
         start = time.perf_counter()

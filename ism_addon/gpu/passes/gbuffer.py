@@ -51,6 +51,7 @@ class GBuffer(Pass):
         "albedo": Target(4, "f4"),  # in alpha: how far the curved surface stands out over the triangle
     }
     reads = ("geometry", "placement", "surfaces", "blocks")
+    settings = ("skip",)
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     def __init__(self, device: Device):
@@ -106,7 +107,8 @@ class GBuffer(Pass):
         bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift), logarithm=logarithm)
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
-        draws, waiting = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel), 0
+        visible = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
+        draws, waiting = visible if frame.settings.skip else iter(placement.meshes), 0
         for draw in portions(draws, PORTION):
             count = draw.triangles * draw.instances
             frame.counts["triangles_drawn"] += count

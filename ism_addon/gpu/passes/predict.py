@@ -51,6 +51,8 @@ class Predict(Pass):
         tables, first = frame.tables, frame.sample == 0
         if first:
             found = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
+            if not frame.settings.skip:
+                found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}
             tables["seen"] = self.of_each_light(frame, "seen", SEEN)
             for texture in tables["seen"].values():

@@ -71,6 +71,7 @@ class Reach(Pass):
         "facing": Target(4, "f4", divisor=0),  # axis of the cone of its normals; in alpha, its cosine
     }
     makes = ("reach",)
+    settings = ("skip",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def __init__(self, device: Device):
@@ -89,6 +90,9 @@ class Reach(Pass):
 
     def draw(self, frame: Frame) -> None:
         if frame.sample & (frame.sample - 1):  # as often as the number of samples has doubled: surfaces come to light
+            return
+        if not frame.settings.skip:
+            frame.tables["reach"] = everywhere(frame)
             return
         seen = self.look(frame)
         if frame.sample == 0:
@@ -182,16 +186,22 @@ class Reach(Pass):
         shown, found = self.bounds.seen.reshape(2, *self.light.shape).any(0), {}
         average = float(self.light[shown].mean()) if shown.any() else 0.0
         whole = np.maximum(self.light, max(average, float(np.finfo(np.float32).tiny)))
-        enough, left_out = NEGLIGIBLE * np.maximum(self.light, DARK * average), np.zeros_like(self.light)
+        there, left_out = np.maximum(self.light, DARK * average), np.zeros_like(self.light)
         parts = self.most / whole
         for light in np.argsort(parts.sum((1, 2))):  # the faintest first
             left_out += self.most[light]
-            worth = (self.most[light] > 0.0) & (left_out > enough)
+            worth = (self.most[light] > 0.0) & (left_out > NEGLIGIBLE * there)
             if worth.any():
                 part = np.minimum(parts[light], 1.0)
                 seen = self.arrives.setdefault(int(light), np.zeros_like(part))
-                found[int(light)] = Reached(worth, worth & (part < DIM), part, seen)
+                found[int(light)] = Reached(worth, worth & (self.most[light] < DIM * there), part, seen)
         return found
+
+
+def everywhere(frame: Frame) -> dict[int, Reached]:
+    """As if all lights counted for all blocks."""
+    whole, nothing = np.ones(frame.blocks[::-1], np.float32), np.zeros(frame.blocks[::-1], bool)
+    return {light: Reached(whole > 0.0, nothing, whole, whole) for light in range(len(frame.scene.lights.shape))}
 
 
 def part_seen(rays: np.ndarray) -> np.ndarray:

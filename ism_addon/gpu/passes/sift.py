@@ -37,7 +37,7 @@ class Sift(Pass):
 
     writes = {"noise": Target(2, "f4", divisor=BLOCK)}
     makes = ("blocks", "counts", "chances")
-    settings = ("shadow.method",)
+    settings = ("shadow.method", "skip")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     def __init__(self, device: Device):
@@ -49,7 +49,7 @@ class Sift(Pass):
             self.start(frame)
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
-            if frame.fitted and frame.sample >= SAMPLES_FOR_ALL:
+            if frame.fitted and frame.settings.skip and frame.sample >= SAMPLES_FOR_ALL:
                 noise = np.maximum(noise, BESIDE * most_around(noise))
                 rounding = ROUNDING * frame.tables["brightness"] / LEAST_CHANCE
                 enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), rounding, TINY)

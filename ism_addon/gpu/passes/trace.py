@@ -25,7 +25,7 @@ ENOUGH = 0.2
 #: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
 TRUST = 0.03
 LEAST_CHANCE = 0.1
-DIM_CHANCE = 0.01
+DIM_CHANCE = 0.05
 
 #: The chance of a block in which nothing is in doubt, for a light that could be all there is.
 SURE_CHANCE = 0.0625
@@ -85,10 +85,15 @@ class Trace(Pass):
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
         for kind, uniforms, seen, traced in with_rays:
             program = self.program(*kind, 1, len(frame.grid.places))
-            bind(program, **uniforms, enough=ENOUGH * frame.tables["brightness"], **frame.tables["casters"])
+            bind(program, **uniforms, enough=self.enough(frame), **frame.tables["casters"])
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)
         self.draw_dim(frame)
+
+    @staticmethod
+    def enough(frame: Frame) -> float:
+        """The change of a pixel's luminance that a ray is traced for in any case."""
+        return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
 
     def draw_dim(self, frame: Frame) -> None:
         """Lights that are a small part of a block's light: all at once, predicted for the block as a whole."""
@@ -109,7 +114,7 @@ class Trace(Pass):
                 pixel_steps=PIXEL_STEPS,
                 light_steps=LIGHT_STEPS,
                 ray_steps=RAY_STEPS,
-                enough=ENOUGH * frame.tables.get("brightness", 0.0),
+                enough=self.enough(frame) if rays else 0.0,
                 **frame.tables.get("casters", {}),
             )
             self.draw_blocks(frame, target, program, blocks[kinds[number] == kind])

@@ -68,6 +68,7 @@ void main() {
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
     seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);
+    if (own_sure > 0.0) return; // seen to tell whether there should be doubt: so rare, it would correct by far too much
     correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / chance);
 #endif
 }
