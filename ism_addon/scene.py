@@ -14,6 +14,9 @@ from typing import Self
 
 import numpy as np
 
+#: Groups of instances that lights may be linked to: as many as a float32 has bits for.
+MOST_GROUPS = 24
+
 
 class LightShape(IntEnum):
     """Blender's four area lights are two: a square is a rectangle, a disk an ellipse."""
@@ -61,6 +64,7 @@ class Instances(Arrays):
     world_from_object: np.ndarray  # (I,4,4) float64
     visible: np.ndarray  # (I,) bool: seen by the camera
     casts_shadow: np.ndarray  # (I,) bool
+    groups: np.ndarray  # (I,) uint32: bit k, whether it belongs to group k, which lights may be linked to
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,8 @@ class Lights(Arrays):
     radiance: np.ndarray  # (L,3) W/(sr m2), towards the normal
     spread: np.ndarray  # (L,) rad, Blender's spread: pi is a plain Lambertian light
     casts_shadow: np.ndarray  # (L,) bool
+    receivers: np.ndarray  # (L,) int32: the group that it lights; -1: all
+    blockers: np.ndarray  # (L,) int32: the group that casts its shadows; -1: all
 
 
 @dataclass(frozen=True, eq=False)

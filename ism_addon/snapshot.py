@@ -15,7 +15,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from .settings import SECTIONS, Choice, Settings, controls
 
 VERSION = 1
@@ -31,6 +31,7 @@ SHAPES: dict[tuple[type, str], str] = {
     (Instances, "world_from_object"): "float64 I 4 4",
     (Instances, "visible"): "bool I",
     (Instances, "casts_shadow"): "bool I",
+    (Instances, "groups"): "uint32 I",
     (Materials, "base_color"): "float32 M 3",
     (Materials, "image"): "int32 M",
     (Image, "texels"): "uint8 H W 4",
@@ -42,6 +43,8 @@ SHAPES: dict[tuple[type, str], str] = {
     (Lights, "radiance"): "float32 L 3",
     (Lights, "spread"): "float32 L",
     (Lights, "casts_shadow"): "bool L",
+    (Lights, "receivers"): "int32 L",
+    (Lights, "blockers"): "int32 L",
     (World, "radiance"): "float32 3",
     (View, "clip_from_view"): "float64 4 4",
     (View, "view_from_world"): "float64 4 4",
@@ -174,6 +177,9 @@ def _check_indices(scene: Scene) -> None:
         ("scene/instances/mesh", scene.instances.mesh, 0, meshes),
         ("scene/materials/image", scene.materials.image, -1, images),
         ("scene/lights/shape", scene.lights.shape, 0, len(LightShape)),
+        ("scene/lights/receivers", scene.lights.receivers, -1, MOST_GROUPS),
+        ("scene/lights/blockers", scene.lights.blockers, -1, MOST_GROUPS),
+        ("scene/instances/groups", scene.instances.groups, 0, 1 << MOST_GROUPS),
     ]
     for index, mesh in enumerate(scene.meshes):
         place = f"scene/meshes/{index}"

@@ -98,6 +98,7 @@ def stage(
             np.tile(np.eye(4), (len(ids), 1, 1)) if matrices is None else np.array(matrices, np.float64),
             everywhere,
             everywhere.copy(),
+            np.zeros(len(ids), np.uint32),
         ),
         materials=Materials(np.array([base_color], np.float32), np.full(1, -1 if image is None else 0, np.int32)),
         images=() if image is None else (image,),
@@ -114,6 +115,8 @@ def light(
     radiance: float = 1.0,
     spread: float = math.pi,
     casts_shadow: bool = True,
+    receivers: int = -1,
+    blockers: int = -1,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -126,6 +129,8 @@ def light(
         radiance=np.full((1, 3), radiance, np.float32),
         spread=np.array([spread], np.float32),
         casts_shadow=np.array([casts_shadow]),
+        receivers=np.array([receivers], np.int32),
+        blockers=np.array([blockers], np.int32),
     )
 
 

@@ -14,6 +14,7 @@ from ism_addon.gpu.passes.light_points import LightPoints, points_per_light
 from ism_addon.gpu.passes.lights import Lights
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
+from ism_addon.gpu.passes.upload import Meshes, Place
 from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
@@ -33,8 +34,9 @@ def gathered(
     settings = with_quality(replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points)
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample
-    for kind in (Lights, LightPoints):
+    for kind in (Meshes, Place, Lights, LightPoints):
         renderer.run(kind, frame, Profile())
+    frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
     for name, rows in (("position", surface), ("normal", packed)):

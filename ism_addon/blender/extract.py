@@ -14,6 +14,7 @@ from . import updates, world
 from .findings import Findings
 from .geometry import Geometry
 from .lights import LightTable
+from .links import Links
 from .materials import MaterialTable
 
 #: Objects that render in other engines, and not in this one.
@@ -41,8 +42,9 @@ class Reader:
 
     def __init__(self) -> None:
         self._materials = MaterialTable()
-        self._geometry = Geometry(self._materials)
-        self._lights = LightTable()
+        links = Links()
+        self._geometry = Geometry(self._materials, links)
+        self._lights = LightTable(links)
         self._others = Findings()
         self._instancers: set[int] = set()  # session_uids
         self._scene: Scene | None = None

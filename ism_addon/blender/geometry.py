@@ -11,6 +11,7 @@ from mathutils import Matrix
 from ..scene import Instances, Mesh
 from . import meshes
 from .findings import Findings
+from .links import Links
 from .materials import MaterialTable
 from .reach import FARTHEST, within
 
@@ -29,6 +30,7 @@ class _Row(NamedTuple):
     world_from_object: Matrix  # a copy
     visible: bool
     casts_shadow: bool
+    linked_by: tuple[int, ...]  # session_uids of the object, and of what makes it stand
     name: str
     unlike: Findings  # of the object, shared with its other instances
 
@@ -36,8 +38,9 @@ class _Row(NamedTuple):
 class Geometry:
     """Collects instances, from one depsgraph after another."""
 
-    def __init__(self, materials: MaterialTable) -> None:
+    def __init__(self, materials: MaterialTable, links: Links) -> None:
         self._materials = materials
+        self._links = links
         self._readings: dict[tuple, _Reading] = {}  # by the evaluated mesh's address, which may come to hold another
         self._changed: frozenset[int] = frozenset()
         self._renewed: set[tuple] = set()
@@ -91,11 +94,13 @@ class Geometry:
         placed = [row for row, kept in zip(rows, upright.tolist(), strict=True) if kept]
         numbers: dict[Mesh, int] = {}
         of_row = [numbers.setdefault(row.reading.mesh, len(numbers)) for row in placed]
+        groups = {owner: self._links.of(owner) for owner in {row.linked_by for row in placed}}
         instances = Instances(
             mesh=np.array(of_row, np.int32),
             world_from_object=matrices[upright],
             visible=np.array([row.visible for row in placed], np.bool_),
             casts_shadow=np.array([row.casts_shadow for row in placed], np.bool_),
+            groups=np.array([groups[row.linked_by] for row in placed], np.uint32),
         )
         return tuple(numbers), instances
 
@@ -120,6 +125,7 @@ class Geometry:
             world_from_object.copy(),
             all(each.visible_camera for each in shown) and not shown[-1].indirect_only_get(view_layer=view_layer),
             all(each.visible_shadow for each in shown),
+            tuple(each.original.session_uid for each in shown),
             source.name,
             self._unlike[of_object],
         )

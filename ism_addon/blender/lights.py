@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 
 from .. import radiometry
-from ..scene import Lights, LightShape
+from ..scene import MOST_GROUPS, Lights, LightShape
 from .findings import Findings
+from .links import Links
 from .reach import FARTHEST, within
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
@@ -27,6 +28,8 @@ DTYPES = {
     "axis_v": np.float64,
     "normal": np.float64,
     "casts_shadow": np.bool_,
+    "receivers": np.int32,
+    "blockers": np.int32,
 }
 
 
@@ -42,31 +45,35 @@ class _Row:
     radiance: np.ndarray
     spread: float
     casts_shadow: bool
+    receivers: int
+    blockers: int
 
 
 class LightTable:
     """Collects the area lights, from one depsgraph after another, and says which lights are none."""
 
-    def __init__(self) -> None:
+    def __init__(self, links: Links) -> None:
+        self._links = links
         self._rows: list[tuple[_Row | None, Findings]] = []
         self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
 
     def begin(self) -> None:
         """Before all lights are added."""
         self._rows.clear()
+        self._links.begin()
         self._own.clear()
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
         """One light where it stands."""
         if not instance.is_instance:
             self._own[instance.object.original.session_uid] = len(self._rows)
-        self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64)))
+        self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64), self._links))
 
     def renew(self, source: bpy.types.Object) -> None:
         """A light that stands for itself has changed; one that was not shown still is not."""
         index = self._own.get(source.original.session_uid)
         if index is not None:
-            self._rows[index] = _read(source, np.array(source.matrix_world, np.float64))
+            self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
 
     def table(self, findings: Findings) -> Lights:
         """All that shine."""
@@ -81,7 +88,7 @@ class LightTable:
         return Lights(**columns)
 
 
-def _read(source: bpy.types.Object, world_from_light: np.ndarray) -> tuple[_Row | None, Findings]:
+def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) -> tuple[_Row | None, Findings]:
     """A light where it stands, (4,4); None if it is no area light, has no size or no power."""
     findings, light = Findings(), source.data
     if light.type != "AREA":
@@ -91,7 +98,10 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray) -> tuple[_Row 
     power = watts(light)
     if not power.any():
         return None, findings
-    row = _row(light, world_from_light, power)
+    linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
+    if None in linked:
+        findings.note(f"Lights are linked to no more than {MOST_GROUPS} groups, others are not linked", source.name)
+    row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
     if row is None:
         findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
     elif not within(row.radiance).all():
@@ -108,7 +118,9 @@ def watts(light: bpy.types.Light) -> np.ndarray:
     return power
 
 
-def _row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray) -> _Row | None:
+def _row(
+    light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray, receivers: int, blockers: int
+) -> _Row | None:
     """None where the light has no area or no direction."""
     shape, own_height = SHAPES[light.shape]
     axis_u = world_from_light[:3, 0] * light.size
@@ -131,4 +143,6 @@ def _row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.nda
         radiance=radiometry.area_light_radiance(power, radiant_area),
         spread=light.spread,
         casts_shadow=light.use_shadow,
+        receivers=receivers,
+        blockers=blockers,
     )

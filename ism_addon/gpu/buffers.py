@@ -14,7 +14,7 @@ import numpy as np
 from ..color import linear_from_srgb, srgb_from_linear
 from ..scene import Image, Instances, Materials, Mesh
 from .cull import in_view, runs
-from .layout import INSTANCE, MATERIAL, WIDTH, octahedron_from_directions, upload_array
+from .layout import INSTANCE, MATERIAL, MEMBERSHIP, WIDTH, octahedron_from_directions, upload_array
 
 SRGB8_ALPHA8 = 0x8C43
 
@@ -83,8 +83,11 @@ class Placement:
         for k in range(3):
             table[f"row{k}"] = self.matrices[:, k]
         self.table = INSTANCE.upload(gl, table)
+        groups = np.zeros(len(order), MEMBERSHIP.dtype)
+        groups["groups"] = instances.groups[order]
+        self.memberships = MEMBERSHIP.upload(gl, groups)
         self.rows_by_instance = gl.buffer(table) if len(table) else None
-        self.bytes = 2 * table.nbytes
+        self.bytes = 2 * table.nbytes + groups.nbytes
         kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
         spans = np.diff(geometry.first_triangle)
         self.meshes = [

@@ -15,6 +15,7 @@ class Cloud:
 
     positions: np.ndarray  # (P,3) float32
     normals: np.ndarray  # (P,3) float32
+    groups: np.ndarray  # (P,) uint32: of the instances that they are on
     area: float
 
     def __len__(self) -> int:
@@ -46,14 +47,15 @@ def make_cloud(scene: Scene, anchor: np.ndarray, count: int) -> Cloud:
         areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
     total = areas.sum()
     if total <= 0.0:
-        return Cloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), 0.0)
+        return Cloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
     due = shares(areas, count)
     positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(due)
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
             fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group])
-    return Cloud((positions - anchor).astype(np.float32), normals.astype(np.float32), float(total) / count)
+    positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
+    return Cloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
 
 
 def fill(

@@ -89,7 +89,10 @@ def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
 #: Where a mesh stands: the rows of its 3×4 matrix.
 INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 
-#: What casts a shadow: the 3×4 matrix into its mesh's space, that mesh's tree, and who it is in the G-buffer.
+#: The groups that an instance belongs to, a bit for each.
+MEMBERSHIP = Record("Membership", groups="int")
+
+#: What casts a shadow: the 3×4 matrix into its mesh's space, that mesh's tree, who it is in the G-buffer, its groups.
 CASTER = Record(
     "Caster",
     row0="vec4",
@@ -101,6 +104,7 @@ CASTER = Record(
     per_leaf="int",
     instance="int",
     first_own="int",
+    groups="int",
 )
 
 #: A Lambertian surface; a width of 0 means that there is no image.
@@ -119,6 +123,8 @@ LIGHT = Record(
     spread_tangent="float",
     radiance="vec3",
     spread_scale="float",
+    receivers="int",
+    blockers="int",
 )
 
 #: Which light points stand for a light.

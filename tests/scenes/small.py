@@ -63,10 +63,10 @@ def scene(
     world_from_object = np.tile(np.eye(4), (len(ids), 1, 1))
     if places is not None:
         world_from_object[:, :3, 3] = places
-    everywhere = np.ones(len(ids), bool)
+    everywhere, none = np.ones(len(ids), bool), np.zeros(len(ids), np.uint32)
     return Scene(
         meshes=tuple(meshes),
-        instances=Instances(ids.astype(np.int32), world_from_object, everywhere, everywhere.copy()),
+        instances=Instances(ids.astype(np.int32), world_from_object, everywhere, everywhere.copy(), none),
         materials=Materials(np.full((1, 3), 0.6, np.float32), np.full(1, -1, np.int32)),
         images=(),
         lights=lights(lamps),
@@ -90,6 +90,8 @@ def lights(lamps: Sequence[Lamp]) -> Lights:
         radiance=np.repeat(radiance[:, None], 3, axis=1).astype(np.float32),
         spread=np.array([lamp[5] for lamp in lamps], np.float32),
         casts_shadow=np.ones(len(lamps), bool),
+        receivers=np.full(len(lamps), -1, np.int32),
+        blockers=np.full(len(lamps), -1, np.int32),
     )
 
 

@@ -102,6 +102,13 @@ class Frame:
         ssao = self.settings.ssao
         return bool(ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any())
 
+    @property
+    def receivers(self) -> dict[str, moderngl.Texture]:
+        """What lib/receiver.glsl reads."""
+        targets = {"position": "position", "normals": "normal", "albedo": "albedo", "triangles": "triangle"}
+        textures = {name: self.targets[target] for name, target in targets.items()}
+        return {**textures, "memberships": self.tables["placement"].memberships}
+
     def shared(self, make: type, *parts: Any) -> Any:
         """`make(gl, *parts)`: one object for all renderers that use it with the same parts at a time."""
         key = make, *parts

@@ -11,7 +11,7 @@ import numpy as np
 from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..context import Device
-from ..layout import CASTER, LIGHT
+from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target, pixels
 from . import BLOCKS, RENEWED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass
@@ -23,14 +23,14 @@ CHANCE = 0.25
 class Check(Pass):
     """Where lights were spotted that had seemed hidden."""
 
-    reads = ("position", "normal", "albedo", "lights", "casters", "reach", "scouted")
+    reads = ("position", "normal", "placement", "albedo", "lights", "casters", "reach", "scouted")
     writes = {"checked": Target(4, "f4", divisor=SCOUTS_APART)}  # see check.frag
     makes = ("spotted",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.in_blocks(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
+        self.pixels = self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample > 0
@@ -48,10 +48,7 @@ class Check(Pass):
         self.device.gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(
             self.pixels,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            albedo=frame.targets["albedo"],
-            triangles=frame.targets["triangle"],
+            **frame.receivers,
             lights=frame.tables["lights"],
             offset=(frame.sample % SCOUTS_APART, frame.sample // SCOUTS_APART % SCOUTS_APART),
             pixel_steps=PIXEL_STEPS,

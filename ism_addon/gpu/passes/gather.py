@@ -12,7 +12,7 @@ import moderngl
 from ...scene import Change
 from ..atlas import EMPTY
 from ..context import Device
-from ..layout import LIGHT, LIGHT_POINT, POINTS_OF_LIGHT
+from ..layout import LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
@@ -21,14 +21,14 @@ from . import Frame, Pass
 class Gather(Pass):
     """Irradiance W/m² of each pixel: the sum over the batches of light points."""
 
-    reads = ("position", "normal", "lights", "points_of_lights", "light_points", "splats", "shadow_maps")
+    reads = ("position", "normal", "placement", "lights", "points_of_lights", "light_points", "splats", "shadow_maps")
     writes = {"irradiance": Target(4, "f4")}
     settings = ("shadow.enabled", "shadow.method", "shadow.bias", "shadow.fill_holes")
     depends_on = (Change.LIGHTS,)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.full_screen(LIGHT, LIGHT_POINT, POINTS_OF_LIGHT, empty=EMPTY)
+        self.pixels = self.full_screen(LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT, empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and not frame.fitted
@@ -45,6 +45,8 @@ class Gather(Pass):
             self.pixels.program,
             position=frame.targets["position"],
             normals=frame.targets["normal"],
+            triangles=frame.targets["triangle"],
+            memberships=frame.tables["placement"].memberships,
             lights=frame.tables["lights"],
             points_of_lights=frame.tables["points_of_lights"],
             light_points=frame.tables["light_points"],

@@ -16,7 +16,7 @@ def light_table(lights: scene.Lights, anchor: np.ndarray) -> np.ndarray:
     normals = plane_normals(lights)
     table = np.zeros(len(normals), LIGHT.dtype)
     table["position"], table["normal"], table["tangent"] = lights.position - anchor, normals, orthonormal(normals)[0]
-    for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance"):
+    for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance", "receivers", "blockers"):
         table[name] = getattr(lights, name)
     table["spread_tangent"], table["spread_scale"] = spread_terms(lights.spread).T
     return table

@@ -17,7 +17,7 @@ from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..bounds import Bounds, Lamps, light_on
 from ..context import Device
-from ..layout import CASTER, LIGHT
+from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target, pixels
 from . import BLOCK, FAR_AWAY, SCOUTED, Frame, Pass
@@ -63,7 +63,7 @@ class Reached:
 class Reach(Pass):
     """For each light that counts anywhere, where it does."""
 
-    reads = ("position", "normal", "depth", "lights", "casters")
+    reads = ("position", "normal", "placement", "depth", "lights", "casters")
     writes = {
         # Twice as high as there are rows of blocks: what they show nearby, and what far off.
         "lowest": Target(4, "f4", divisor=0),  # corner of the box around it; in alpha, whether there is any
@@ -77,7 +77,7 @@ class Reach(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.surfaces = self.full_screen(block=BLOCK, far_away=FAR_AWAY, split=SPLIT)
-        self.rays = self.full_screen(LIGHT, CASTER, part="rays")
+        self.rays = self.full_screen(LIGHT, CASTER, MEMBERSHIP, part="rays")
         #: Of all samples so far; and the luminance (lights,rows,columns) of the irradiance that is possible there.
         self.bounds: Bounds | None = None
         self.most = np.zeros((0, 0, 0), np.float32)
@@ -163,10 +163,7 @@ class Reach(Pass):
         gl.enable_only(moderngl.NOTHING)
         bind(
             self.rays.program,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            albedo=frame.targets["albedo"],
-            triangles=frame.targets["triangle"],
+            **frame.receivers,
             lights=frame.tables["lights"],
             apart=apart * BLOCK,
             offset=(apart * BLOCK // 2, apart * BLOCK // 2),

@@ -6,7 +6,7 @@ import moderngl
 from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..context import Device
-from ..layout import CASTER, LIGHT
+from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
@@ -14,13 +14,13 @@ from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 class Scout(Pass):
     """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
 
-    reads = ("position", "normal", "albedo", "lights", "casters", "reach")
+    reads = ("position", "normal", "placement", "albedo", "lights", "casters", "reach")
     makes = ("scouted",)
     depends_on = (Change.VIEW, Change.LIGHTS)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.in_blocks(LIGHT, CASTER, scouts_apart=SCOUTS_APART)
+        self.pixels = self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample == 0
@@ -38,10 +38,7 @@ class Scout(Pass):
             into.clear()
             bind(
                 self.pixels,
-                position=frame.targets["position"],
-                normals=frame.targets["normal"],
-                albedo=frame.targets["albedo"],
-                triangles=frame.targets["triangle"],
+                **frame.receivers,
                 lights=frame.tables["lights"],
                 light_index=light,
                 offset=(0, 0),

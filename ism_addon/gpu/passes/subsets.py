@@ -36,7 +36,7 @@ class Subset:
 
 
 def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
-    """(P,) float32, in proportion to the sr that points fill, seen from about a light; 0 behind it.
+    """(P,) float32, in proportion to the sr that points fill, seen from about a light; 0 behind it and if not linked.
 
     A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
     """
@@ -45,7 +45,9 @@ def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -
     square = np.einsum("nk,nk->n", to, to) + np.float32(light_areas(lights)[light] / 12.0 + 1e-12)
     facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
     reach = np.sqrt(cloud.area)
-    return np.where(to @ normal > -reach, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
+    blockers = lights.blockers[light]
+    counts = (to @ normal > -reach) & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
+    return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
 
 def chances(weights: np.ndarray, count: int) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS, additive_sequence
 from ...scene import Change, LightShape
 from ..context import Device
-from ..layout import CASTER, LIGHT
+from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
@@ -34,7 +34,10 @@ SURE_CHANCE = 0.0625
 class Trace(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
-    reads = ("blocks", "position", "normal", "depth", "albedo", "lights", "casters", "reach", "predictions", "foreseen")
+    reads = (
+        *("blocks", "position", "normal", "depth", "albedo", "placement", "lights"),
+        *("casters", "reach", "predictions", "foreseen"),
+    )
     writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
     settings = ("shadow.enabled",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
@@ -48,7 +51,7 @@ class Trace(Pass):
         """For one kind of light: what the others would need, many drivers would walk through too."""
         kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread), "rays": rays}
         chances = {"trust": TRUST, "least_chance": DIM_CHANCE if part else LEAST_CHANCE}
-        return self.in_blocks(LIGHT, CASTER, part=part, places_in_pixel=places, **chances, **kind)
+        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, part=part, places_in_pixel=places, **chances, **kind)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -66,10 +69,7 @@ class Trace(Pass):
                 continue
             kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
             shared = {
-                "position": frame.targets["position"],
-                "normals": frame.targets["normal"],
-                "albedo": frame.targets["albedo"],
-                "triangles": frame.targets["triangle"],
+                **frame.receivers,
                 "lights": frame.tables["lights"],
                 "light_index": light,
                 "pixel_steps": PIXEL_STEPS,
@@ -106,10 +106,7 @@ class Trace(Pass):
             program = self.program(bool(kind & 1), kind >= 2, rays, len(frame.grid.places), part="dim")
             bind(
                 program,
-                position=frame.targets["position"],
-                normals=frame.targets["normal"],
-                albedo=frame.targets["albedo"],
-                triangles=frame.targets["triangle"],
+                **frame.receivers,
                 lights=frame.tables["lights"],
                 pixel_steps=PIXEL_STEPS,
                 light_steps=LIGHT_STEPS,

@@ -166,6 +166,7 @@ class InstanceTree(Pass):
         table["leaves"] = meshes.leaves[mesh]
         table["per_leaf"] = meshes.per_leaf[mesh]
         table["instance"] = frame.tables["placement"].rows[chosen]
+        table["groups"] = instances.groups[chosen]
         table["first_own"] = frame.tables["geometry"].first_triangle[mesh]
         frame.tables["casters"] = {
             "tree_nodes": self.textures.nodes,

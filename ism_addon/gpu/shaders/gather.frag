@@ -1,9 +1,12 @@
 // Irradiance: a light's exact value times the part of its light points that see the pixel, weighted by what they send.
+#include "lib/linked.glsl"
 #include "lib/octahedron.glsl"
 #include "lib/spread.glsl"
 
 uniform sampler2D position;
 uniform sampler2D normals;
+uniform usampler2D triangles;
+uniform sampler2D memberships;
 uniform sampler2D lights;
 uniform sampler2D points_of_lights;
 uniform sampler2D light_points;
@@ -64,8 +67,10 @@ void main() {
     if (p.w == 0.0) return;
     vec4 octahedra = fetch(normals, at);
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
+    int groups = fetch_Membership(memberships, int(fetch(triangles, at).y)).groups;
     for (int k = 0; k < light_count; ++k) {
-        PointsOfLight points = fetch_PointsOfLight(points_of_lights, k);
-        irradiance.rgb += light_irradiance(fetch_Light(lights, k), points, p.xyz, n, facet);
+        Light light = fetch_Light(lights, k);
+        if (light.receivers >= 0 && !linked(groups, light.receivers)) continue;
+        irradiance.rgb += light_irradiance(light, fetch_PointsOfLight(points_of_lights, k), p.xyz, n, facet);
     }
 }

@@ -49,7 +49,7 @@ void main() {
     Receiver here = receiver_at(at);
     if (!here.seen) return;
     Light light = fetch_Light(lights, light_index);
-    float full = unshadowed_irradiance(light, here.position, here.normal);
+    float full = receives(here, light) ? unshadowed_irradiance(light, here.position, here.normal) : 0.0;
     vec2 known = known_of(here, at);
     predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? luminance(light.radiance) : 0.0);
 #if RAYS
@@ -67,7 +67,7 @@ void main() {
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
-    seen = vec2(sees(here, to) ? 1.0 : 0.0, 1.0);
+    seen = vec2(sees(here, to, light.blockers) ? 1.0 : 0.0, 1.0);
     if (own_sure > 0.0) return; // seen to tell whether there should be doubt: so rare, it would correct by far too much
     correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / chance);
 #endif

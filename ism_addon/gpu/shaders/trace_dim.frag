@@ -18,7 +18,7 @@ void main() {
     Receiver here = receiver_at(at);
     if (!here.seen) return;
     Light light = fetch_Light(lights, int(own_light + 0.5));
-    float full = unshadowed_irradiance(light, here.position, here.normal), known = own_sure;
+    float full = receives(here, light) ? unshadowed_irradiance(light, here.position, here.normal) : 0.0, known = own_sure;
     predicted = full * vec4(light.radiance * known, 0.0);
 #if RAYS
     if (light.casts_shadow == 0 || full <= 0.0) return;
@@ -31,6 +31,6 @@ void main() {
     if (floor((own_number + 1.0) * chance + phase) == number) return;
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, own + number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
-    if (weight > 0.0) correction.rgb = light.radiance * (full * weight * ((sees(here, to) ? 1.0 : 0.0) - known) / chance);
+    if (weight > 0.0) correction.rgb = light.radiance * (full * weight * ((sees(here, to, light.blockers) ? 1.0 : 0.0) - known) / chance);
 #endif
 }

@@ -10,6 +10,7 @@ vec2 look(int light_index, ivec2 coarse, int apart) {
     Receiver here = receiver_at(min(apart * coarse + offset, textureSize(position, 0) - 1));
     if (!here.seen) return vec2(0.0);
     Light light = fetch_Light(lights, light_index);
+    if (!receives(here, light)) return vec2(0.0);
     vec3 to = light.position + point_on_light(light, place_of_pixel(coarse, place));
-    return sent(light, to - here.position, here.normal) > 0.0 ? vec2(sees(here, to) ? 1.0 : 0.0, 1.0) : vec2(0.0);
+    return sent(light, to - here.position, here.normal) > 0.0 ? vec2(sees(here, to, light.blockers) ? 1.0 : 0.0, 1.0) : vec2(0.0);
 }

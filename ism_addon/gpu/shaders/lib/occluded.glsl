@@ -3,6 +3,7 @@
 // Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Möller 2013, for complete trees).
 // Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
 // that walk through both sides of every "if".
+#include "lib/linked.glsl"
 uniform usampler2D tree_nodes;
 uniform usampler2D tree_triangles;
 uniform sampler2D casters;
@@ -65,8 +66,8 @@ bool crosses(int triangle, vec3 origin, vec3 ray, int own, vec2 texel) {
     return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0 && others;
 }
 
-// The triangle of an instance on which the ray starts cannot be in its own way.
-bool occluded(vec3 from, vec3 to, int triangle, int instance) {
+// By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
+bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
     vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
     vec3 whole_origin = (from - casters_middle) * casters_scale;
     vec2 node_texel = texel_size(tree_nodes), triangle_texel = texel_size(tree_triangles); // out of the loops
@@ -80,7 +81,7 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance) {
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = inside * vec4(from, 1.0), ray = without_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
         int own = caster.instance == instance ? triangle - caster.first_own : -1;
-        Place here = Place(1, uvec2(0u));
+        Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
         while (here.node > 0) {
             while (here.node > 0 && here.node < caster.leaves)
                 here = descend(caster.first_node, here, origin, inverse_ray, node_texel);

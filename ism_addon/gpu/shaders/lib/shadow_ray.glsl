@@ -36,11 +36,11 @@ float sent(Light light, vec3 ray, vec3 n) {
 
 // Where light no longer comes from well above the triangle, a ray starts on the curved surface that it stands for. Rounding
 // may have put the position beneath it by a little.
-bool sees(Receiver here, vec3 to) {
+bool sees(Receiver here, vec3 to, int blockers) {
     vec3 p = here.position, direction = normalize(to - p);
     float smooth_cosine = abs(dot(here.normal, direction)), cosine = dot(here.facet, direction);
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
     p += here.normal * (here.rise * clamp(grazing, 0.0, 1.0));
     p += here.facet * (1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)));
-    return !occluded(p, to, here.triangle, here.instance);
+    return !occluded(p, to, here.triangle, here.instance, blockers);
 }
