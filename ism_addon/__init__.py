@@ -2,6 +2,7 @@
 """Soft shadows by imperfect shadow maps: a map of the house.
 
 settings    every number a user can turn
+limits      what becomes of those that are out of their range
 scene       what a picture is made of, as arrays
 snapshot    scene, view and settings to one .npz and back
 spaces      matrices between spaces, and the naming rule

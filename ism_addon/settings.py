@@ -200,7 +200,7 @@ class Quality:
         "Virtual point lights a sample, shared out among the area lights; each has a shadow map of its own. "
         "More give smoother penumbrae; time grows in proportion",
         low=1,
-        high=65536,
+        high=4096,
         soft_high=1024,
         method=Method.CLASSIC,
     )
@@ -221,8 +221,8 @@ class Quality:
         "Points that stand for the scene in each shadow map. "
         "More let smaller things cast a shadow; time grows in proportion",
         low=1,
-        high=1 << 26,
-        soft_high=1 << 20,
+        high=1 << 20,
+        soft_high=1 << 18,
         method=Method.CLASSIC,
     )
 

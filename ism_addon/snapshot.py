@@ -16,7 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from .settings import SECTIONS, Choice, Settings, controls
+from .settings import Choice, Settings
 
 VERSION = 1
 
@@ -81,7 +81,6 @@ def load(path: str | Path) -> tuple[Scene, View, Settings]:
         for name, kind in (("scene", Scene), ("view", View), ("settings", Settings))
     )
     _check_indices(scene)
-    _check_ranges(settings)
     return scene, view, settings
 
 
@@ -195,14 +194,3 @@ def _check_indices(scene: Scene) -> None:
     for index, image in enumerate(scene.images):
         if image.texels.size == 0:
             raise SnapshotError(f"The snapshot's scene/images/{index} has no texels.")
-
-
-def _check_ranges(settings: Settings) -> None:
-    """No number may be one that its user could not have set; in Blender, that is a float32."""
-    for name, section in SECTIONS.items():
-        for member, control in controls(section):
-            value, low, high = getattr(getattr(settings, name), member.name), control.low, control.high
-            if low is None or high is None:  # a switch or a choice
-                continue
-            if not np.float32(low) <= np.float32(value) <= np.float32(high):
-                raise SnapshotError(f"The snapshot's settings/{name}/{member.name} is {value}, not {low} to {high}.")

@@ -170,15 +170,35 @@ def test_a_size_that_is_none(call, scene_file, tmp_path, size):
     assert error
 
 
-@pytest.mark.parametrize(
-    "value",
-    [("--samples", "0"), ("--light-points", "-3"), ("--map-size", "0"), ("--samples", "x"), ("--ssao-radius", "nan")],
-)
-def test_settings_out_of_their_range(call, scene_file, tmp_path, value):
+@pytest.mark.parametrize("value", [("--samples", "x"), ("--samples", "1.5"), ("--ssao-radius", "")])
+def test_settings_that_are_no_numbers(call, scene_file, tmp_path, value):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", *value)
     assert status != 0
     assert error
     assert not (tmp_path / "out.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("flag", "value", "nearest"),
+    [
+        ("--samples", "0", "1"),
+        ("--light-points", "-3", "1"),
+        ("--map-size", "0", "8"),
+        ("--surface-points", "1000000000", "1048576"),
+        ("--ssao-radius", "nan", "0"),
+    ],
+)
+def test_settings_out_of_their_range_are_told_and_the_nearest_is_drawn(
+    call, scene_file, tmp_path, flag, value, nearest
+):
+    pictures = []
+    for given in (value, nearest):
+        out = tmp_path / f"{given}.png"
+        status, _, error = call(scene_file, "-o", out, flag, given)
+        assert status == 0
+        assert len(error.splitlines()) == (given == value)
+        pictures.append(read_png(out))
+    assert np.array_equal(*pictures)
 
 
 def test_bad_snapshots(call, tmp_path):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
+from ..limits import beyond_limits
 from ..scene import View
 from . import account, camera, controls, frames
 
@@ -22,10 +23,10 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     layer = depsgraph.view_layer_eval
     shares = frames.Layer() if engine.is_preview else frames.layer(depsgraph)
     scene = shares.read(depsgraph)
-    if not engine.is_preview:
-        for warning in scene.warnings:
-            engine.report({"WARNING"}, warning)
     chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
+    if not engine.is_preview:
+        for warning in (*scene.warnings, *beyond_limits(chosen)):
+            engine.report({"WARNING"}, warning)
     surfaces = layer.use_pass_z or layer.use_pass_normal
     try:
         for view_name in _view_names(engine, layer.name):

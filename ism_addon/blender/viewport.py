@@ -8,6 +8,7 @@ import bpy
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
+from ..limits import beyond_limits
 from ..scene import Scene, View
 from . import camera, controls, extract, lookout
 from .present import Place, Presenter
@@ -33,6 +34,7 @@ class Viewport:
         self._asked: tuple | None = None
         self._late = False  # what it should show is still to be asked for
         self._job: Job | None = None
+        self._warnings: tuple[str, ...] = ()
         self._place: Place = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
         self._shown: tuple[Picture, Place] | None = None
         self._told: tuple | None = None
@@ -63,8 +65,7 @@ class Viewport:
         if self._shown is not None:
             picture, place = self._shown
             self._presenter.draw(engine, context.scene, picture.color, place)
-        newest = self._job.picture()
-        engine.update_stats("", self._job.error or f"Sample {newest.samples if newest else 0}/{self._job.samples}")
+        engine.update_stats("", self._job.error or " ".join([self._job.status, *self._warnings]))
         if self.is_waiting or self.has_news:
             lookout.start()
 
@@ -91,7 +92,7 @@ class Viewport:
                 self._look_at_job()
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
-            self._asked, self._place = asked, place
+            self._asked, self._place, self._warnings = asked, place, beyond_limits(chosen)
 
     def _look_at_job(self) -> None:
         """Show its picture, if it has one by now."""

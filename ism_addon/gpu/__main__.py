@@ -2,7 +2,6 @@
 """The door without Blender: draw a snapshot. python -m ism_addon.gpu scene.npz -o out.png"""
 
 import argparse
-import math
 import sys
 from collections.abc import Callable
 from dataclasses import Field, replace
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import snapshot
+from ..limits import beyond_limits
 from ..scene import View
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
 from .job import Job, Picture, Request
@@ -52,25 +52,13 @@ def parser() -> argparse.ArgumentParser:
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
     """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch, --shadow-method CLASSIC for a choice."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
-    kind: dict = {"type": number(member, control)}
+    kind: dict = {"type": member.type}
     if member.type is bool:
         kind = {"action": argparse.BooleanOptionalAction}
     elif isinstance(member.default, Choice):
         kind = {"type": choice(type(member.default)), "choices": list(type(member.default))}
     meaning = explained(member, control).replace("%", "%%")
     group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **kind)
-
-
-def number(member: Field, control: Control) -> Callable[[str], int | float]:
-    """What reads a setting from the command line, and refuses what its user could not have set in Blender."""
-
-    def number(text: str) -> int | float:
-        value = (int if member.type is int else float)(text)
-        if not (control.low or 0.0) <= value <= (control.high or math.inf):
-            raise argparse.ArgumentTypeError(f"{text} is not within {control.low} and {control.high}")
-        return value
-
-    return number
 
 
 def choice(kind: type[Choice]) -> Callable[[str], Choice]:
@@ -132,7 +120,7 @@ def main() -> int:
     except (OSError, ValueError) as reason:
         print(reason, file=sys.stderr)
         return 1
-    for warning in scene.warnings:
+    for warning in (*scene.warnings, *beyond_limits(request.settings)):
         print(warning, file=sys.stderr)
     picture, job = draw(request)
     if picture is None:

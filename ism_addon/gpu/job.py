@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is to be drawn, and what has come of it so far."""
 
+import math
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..limits import within_limits
 from ..scene import Scene, View
 from ..settings import Settings
 
@@ -35,8 +37,8 @@ class Job:
     """One request on its way. All of it may be asked from any thread."""
 
     def __init__(self, request: Request, news: threading.Condition):
-        self.request = request
-        self.samples = request.settings.quality.samples
+        self.request = replace(request, settings=within_limits(request.settings))
+        self.samples = self.request.settings.quality.samples  # at most
         self.samples_done = 0
         self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one
         self.finished = False
@@ -47,6 +49,13 @@ class Job:
         self._seen = 0
         self._happened = 0
         self._picture: Picture | None = None
+
+    @property
+    def status(self) -> str:
+        """How far it is, and how far the picture is thought to be from its end."""
+        error = self.statistics.get("error", math.inf)
+        told = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
+        return f"Sample {self.samples_done}/{self.samples}{told}"
 
     def picture(self) -> Picture | None:
         """The newest picture, the same object until there is a newer one."""
