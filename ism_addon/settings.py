@@ -194,6 +194,25 @@ class Quality:
         high=65536,
         soft_high=256,
     )
+    error_threshold: float = setting(
+        0.01,
+        "Error Threshold",
+        "Blocks of 8×8 pixels have no more samples when their estimated error is below this part of the picture's mean "
+        "brightness, and the picture is done when all are; after 16 samples at the earliest. "
+        "Less is smoother and takes longer; 0 draws all samples",
+        low=0.0,
+        high=1.0,
+        soft_high=0.2,
+    )
+    time_limit: float = setting(
+        0.0,
+        "Time Limit",
+        "No sample is begun later than this, counted from when the scene has been read; one is always drawn. "
+        "0 is no limit",
+        low=0.0,
+        high=1e6,
+        unit="TIME_ABSOLUTE",
+    )
     light_points: int = setting(
         105,
         "Light Points",

@@ -12,9 +12,10 @@ from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
 from .scenes.small import basis, mesh, perspective
 
-#: One sample, few points: for tests that ask about something else.
+#: One sample, few points: for tests that ask about something else. All samples, if there are more.
 SMALL_SETTINGS = Settings(
-    quality=Quality(samples=1, light_points=8, map_size=32, surface_points=2048), ssao=SSAO(enabled=False)
+    quality=Quality(samples=1, error_threshold=0.0, light_points=8, map_size=32, surface_points=2048),
+    ssao=SSAO(enabled=False),
 )
 
 #: The same by imperfect shadow maps.
@@ -66,7 +67,7 @@ def draw(
     return Drawn(renderer, profile, samples)
 
 
-def with_quality(settings: Settings, **changes: int) -> Settings:
+def with_quality(settings: Settings, **changes: float) -> Settings:
     """The settings with another quality."""
     return replace(settings, quality=replace(settings.quality, **changes))
 

@@ -26,10 +26,11 @@ def blackman_harris(t: np.ndarray) -> np.ndarray:
 def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarray:
     """Values (H,W,C) of a sample, added to all pixels by the filter's weight, or a power of it.
 
-    And by the chance of the pixel's block over that of the sample's.
+    And by the chance of the pixel's block, 0 if it is settled, over that of the sample's.
     """
     texture = drawn.renderer.tables["chances"]
-    chances = np.frombuffer(texture.read(), "f4").reshape(*texture.size[::-1], 1).repeat(BLOCK, 0).repeat(BLOCK, 1)
+    chances = np.frombuffer(texture.read(), "f4").reshape(*texture.size[::-1], 2).repeat(BLOCK, 0).repeat(BLOCK, 1)
+    chance, own_chance = chances[..., :1], chances[..., 1:]
     place = np.zeros((*drawn.part.shape, 2))
     blocks = drawn.renderer.tables["blocks"]
     column, row = blocks["block"].astype(int).T
@@ -43,17 +44,19 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
             weight = blackman_harris((pixels + (x, y)) / reach).prod(-1, keepdims=True) ** power
             there = np.s_[max(y, 0) : height + min(y, 0), max(x, 0) : width + min(x, 0)]
             here = np.s_[max(-y, 0) : height - max(y, 0), max(-x, 0) : width - max(x, 0)]
-            total[here] += (part * weight * values)[there] * (chances[here] / chances[there]) ** power
+            total[here] += (part * weight * values)[there] * (own_chance[here] / chance[there]) ** power
     return total
 
 
-def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device):
-    """By rays: what was predicted, what corrects it, and the weights of both."""
+@pytest.mark.parametrize("threshold", [0.0, 0.01])
+def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, threshold):
+    """By rays: what was predicted, what corrects it, and the weights of both. Settled blocks have no more of them."""
     scene, view = box_over_plane(48, 32)
-    view, settings = replace(view, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=12)
+    view = replace(view, filter_width=1.5)
+    settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
     ones = np.ones((32, 48, 1))
-    for sample in range(12):
+    for sample in range(20):
         drawn = draw(device, scene, view, settings, last=sample)
         color, correction = drawn.target("color"), drawn.target("color_correction")
         bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
@@ -64,6 +67,8 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device):
         sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, 1.5, power=2)
         sums["weights"] += spread(weights, drawn, 1.5)
     assert not drawn.part.all(), "no block was left out of the last sample"
+    assert drawn.renderer.error.settled.any() == (threshold > 0.0)
+    assert not drawn.renderer.error.settled.all()
     for name, expected in sums.items():
         assert drawn.target(name) == pytest.approx(expected, rel=1e-4, abs=1e-4), name
     settled = drawn.color[..., 3]

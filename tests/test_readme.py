@@ -38,7 +38,8 @@ def row(section: type, member: Field, control: Control) -> str:
     meaning = explained(member, control)
     if member.type is DebugView:
         meaning = f"{control.meaning}: {', '.join(DebugView)}"
-    return f"| `{member.name}` | {shown}{' m' if control.unit == 'DISTANCE' else ''} | {meaning}. |"
+    unit = {"DISTANCE": " m", "TIME_ABSOLUTE": " s"}.get(control.unit, "")
+    return f"| `{member.name}` | {shown}{unit} | {meaning}. |"
 
 
 def test_the_readme_has_every_setting_as_it_is():

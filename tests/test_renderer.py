@@ -22,7 +22,7 @@ SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
 ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS
 LIGHT = RAYS - {"MeshTrees", "InstanceTree"}
 OCCLUSION = {"SSAO", "Blur"}
-AFTER = {"Shade", "Accumulate", "Resolve"}
+AFTER = {"Shade", "Accumulate", "Resolve", "Halves"}
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ def resolved(
     `doubt`, (H,W,1) or one: the luminance that is in doubt. `sizes` (H,W): the mean luminance of corrections without
     sign, if some have another one than their mean.
     """
-    drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=2))
+    drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=3))  # not resolved yet
     renderer = drawn.renderer
     blocks = np.broadcast_to(np.float32(count), (HEIGHT // BLOCK, WIDTH // BLOCK))
     samples = blocks.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
@@ -35,7 +35,7 @@ def resolved(
     weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
     renderer.targets["weights"].write(weights.astype(np.float32))
     renderer.tables["counts"].write(np.ascontiguousarray(blocks))
-    color = drawn.color  # resolved now, for the first time
+    color = drawn.color  # resolved now, for the first time since two samples
     assert color[..., 3] == pytest.approx(1.0)
     return color[..., :3]
 

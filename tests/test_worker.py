@@ -98,6 +98,8 @@ def test_statistics_are_plain_numbers(worker):
         "bytes_of_targets",
         "samples",
         "seconds",
+        "error",
+        "ended_by",
     }
     assert 0 < told["triangles_drawn"] <= told["triangles"] == 12 * 8**2 + 12 * 3**2
     assert told["light_points"] == 0 < told["triangles_drawn"]  # by rays

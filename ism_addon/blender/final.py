@@ -65,6 +65,8 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
                 engine.update_result(result)
                 shown, shown_at = picture, time.monotonic()
         done = job.finished
+        if done:
+            _tell_progress(engine, job, view_name)
         picture = job.picture()
         if picture is not None:
             _fill(passes, view_name, picture)
@@ -88,8 +90,8 @@ def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> N
 
 def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> None:
     megabytes = job.statistics.get("bytes_uploaded", 0) / 2**20
-    engine.update_progress(job.samples_done / job.samples)
-    engine.update_stats(view_name, f"Sample {job.samples_done}/{job.samples}")
+    engine.update_progress(1.0 if job.finished else job.samples_done / job.samples)
+    engine.update_stats(view_name, job.status)
     engine.update_memory_stats(memory_used=megabytes, memory_peak=megabytes)
 
 

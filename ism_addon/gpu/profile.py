@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a picture took: how often each pass was drawn, and how long that was."""
 
+import math
 from collections import defaultdict
 from dataclasses import asdict, dataclass, field
 
@@ -27,14 +28,16 @@ class Profile:
     rows: defaultdict[str, Row] = field(default_factory=lambda: defaultdict(Row))
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
 
-    def statistics(self, scene: Scene, samples: int, seconds: float) -> dict:
-        """The same as plain values, for scripts."""
+    def statistics(self, scene: Scene, samples: int, seconds: float, error: float, ended_by: str) -> dict:
+        """The same as plain values, for scripts; `error` as in error.py, `ended_by` as in studio.py."""
         return {
             "passes": {name: asdict(row) for name, row in self.rows.items()},
             **self.counts,
             "triangles": scene.triangle_count,
             "samples": samples,
             "seconds": seconds,
+            "error": error,
+            "ended_by": ended_by,
         }
 
 
@@ -45,4 +48,7 @@ def table(statistics: dict) -> str:
         lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
     names = [name for name in ("samples", *COUNTS, "triangles") if statistics[name]]
     counted = (f"{statistics[name]:,} {name.replace('_', ' ')}" for name in names)
-    return "\n".join([*lines, " · ".join(counted), f"{statistics['seconds']:.2f} s"])
+    end = f"{statistics['seconds']:.2f} s, ended by {statistics['ended_by']}"
+    if math.isfinite(statistics["error"]):
+        end += f", estimated error {100.0 * statistics['error']:.2f} % of the mean brightness"
+    return "\n".join([*lines, " · ".join(counted), end])

@@ -16,6 +16,7 @@ from ..spaces import anchor_of, camera_position
 from . import block
 from .atlas import batches
 from .context import Device
+from .error import Error
 from .layout import directions_from_octahedron
 from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
@@ -23,6 +24,7 @@ from .passes.blur import Blur
 from .passes.check import Check
 from .passes.gather import Gather
 from .passes.gbuffer import GBuffer
+from .passes.halves import Halves, is_due
 from .passes.light_points import LightPoints, points_per_light
 from .passes.lights import Lights
 from .passes.predict import Predict
@@ -53,17 +55,20 @@ CLASSIC = (LightPoints, SurfacePoints, Subsets)
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
 #: the creases too small for either, and all of it put together; again with other points, and summed.
 AFTER = (SSAO, Blur, Shade, Show, Accumulate)
-#: Whenever the picture is wanted: the sums as one.
+#: Whenever the picture is wanted: the sums as one; and how far that is from its end.
 AT_LAST = Resolve
+JUDGED = Halves
 
-PASSES = (*BEFORE, *FITTED, *CLASSIC, *FOR_EACH_BATCH, *AFTER, AT_LAST)
+PASSES = (*BEFORE, *FITTED, *CLASSIC, *FOR_EACH_BATCH, *AFTER, AT_LAST, JUDGED)
 
 #: What settings.show may name: whatever is drawn before it is shown.
 SHOWABLE = tuple(
     name
     for kind in PASSES
     for name, target in kind.writes.items()
-    if target.dtype != DEPTH and name != "triangles" and kind not in (Sift, Reach, Check, Show, Accumulate, Resolve)
+    if target.dtype != DEPTH
+    and name != "triangles"
+    and kind not in (Sift, Reach, Check, Show, Accumulate, Resolve, Halves)
 )
 
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.
@@ -93,6 +98,8 @@ class Renderer:
                 yield self.run(kind, frame, profile)
         frame.batch = None
         for kind in AFTER:
+            yield self.run(kind, frame, profile)
+        for kind in (AT_LAST, JUDGED) if is_due(sample) else (JUDGED,):
             yield self.run(kind, frame, profile)
         profile.counts["bytes_of_targets"] = self.targets.bytes
         self.last = frame, profile
@@ -162,6 +169,11 @@ class Renderer:
         color = np.empty((height, width, 4), np.float32)
         self.targets["resolved"].read_into(color)
         return color
+
+    @property
+    def error(self) -> Error:
+        """Of the picture so far."""
+        return self.tables["error"]
 
     @staticmethod
     def seconds_of_pixels(profile: Profile) -> float:

@@ -8,7 +8,9 @@ from itertools import chain
 
 import numpy as np
 
+from ..settings import Quality
 from .context import Device
+from .error import Error
 from .job import Job, Picture
 from .profile import Profile
 from .renderer import Renderer
@@ -81,7 +83,7 @@ class Studio:
 
 def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
-    request, profile = job.request, Profile()
+    request, profile, start = job.request, Profile(), time.perf_counter()
     if request.coarse > 1:
         view = request.view.coarse(request.coarse)
         for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile):
@@ -89,21 +91,32 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
         job._picture = Picture(coarse_renderer.picture(), None, None, 0)
         job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
         yield
-    start = time.perf_counter()
-    next_picture = start
+    next_picture, ended_by = start, ""
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
-    for sample in range(job.samples):
-        for _ in renderer.sample(request.scene, request.view, request.settings, sample, profile):
+    while not ended_by:
+        for _ in renderer.sample(request.scene, request.view, request.settings, job.samples_done, profile):
             yield
         now = time.perf_counter()
-        if sample == 0 and request.surfaces:
+        if job.samples_done == 0 and request.surfaces:
             surfaces = renderer.depth_and_normal()
-        job.samples_done = sample + 1
+        job.samples_done += 1
+        ended_by = what_ends(request.settings.quality, job.samples_done, now - start, renderer.error)
         job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
-        job.statistics = profile.statistics(request.scene, sample + 1, now - start)
-        if sample + 1 == job.samples or now >= next_picture:
-            job._picture = Picture(renderer.picture(), *surfaces, sample + 1)
+        job.statistics = profile.statistics(
+            request.scene, job.samples_done, now - start, renderer.error.of_picture, ended_by
+        )
+        if ended_by or now >= next_picture:
+            job._picture = Picture(renderer.picture(), *surfaces, job.samples_done)
             shown = time.perf_counter()
             next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
         job.tell()
         yield
+
+
+def what_ends(quality: Quality, samples: int, seconds: float, error: Error) -> str:
+    """Why a picture that has so many samples after so many seconds has no more; "" if it has."""
+    if samples >= quality.samples:
+        return "samples"
+    if error.settled.all():
+        return "error"
+    return "time" if 0.0 < quality.time_limit <= seconds else ""

@@ -8,6 +8,7 @@ from .developer import ISM_RENDER_PT_developer
 from .panels import ISMPanel
 
 USES = {"viewport": "Viewport", "render": "Final Render"}
+ENDS = {"samples": "Samples", "error": "Error Threshold", "time": "Time Limit", "": ""}
 COLUMNS = ("Pass", "Drawn", "Reused", "Skipped", "ms")
 
 
@@ -30,6 +31,12 @@ def counts(statistics: dict) -> list[tuple[str, str]]:
     rows = [
         ("Samples", "samples", f"{statistics['samples']:,}"),
         ("Time", "seconds", f"{statistics['seconds']:.2f} s"),
+        ("Ended By", "ended_by", ENDS[statistics["ended_by"]]),
+        (
+            "Estimated Error",
+            "error",
+            f"{100.0 * statistics['error']:.2f} %" if statistics["samples"] > 1 else "unknown",
+        ),
         ("Triangles", "triangles", f"{statistics['triangles']:,}"),
         ("Triangles Drawn", "triangles_drawn", f"{statistics['triangles_drawn']:,}"),
         ("Light Points", "light_points", f"{statistics['light_points']:,}"),

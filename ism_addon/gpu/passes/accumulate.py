@@ -3,7 +3,7 @@
 
 A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there. Beyond its own
 block it counts more or less, as that block takes part less or more often than the pixel's own: or pixels between two
-blocks would look like the one drawn more often.
+blocks would look like the one drawn more often. For pixels of a block that is settled it counts nothing.
 """
 
 import math

@@ -3,7 +3,7 @@
 
 After the first few samples, blocks of pixels take part with a chance in proportion to the standard deviation of their
 samples: for a given number of pixels drawn that leaves the least error (Neyman 1934). A block is averaged over the
-samples that it took part in.
+samples that it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
 """
 
 import moderngl
@@ -12,6 +12,7 @@ import numpy as np
 from ...sampling import additive_sequence
 from ...scene import Change
 from ..context import Device
+from ..error import Error
 from ..program import bind
 from ..targets import Target
 from . import BLOCK, Frame, Pass, blocks_at
@@ -36,7 +37,7 @@ class Sift(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
     writes = {"noise": Target(2, "f4", divisor=BLOCK)}
-    makes = ("blocks", "counts", "chances")
+    makes = ("blocks", "counts", "chances", "error")
     settings = ("shadow.method", "skip")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
@@ -49,32 +50,39 @@ class Sift(Pass):
             self.start(frame)
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
-            if frame.fitted and frame.settings.skip and frame.sample >= SAMPLES_FOR_ALL:
-                noise = np.maximum(noise, BESIDE * most_around(noise))
-                rounding = ROUNDING * frame.tables["brightness"] / LEAST_CHANCE
-                enough = max(float(np.quantile(noise, 1.0 - FOR_SURE)), rounding, TINY)
-                self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0).astype(np.float32)
-                frame.tables["chances"].write(self.chance)
-        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
-        takes_part = np.mod(self.phase + turn, 1.0) < self.chance
+            unsettled = ~frame.tables["error"].settled
+            if frame.fitted and frame.settings.skip and frame.sample >= SAMPLES_FOR_ALL and unsettled.any():
+                self.share_out(noise, frame.tables["brightness"], unsettled)
+        error, turn = frame.tables["error"], additive_sequence(frame.sample, 1, 1)[0, 0]
+        takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & most_around(~error.settled)
         frame.tables["blocks"] = self.blocks(frame, takes_part)
-        self.counts += takes_part
-        frame.tables["counts"].write(self.counts)
+        self.turns += takes_part
+        error.count(takes_part)
+        frame.tables["counts"].write(error.counts)
+        frame.tables["chances"].write(np.stack([self.chance, self.chance * ~error.settled], 2))
 
     def start(self, frame: Frame) -> None:
         """All blocks, none drawn yet."""
         gl, (width, height) = self.device.gl, frame.targets["noise"].size
-        self.counts = np.zeros((height, width), np.float32)
+        self.turns = np.zeros((height, width), np.float32)
         self.chance = np.ones((height, width), np.float32)
         self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
-        for name in ("counts", "chances"):
-            frame.tables[name] = Target(1, "f4").create(gl, (width, height))
-        frame.tables["chances"].write(self.chance)
+        frame.tables["error"] = Error((height, width))
+        for name, components in (("counts", 1), ("chances", 2)):
+            frame.tables[name] = Target(components, "f4").create(gl, (width, height))
+
+    def share_out(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
+        """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
+        noise = np.where(unsettled, noise, 0.0)
+        noise = np.maximum(noise, BESIDE * most_around(noise))
+        rounding = ROUNDING * brightness / LEAST_CHANCE
+        enough = max(float(np.quantile(noise[unsettled], 1.0 - FOR_SURE)), rounding, TINY)
+        self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0).astype(np.float32)
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
         blocks = blocks_at(takes_part)
-        blocks["number"] = self.counts[takes_part]
+        blocks["number"] = self.turns[takes_part]
         turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
         blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]
         return blocks
@@ -92,7 +100,7 @@ class Sift(Pass):
         )
         self.means.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
-        found = np.empty((*self.counts.shape, 2), np.float32)
+        found = np.empty((*self.turns.shape, 2), np.float32)
         frame.targets["noise"].read_into(found)
         return np.sqrt(found[..., 0]), float(found[..., 1].mean())
 

@@ -2,7 +2,7 @@
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
-uniform sampler2D chances; // of blocks to take part
+uniform sampler2D chances; // of blocks to take part, and with their own pixels: 0 for those that are settled
 uniform float reach;        // px
 flat in vec2 own_block;
 flat in vec4 place;
@@ -21,7 +21,7 @@ float blackman_harris(float x) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
-    float share = fetch(chances, at / BLOCK).x / fetch(chances, ivec2(own_block)).x;
+    float share = fetch(chances, at / BLOCK).y / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
     vec2 texel = texel_size(color), filters[2 * MARGIN + 1];
     for (int k = -MARGIN; k <= MARGIN; ++k)

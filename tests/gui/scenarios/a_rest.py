@@ -64,10 +64,11 @@ def main_loop_lives_among_many(stage: Stage) -> Steps:
 
 def _gaps(stage: Stage) -> Generator:
     """The longest gaps of a heartbeat, ms: as a picture is computed for 10 s, and with an engine that does nothing."""
-    stage.scene.ism.viewport.samples = 1
+    quality = stage.scene.ism.viewport
+    quality.samples, quality.error_threshold = 1, 0.0
     stage.rendered()
     yield from stage.rested()
-    stage.scene.ism.viewport.samples = 4096
+    quality.samples = 4096
     since = time.perf_counter()
     with Heartbeat() as heartbeat:
         yield from stage.wait(10.0)
@@ -75,7 +76,7 @@ def _gaps(stage: Stage) -> Generator:
     stage.measured("redraws in 10 s", stage.watch.redraws(since))
     stage.measured("longest redraw", 1e3 * stage.watch.longest_redraw(since), "ms", must=30, aim=10)
     assert stage.watch.redraws(since) > 3, "no better picture was shown for 10 s"
-    stage.scene.ism.viewport.samples = 1
+    quality.samples = 1
     yield from stage.rested()
     with blank.engine() as name:
         stage.scene.render.engine = name

@@ -105,7 +105,8 @@ def _busy(stage: Stage) -> Steps:
     scenery.studio()
     scenery.look(stage.view)
     stage.bare()
-    stage.scene.ism.viewport.samples = LONG
+    quality = stage.scene.ism.viewport
+    quality.samples, quality.error_threshold = LONG, 0.0
     stage.rendered()
     yield from stage.wait(2.0)
     assert engine.is_busy()

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture beside what it was at half as many samples: how far it moved says how far it is from its end.
+
+See error.py for why. Blocks that are near enough take part in no further sample.
+"""
+
+import moderngl
+import numpy as np
+
+from ...scene import Change
+from ..context import Device
+from ..program import bind
+from ..targets import Target, pixels
+from . import BLOCK, Frame, Pass
+
+#: Samples before which no block is good enough: so many rays most things are met by, and as many a picture has by
+#: default.
+LEAST_SAMPLES = 16
+
+TINY = float(np.finfo(np.float32).tiny)
+
+
+def is_due(sample: int) -> bool:
+    """Whether the number of samples is twice that of the last time, this one included."""
+    return sample & (sample + 1) == 0
+
+
+class Halves(Pass):
+    """The error of each block, as long as samples double."""
+
+    reads = ("resolved",)
+    writes = {"earlier": Target(4, "f4"), "moved": Target(2, "f4", divisor=BLOCK)}
+    settings = ("quality.error_threshold", "skip")
+    depends_on = (Change.SAMPLE,)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.blocks = self.full_screen(block=BLOCK)
+
+    def draw(self, frame: Frame) -> None:
+        error, threshold = frame.tables["error"], frame.settings.quality.error_threshold
+        if is_due(frame.sample):
+            if frame.sample:
+                error.compare(self.moved(frame), self.counts)
+            self.device.gl.copy_framebuffer(frame.targets.into("earlier"), frame.targets.into("resolved"))
+            self.counts = error.counts.copy()
+        if frame.settings.skip and threshold > 0.0 and frame.sample + 1 >= LEAST_SAMPLES:
+            error.settle(threshold)
+
+    def moved(self, frame: Frame) -> np.ndarray:
+        """(H,W) mean squares of the blocks' differences, over the picture's squared mean brightness."""
+        self.device.gl.enable_only(moderngl.NOTHING)
+        frame.targets.into("moved").use()
+        bind(self.blocks.program, resolved=frame.targets["resolved"], earlier=frame.targets["earlier"])
+        self.blocks.render(moderngl.TRIANGLES, vertices=3)
+        self.device.wait()
+        square, bright = np.moveaxis(pixels(frame.targets["moved"]), -1, 0)
+        return square / max(float(bright.mean()) ** 2, TINY)

@@ -1,0 +1,15 @@
+// Of a block's pixels, the mean of their squared differences, and of their brightness.
+uniform sampler2D resolved;
+uniform sampler2D earlier;
+out vec2 moved;
+
+void main() {
+    ivec2 block = ivec2(gl_FragCoord.xy), last = textureSize(resolved, 0) - 1;
+    moved = vec2(0.0);
+    for (int k = 0; k < BLOCK * BLOCK; ++k) {
+        ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);
+        vec3 now = fetch(resolved, at).rgb, difference = now - fetch(earlier, at).rgb;
+        moved += vec2(dot(difference, difference), dot(now, vec3(1.0))) / 3.0;
+    }
+    moved /= float(BLOCK * BLOCK);
+}

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a final render tells of its end: how far it is from it, what ended it, and budgets that are not obeyed."""
+
+import re
+
+import bpy
+import pytest
+
+from ism_addon.blender import engine
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+
+@pytest.fixture
+def scene():
+    """The factory scene under an area light."""
+    bpy.ops.wm.read_factory_settings()
+    scene = bpy.context.scene
+    scene.objects["Light"].data.type = "AREA"
+    scene.render.engine = "ISM"
+    scene.render.resolution_x, scene.render.resolution_y = 48, 32
+    return scene
+
+
+@pytest.fixture
+def told(scene):
+    """Renders, and gives what Blender's status line said on the way."""
+
+    def told() -> str:
+        lines = []
+        listener = lambda line, *_: lines.append(line)  # noqa: E731 - handlers are told apart
+        bpy.app.handlers.render_stats.append(listener)
+        try:
+            bpy.ops.render.render()
+        finally:
+            bpy.app.handlers.render_stats.remove(listener)
+        return "\n".join(lines)
+
+    return told
+
+
+def test_a_small_error_ends_it_and_the_status_says_how_small(scene, told):
+    scene.ism.render.samples, scene.ism.render.error_threshold = 65536, 0.5
+    said = told()
+    statistics = engine.statistics()
+    assert statistics["ended_by"] == "error"
+    assert f"Sample {statistics['samples']}/65536, error {100.0 * statistics['error']:.1f} %" in said
+
+
+def test_time_ends_it(scene, told):
+    scene.ism.render.samples, scene.ism.render.time_limit = 65536, 0.001
+    told()
+    assert (engine.statistics()["ended_by"], engine.statistics()["samples"]) == ("time", 1)
+
+
+def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):
+    """Blender keeps properties in their ranges, but not what scripts and older files have put in their place."""
+    scene.ism.render["samples"], scene.ism.render["light_points"] = 0, 10**6
+    told()
+    assert engine.statistics()["samples"] == 1
+    warnings = re.findall(r"(?:Samples|Light Points) cannot be .*", capfd.readouterr().out)
+    assert sorted(warnings) == [
+        "Light Points cannot be 1,000,000: 4,096 is used instead.",
+        "Samples cannot be 0: 1 is used instead.",
+    ]
