@@ -23,7 +23,7 @@ BOUNDS = {
 }
 
 SETTINGS = {
-    Method.FITTED: Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64)),
+    Method.FITTED: Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0)),
     Method.CLASSIC: Settings(
         shadow=Shadow(method=Method.CLASSIC),
         ssao=SSAO(enabled=False),
