@@ -36,6 +36,7 @@ class Halves(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.blocks = self.full_screen(block=BLOCK)
+        self.counts = np.zeros((0, 0), np.float32)  # of the samples that blocks of the earlier picture had
 
     def draw(self, frame: Frame) -> None:
         error, threshold = frame.tables["error"], frame.settings.quality.error_threshold
