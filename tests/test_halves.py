@@ -123,10 +123,12 @@ def test_blocks_beside_settled_ones_have_no_seams(device, truth):
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_no_block_is_settled_early_and_none_without_a_threshold(device, name):
+def test_no_block_is_settled_early_and_none_without_a_threshold_or_skipping(device, name):
     coarse = with_quality(SMALL_SETTINGS, samples=512, error_threshold=1.0)
     assert not draw(device, *small(name), coarse, last=LEAST_SAMPLES - 2).renderer.error.settled.any()
     assert draw(device, *small(name), coarse, last=LEAST_SAMPLES - 1).renderer.error.settled.all()
+    without = draw(device, *small(name), replace(coarse, skip=False), last=LEAST_SAMPLES)
+    assert not without.renderer.error.settled.any()
     assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.settled.any()
 
 
