@@ -4,7 +4,7 @@
 import time
 from collections.abc import Generator
 
-from tests.gui import blank, scenery
+from tests.gui import blank, engine, scenery
 from tests.gui.heartbeat import Heartbeat
 from tests.gui.scenario import scenario
 from tests.gui.stage import Stage, Steps
@@ -41,6 +41,24 @@ def rest(stage: Stage) -> Steps:
     yield from stage.wait(5.0)
     stage.measured("redraws in 5 s after the last sample", stage.watch.redraws(since), must=0, aim=0)
     stage.measured("processor time in these 5 s", time.process_time() - processor, "s")
+
+
+@scenario()
+def rest_when_good_enough(stage: Stage) -> Steps:
+    """Of very many samples no more are drawn than the error asks for; then nothing is."""
+    scenery.studio()
+    scenery.look(stage.view)
+    quality = stage.scene.ism.viewport
+    quality.samples, quality.error_threshold = 65536, 0.05
+    stage.rendered()
+    yield from stage.rested()
+    (job,) = engine.jobs()
+    stage.measured("samples", job.samples_done)
+    assert job.statistics["ended_by"] == "error"
+    assert job.statistics["error"] < 0.05
+    since = time.perf_counter()
+    yield from stage.wait(2.0)
+    stage.measured("redraws in 2 s after the last sample", stage.watch.redraws(since), must=0, aim=0)
 
 
 @scenario(patience=240)
