@@ -9,6 +9,9 @@ from ..color import srgb_from_linear
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
+#: Texels that are converted at a time: they stay in the processor's cache from step to step.
+PORTION = 1 << 15
+
 
 def is_known_space(image: bpy.types.Image) -> bool:
     """Whether `texels` knows what the image's numbers mean."""
@@ -27,36 +30,51 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
         return None
     pixels = np.empty(count, np.float32)
     image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, -1)
-    color, alpha = _color_and_alpha(pixels)
-    if on_black and _has_straight_alpha(image):
-        color = color * alpha[..., None]
-    if image.is_float or image.colorspace_settings.name in LINEAR:
-        color = encoded(color)
+    pixels = pixels.reshape(width * height, -1)
     stored = np.empty((height, width, 4), np.uint8)
-    stored[..., :3] = _bytes(color)
-    stored[..., 3] = _bytes(alpha)
+    rows = stored.reshape(-1, 4)
+    for first in range(0, len(rows), PORTION):
+        part = slice(first, first + PORTION)
+        rows[part] = _stored(image, _four_channels(pixels[part]), on_black)
     return stored
+
+
+def _stored(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
+    """(N,4) uint8 of the image's own values (N,4) in some of its pixels, which are spoilt."""
+    color, alpha = pixels[:, :3], pixels[:, 3:]
+    if on_black and _has_straight_alpha(image) and (alpha < 1.0).any():
+        color *= alpha
+    if image.is_float or image.colorspace_settings.name in LINEAR:
+        color[:] = encoded(color)
+    if image.is_float:
+        alpha[:] = _within_bounds(alpha)
+    pixels *= np.float32(255.0)
+    pixels += np.float32(0.5)
+    return pixels.astype(np.uint8)
 
 
 def encoded(linear: np.ndarray) -> np.ndarray:
     """Linear values to sRGB's, within 0 to 1; what is no number is 0."""
-    linear = np.clip(np.nan_to_num(linear, nan=0.0), 0.0, 1.0)
-    return srgb_from_linear(linear)
+    return srgb_from_linear(_within_bounds(linear))
 
 
-def _color_and_alpha(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(H,W,3 or 1) and (H,W) of images of one to four channels."""
-    channels = pixels.shape[2]
-    alpha = pixels[..., -1] if channels in (2, 4) else np.ones(pixels.shape[:2], np.float32)
-    return pixels[..., : 3 if channels >= 3 else 1], alpha
+def _within_bounds(values: np.ndarray) -> np.ndarray:
+    return np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0)
+
+
+def _four_channels(pixels: np.ndarray) -> np.ndarray:
+    """(N,4) of pixels of one to four channels, which are themselves where they have four."""
+    channels = pixels.shape[1]
+    if channels == 4:
+        return pixels
+    four = np.ones((len(pixels), 4), np.float32)
+    four[:, :3] = pixels[:, : 3 if channels == 3 else 1]
+    if channels == 2:
+        four[:, 3] = pixels[:, 1]
+    return four
 
 
 def _has_straight_alpha(image: bpy.types.Image) -> bool:
     """Whether the colour is still to be multiplied by the alpha; in floating point images it is already."""
     is_data = image.colorspace_settings.is_data
     return not image.is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
-
-
-def _bytes(values: np.ndarray) -> np.ndarray:
-    return (np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)

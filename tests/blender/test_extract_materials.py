@@ -221,6 +221,17 @@ def test_linear_images_are_encoded():
     assert np.allclose(images.encoded(np.float32([math.nan, -1, 7])), [0, 0, 1])
 
 
+@pytest.mark.parametrize("on_black", [False, True])
+def test_an_image_of_several_portions_is_stored_to_the_nearest_of_256(add, on_black):
+    image = bpy.data.images.new("Large", 300, 2 * images.PORTION // 300, alpha=True)
+    stored = np.random.default_rng(0).integers(0, 256, (*reversed(image.size), 4))
+    stored[: len(stored) // 2, :, 3] = 255  # a portion without transparency, and one with
+    image.pixels.foreach_set((stored / np.float32(255.0)).astype(np.float32).reshape(-1))
+    if on_black:
+        stored[..., :3] = np.rint(stored[..., :3] * stored[..., 3:] / 255.0)
+    assert np.array_equal(images.texels(image, on_black), stored)
+
+
 def test_what_is_not_srgb_is_encoded(add):
     grey = [(0.18, 0.18, 0.18, 1)] * 4
     encoded = round(0.46136 * 255)
