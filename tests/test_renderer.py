@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn again, and what is not; the same request gives the same picture."""
+"""What another setting has drawn again, and what is not; the same request gives the same picture. See test_edits."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from ism_addon.gpu.renderer import SHOWABLE
 from ism_addon.settings import SSAO, Method
 
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, look, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 BY_MAPS = replace(MAPS, ssao=SSAO())
@@ -20,7 +20,6 @@ BEFORE = {kind.__name__ for kind in renderer.BEFORE}
 RAYS = {kind.__name__ for kind in renderer.FITTED} - {"Check"}  # which the first sample has no use for
 SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
 ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS
-LIGHT = RAYS - {"MeshTrees", "InstanceTree"}
 OCCLUSION = {"SSAO", "Blur"}
 AFTER = {"Shade", "Accumulate", "Resolve", "Halves"}
 
@@ -69,54 +68,8 @@ def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
     assert uploaded[0] - uploaded[1] == sum(first.renderer.tables[name].bytes for name in ("geometry", "surfaces"))
 
 
-def test_nothing_changed_draws_nothing(again, base):
-    assert again(base) == set()
-
-
 def test_equal_settings_draw_nothing(again, base):
     assert again(base, after=replace(base, ssao=SSAO(), quality=replace(base.quality))) == set()
-
-
-def test_a_moved_light_keeps_what_the_camera_sees_and_the_trees(again, scene_and_view):
-    scene, _ = scene_and_view
-    moved = replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.1))
-    assert again(SETTINGS, moved) == {"Lights"} | LIGHT | AFTER
-    assert again(BY_MAPS, moved) == {"Lights", "LightPoints", "Subsets"} | SHADOWS | AFTER
-
-
-def test_a_moved_camera_keeps_the_trees_and_the_shadow_maps(again):
-    moved = look((3.0, -3.4, 2.6), (0.0, 0.0, 0.3), (24, 16))
-    assert again(SETTINGS, view=moved) == {"Sift", "GBuffer"} | LIGHT | OCCLUSION | AFTER
-    assert again(BY_MAPS, view=moved) == {"Sift", "GBuffer", "Gather"} | OCCLUSION | AFTER
-
-
-def test_a_moved_object_keeps_meshes_and_materials(again, scene_and_view):
-    scene, _ = scene_and_view
-    matrices = scene.instances.world_from_object.copy()
-    matrices[1, 2, 3] += 0.2
-    moved = replace(scene, instances=replace(scene.instances, world_from_object=matrices))
-    after = {"Place", "GBuffer"} | OCCLUSION | AFTER
-    assert again(SETTINGS, moved) == after | {"InstanceTree"} | LIGHT
-    assert again(BY_MAPS, moved) == after | {"SurfacePoints", "Subsets"} | SHADOWS
-
-
-def test_another_colour_keeps_the_shadow_maps(again, scene_and_view, base):
-    scene, _ = scene_and_view
-    materials = replace(scene.materials, base_color=np.array([[0.9, 0.1, 0.1]], np.float32))
-    drawn = again(base, replace(scene, materials=materials))
-    assert {"Colours", "GBuffer", "Shade"} <= drawn
-    kept = {
-        "MeshTrees",
-        "InstanceTree",
-        "Splat",
-        "PullPush",
-        "SurfacePoints",
-        "Meshes",
-        "Place",
-        "Lights",
-        "LightPoints",
-    }
-    assert not drawn & kept
 
 
 def test_another_world_is_only_shaded(again, scene_and_view, base):

@@ -4,6 +4,7 @@
 Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and screen space ambient occlusion", 2013.
 """
 
+import itertools
 import time
 from collections.abc import Iterator
 
@@ -84,8 +85,12 @@ class Renderer:
         self.targets = Targets(device.gl)
         self.tables: dict = {}
         self.block = device.gl.buffer(reserve=block.DTYPE.itemsize)
-        self.keys: dict[type[Pass], tuple] = {}
+        self.keys: dict[type[Pass], dict] = {}
+        #: Of targets and other resources: the same number where they hold the same.
         self.revisions: dict[str, int] = {}
+        self.numbers = itertools.count(1)
+        #: Of each pass, for the newest first sample that it was drawn for: its key, and the revisions of what it made.
+        self.firsts: dict[type[Pass], tuple[dict, dict[str, int]]] = {}
 
     def sample(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Iterator[str]:
         """Draw one sample, and yield the name of each pass when the GPU is done with it."""
@@ -129,9 +134,10 @@ class Renderer:
         """Draw one pass if the picture needs it and something that it depends on is new."""
         step, row = self.passes[kind], profile.rows[kind.__name__]
         needed = step.needed(frame)
-        key = self.key(kind, frame) if needed else None
+        key = self.key(kind, frame) if needed else {}
+        done = not needed and frame.sample > 0  # what it made for the first sample is kept for the next picture's
         may_keep = frame.settings.skip or frame.sample > 0 or not needed
-        if may_keep and kind in self.keys and self.keys[kind] == key:
+        if may_keep and kind in self.keys and (done or self.keys[kind] == key):
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return kind.__name__
         start = time.perf_counter()
@@ -148,19 +154,32 @@ class Renderer:
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
         row.ms += 1e3 * (time.perf_counter() - start)
         self.keys[kind] = key
-        for name in (*kind.writes, *kind.makes):
-            self.revisions[name] = self.revisions.get(name, 0) + 1
+        self.revise(kind, key, frame.sample)
         return kind.__name__
 
-    def key(self, kind: type[Pass], frame: Frame) -> tuple:
-        """All that a pass depends on: equal as long as what it drew last still holds."""
-        return (
-            tuple(frame.part(change) for change in kind.depends_on),
-            tuple(setting(frame.settings, path) for path in kind.settings),
-            tuple(self.revisions.get(name, 0) for name in kind.reads),
-            (frame.view.width, frame.view.height) if any(t.divisor for t in kind.writes.values()) else None,
-            frame.batch,
-        )
+    def revise(self, kind: type[Pass], key: dict, sample: int) -> None:
+        """Number what a pass has drawn. A first sample depends on the key alone; others, on all samples before too."""
+        new = {*kind.writes, *kind.makes}
+        if sample == 0:
+            before, revisions = self.firsts.get(kind, ({}, {}))
+            changed = {name for name in key.keys() | before.keys() if key.get(name) != before.get(name)}
+            if changed <= kind.parts.keys():
+                new = {name for part in changed for name in kind.parts[part]}
+            self.revisions |= revisions
+        self.revisions |= {name: next(self.numbers) for name in sorted(new)}
+        if sample == 0:
+            self.firsts[kind] = key, {name: self.revisions.get(name, 0) for name in (*kind.writes, *kind.makes)}
+
+    def key(self, kind: type[Pass], frame: Frame) -> dict:
+        """All that a pass depends on, by name: equal as long as what it drew last still holds."""
+        sized = any(target.divisor for target in kind.writes.values())
+        return {
+            **{change: frame.part(change) for change in kind.depends_on},
+            **{f"settings.{path}": setting(frame.settings, path) for path in kind.settings},
+            **{name: self.revisions.get(name, 0) for name in kind.reads},
+            "size": (frame.view.width, frame.view.height) if sized else None,
+            "batch": frame.batch,
+        }
 
     def picture(self) -> np.ndarray:
         """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first."""

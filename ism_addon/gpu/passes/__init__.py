@@ -147,6 +147,7 @@ class Pass:
     reads: ClassVar[tuple[str, ...]] = ()
     writes: ClassVar[Mapping[str, Target]] = {}
     makes: ClassVar[tuple[str, ...]] = ()  # resources that are no targets: tables, buffers, atlases
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # all that is new where of what it reads only this one is
     settings: ClassVar[tuple[str, ...]] = ()
     depends_on: ClassVar[tuple[Change, ...]] = ()
 

@@ -23,7 +23,7 @@ CHANCE = 0.25
 class Check(Pass):
     """Where lights were spotted that had seemed hidden."""
 
-    reads = ("position", "normal", "placement", "albedo", "lights", "casters", "reach", "scouted")
+    reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach", "scouted")
     writes = {"checked": Target(4, "f4", divisor=SCOUTS_APART)}  # see check.frag
     makes = ("spotted",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)

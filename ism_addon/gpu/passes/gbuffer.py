@@ -48,9 +48,11 @@ class GBuffer(Pass):
         "depth": Target(1, "f4", neutral=(FAR_AWAY,)),
         "position": Target(4, "f4"),
         "normal": Target(4, "f4"),  # octahedral: shading normal in xy, the triangle's own in zw
-        "albedo": Target(4, "f4"),  # in alpha: how far the curved surface stands out over the triangle
+        "albedo": Target(4, "f4"),  # in alpha: the rise
     }
+    makes = ("rise",)  # how far the curved surface stands out over the triangle
     reads = ("geometry", "placement", "surfaces", "blocks")
+    parts = {"surfaces": ("albedo",)}
     settings = ("skip",)
     depends_on = (Change.VIEW, Change.SAMPLE)
 

@@ -33,7 +33,7 @@ class Predict(Pass):
         "around": Target(2, "f1", divisor=SCOUTS_APART),  # a light's prediction where scouts were
         "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
     }
-    makes = ("predictions", "seen", "found")
+    makes = ("predictions", "seen", "found", "looks")
     depends_on = (Change.SAMPLE,)
 
     def __init__(self, device: Device):
@@ -54,6 +54,7 @@ class Predict(Pass):
             if not frame.settings.skip:
                 found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}
+            tables["looks"] = dict(tables["scouted"])  # some are added; what Scout made may serve the next picture too
             tables["seen"] = self.of_each_light(frame, "seen", SEEN)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()
@@ -81,7 +82,7 @@ class Predict(Pass):
             if light in frame.tables["found"] or not (seen & ~reach.dim).any():
                 continue
             frame.tables["found"][light] = np.stack([seen, np.ones_like(seen)], 2)
-            for table, target in (("scouted", SCOUTED), ("seen", SEEN)):
+            for table, target in (("looks", SCOUTED), ("seen", SEEN)):
                 size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
                 frame.tables[table][light] = target.create(self.device.gl, size)
                 self.device.gl.framebuffer([frame.tables[table][light]]).clear()
@@ -103,7 +104,7 @@ class Predict(Pass):
         tables, targets = frame.tables, frame.targets
         found = tables["found"][light]
         surfaces = {"position": targets["position"], "normals": targets["normal"], "depth": targets["depth"]}
-        rays = {"scouted": tables["scouted"][light], "seen": tables["seen"][light], "traced": traced}
+        rays = {"scouted": tables["looks"][light], "seen": tables["seen"][light], "traced": traced}
         gl, around, doubtful = self.device.gl, targets.into("around"), blocks_at(found.all(2))
         targets["around"].write(whole_blocks(found[..., 0], SCOUTED_BLOCK, around.size), alignment=1)
         bind(self.scouts, **surfaces, **rays)

@@ -14,7 +14,7 @@ from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 class Scout(Pass):
     """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
 
-    reads = ("position", "normal", "placement", "albedo", "lights", "casters", "reach")
+    reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach")
     makes = ("scouted",)
     depends_on = (Change.VIEW, Change.LIGHTS)
 

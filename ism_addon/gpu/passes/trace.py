@@ -34,8 +34,9 @@ SURE_CHANCE = 0.0625
 class Trace(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
+    # Colours only say how much a ray is worth: a first sample has none, and later ones are always drawn.
     reads = (
-        *("blocks", "position", "normal", "depth", "albedo", "placement", "lights"),
+        *("blocks", "position", "normal", "depth", "rise", "placement", "lights"),
         *("casters", "reach", "predictions", "foreseen"),
     )
     writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each of an artist's edits has drawn again: exactly the passes that depend on it, after one sample or many."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.settings import SSAO, Method
+
+from .scenes.small import box_over_plane
+from .studio import MAPS, SMALL_SETTINGS, draw, look, with_quality
+
+SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
+SIZE = 24, 16
+SEVERAL = 6
+
+OCCLUSION = {"SSAO", "Blur"}
+PICTURE = {"Shade", "Accumulate", "Resolve"}
+BY_RAYS = {"Reach", "Predict", "Trace"}
+BY_MAPS = {"Splat", "PullPush", "Gather"}
+
+#: Other ones, or nothing new, in each sample.
+EACH_SAMPLE = {
+    Method.FITTED: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+    Method.CLASSIC: {"Sift", "GBuffer", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
+}
+
+
+def nothing_changed(scene, view):
+    return scene, view
+
+
+def view_turned(scene, view):
+    return scene, look((3.0, -3.4, 2.6), (0.0, 0.0, 0.3), SIZE)
+
+
+def light_moved(scene, view):
+    return replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.1)), view
+
+
+def colour_changed(scene, view):
+    materials = replace(scene.materials, base_color=np.array([[0.9, 0.1, 0.1]], np.float32))
+    return replace(scene, materials=materials), view
+
+
+def object_moved(scene, view):
+    matrices = scene.instances.world_from_object.copy()
+    matrices[1, 2, 3] += 0.2
+    return replace(scene, instances=replace(scene.instances, world_from_object=matrices)), view
+
+
+#: What an edit has drawn again, of that which samples share;
+SHARED = {
+    Method.FITTED: {
+        nothing_changed: set(),
+        view_turned: {"Scout"},
+        light_moved: {"Lights", "Scout"},
+        colour_changed: {"Colours"},
+        object_moved: {"Place", "InstanceTree", "Scout"},
+    },
+    Method.CLASSIC: {
+        nothing_changed: set(),
+        view_turned: set(),
+        light_moved: {"Lights", "Subsets"},
+        colour_changed: {"Colours"},
+        object_moved: {"Place", "SurfacePoints", "Subsets"},
+    },
+}
+
+#: and of a first sample, where all that was drawn is that of another first sample.
+FIRST = {
+    Method.FITTED: {
+        nothing_changed: set(),
+        view_turned: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+        light_moved: BY_RAYS | PICTURE,
+        colour_changed: {"GBuffer"} | PICTURE,
+        object_moved: {"GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+    },
+    Method.CLASSIC: {
+        nothing_changed: set(),
+        view_turned: {"Sift", "GBuffer", "Gather"} | OCCLUSION | PICTURE,
+        light_moved: {"LightPoints"} | BY_MAPS | PICTURE,
+        colour_changed: {"GBuffer"} | PICTURE,
+        object_moved: {"GBuffer"} | BY_MAPS | OCCLUSION | PICTURE,
+    },
+}
+
+EDITS = list(FIRST[Method.FITTED])
+
+
+@pytest.fixture(params=Method, ids=[method.label for method in Method])
+def method(request):
+    return request.param
+
+
+def drawn_again(device, edit, settings, last=None):
+    """The passes that an edit has drawn again up to sample `last`. The picture must be that of a new renderer."""
+    scene, view = box_over_plane(*SIZE)
+    first = draw(device, scene, view, settings)
+    assert first.color.any()
+    edited = edit(scene, view)
+    again = draw(device, *edited, settings, first.renderer, last)
+    fresh = draw(device, *edited, settings, last=last)
+    assert np.array_equal(again.color, fresh.color), "what was used again was out of date"
+    return {name for name, row in again.profile.rows.items() if row.drawn}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_after_one_sample(device, method, edit):
+    assert drawn_again(device, edit, SETTINGS[method]) == SHARED[method][edit] | FIRST[method][edit]
+
+
+@pytest.mark.parametrize("last", [0, SEVERAL - 1])
+@pytest.mark.parametrize("edit", EDITS)
+def test_after_several_samples(device, method, edit, last):
+    settings = with_quality(SETTINGS[method], samples=SEVERAL)
+    later = {"Check"} if last and method == Method.FITTED else set()
+    assert drawn_again(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
+
+
+def test_after_many_edits_the_picture_is_that_of_a_new_renderer(device, method):
+    """Back and forth, and of some pictures only a few passes."""
+    from ism_addon.gpu.profile import Profile
+
+    random = np.random.default_rng(1)
+    scene, view = box_over_plane(*SIZE)
+    states = [edit(scene, view) for edit in EDITS]
+    expected: dict = {}
+    renderer = draw(device, scene, view, SETTINGS[method]).renderer
+    for _ in range(24):
+        state, samples = random.integers(len(states)), int(random.integers(1, 4))
+        settings = with_quality(SETTINGS[method], samples=samples)
+        interrupted = renderer.sample(*states[random.integers(len(states))], settings, 0, Profile())
+        for _ in range(random.integers(16)):
+            next(interrupted, None)
+        interrupted.close()
+        if (state, samples) not in expected:
+            expected[state, samples] = draw(device, *states[state], settings).color
+        found = draw(device, *states[state], settings, renderer).color
+        assert np.array_equal(found, expected[state, samples])
