@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.passes.check import Check
 from ism_addon.settings import SSAO, Method
 
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, look, with_quality
+from .studio import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
 
 SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
 SIZE = 24, 16
@@ -117,6 +118,20 @@ def test_after_several_samples(device, method, edit, last):
     settings = with_quality(SETTINGS[method], samples=SEVERAL)
     later = {"Check"} if last and method == Method.FITTED else set()
     assert drawn_again(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
+
+
+def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, monkeypatch):
+    """Samples add to what the first look found, which the next picture may use again."""
+    monkeypatch.setattr(Check, "spotted", lambda _pass, frame: {0: np.ones(frame.blocks[::-1], bool)})
+    lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
+    lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
+    scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
+    settings, view = with_quality(SETTINGS[Method.FITTED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
+    first = draw(device, scene, view, settings)
+    assert set(first.renderer.tables["found"]) == {0, 1}
+    again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
+    assert set(again.renderer.tables["found"]) == {1}
+    assert not again.profile.rows["Scout"].drawn
 
 
 def test_after_many_edits_the_picture_is_that_of_a_new_renderer(device, method):
