@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import moderngl
@@ -14,6 +15,7 @@ from ...sampling import Grid
 from ...scene import Change, Scene, View
 from ...settings import Method, Settings
 from ..atlas import Batch
+from ..block import clip_from_anchor
 from ..context import Device
 from ..layout import Record
 from ..program import bind, compile_program
@@ -24,6 +26,9 @@ FAR_AWAY = 1e10
 
 #: Pixels along a block: what takes part in a sample, or does not.
 BLOCK = 8
+
+#: Points less far than this from a pixel's middle, across and up, are in it. px; a little is left to float32.
+SAME_PIXEL = 0.49
 
 #: Pixels from one scout to the next, along either side.
 SCOUTS_APART = 2
@@ -96,11 +101,24 @@ class Frame:
         """Whether shadow maps can hold anything that matters."""
         return self.casts_shadows and not self.fitted
 
-    @property
+    @cached_property
     def occludes(self) -> bool:
         """Whether ambient occlusion can darken anything."""
         ssao = self.settings.ssao
-        return bool(ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any())
+        asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any()
+        return bool(asked and self.pixels_around(ssao.radius) > SAME_PIXEL)
+
+    def pixels_around(self, radius: float) -> float:
+        """How many pixels across or up, at most, anything seen is from points about it, `radius` m away or less."""
+        placement, clip = self.tables["placement"], clip_from_anchor(self.view, self.anchor)
+        across, up, ahead = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
+        of_boxes = clip[3, :3] @ placement.matrices
+        w = of_boxes[:, 3] + clip[3, 3] - np.einsum("nj,nj->n", np.abs(of_boxes[:, :3]), placement.half_sizes)
+        nearest = w.min(initial=np.inf) - radius * ahead
+        if nearest <= 0.0:
+            return np.inf
+        # What is seen is within one half of the picture of its middle: so far it goes if only its depth changes.
+        return float(radius / nearest * max((across + ahead) * self.view.width, (up + ahead) * self.view.height) / 2.0)
 
     @property
     def receivers(self) -> dict[str, moderngl.Texture]:

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a picture does not need is not drawn, and takes no memory: one neutral texel stands for it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu import passes, renderer
+from ism_addon.gpu.block import clip_from_anchor
+from ism_addon.settings import SSAO, Method
+
+from .scenes.small import box_over_plane
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, no_lights, prepared, quad, rubble, stage, with_quality
+
+SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
+SIZE = 64, 48
+
+RAYS = {"MeshTrees", "InstanceTree", "Scout", "Check"}
+LIGHT_BY_RAYS = {"Reach", "Predict", "Trace"}
+LIGHT_BY_MAPS = {"LightPoints", "Gather"}
+MAPS_ALONE = {"SurfacePoints", "Subsets", "Splat", "PullPush"}
+OCCLUSION = {"SSAO", "Blur"}
+
+#: What only the other method draws.
+OTHERS = {
+    Method.FITTED: LIGHT_BY_MAPS | MAPS_ALONE,
+    Method.CLASSIC: RAYS | LIGHT_BY_RAYS,
+}
+LIT = {Method.FITTED: RAYS | LIGHT_BY_RAYS | {"Lights"}, Method.CLASSIC: MAPS_ALONE | LIGHT_BY_MAPS | {"Lights"}}
+SHADOWED = {Method.FITTED: RAYS | {"Predict"}, Method.CLASSIC: MAPS_ALONE}
+
+
+def with_ssao(settings, **changes):
+    return replace(settings, ssao=replace(settings.ssao, **changes))
+
+
+def unlit(scene, settings):
+    return replace(scene, lights=no_lights()), settings
+
+
+def without_casters(scene, settings):
+    none = np.zeros_like(scene.instances.casts_shadow)
+    return replace(scene, instances=replace(scene.instances, casts_shadow=none)), settings
+
+
+def unshadowed(scene, settings):
+    return replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros_like(scene.lights.casts_shadow))), settings
+
+
+def shadows_off(scene, settings):
+    return scene, replace(settings, shadow=replace(settings.shadow, enabled=False))
+
+
+def occlusion_off(scene, settings):
+    return scene, with_ssao(settings, enabled=False)
+
+
+def no_intensity(scene, settings):
+    return scene, with_ssao(settings, intensity=0.0)
+
+
+def no_radius(scene, settings):
+    return scene, with_ssao(settings, radius=0.0)
+
+
+def tiny_radius(scene, settings):
+    return scene, with_ssao(settings, radius=1e-3)
+
+
+def black_world(scene, settings):
+    return replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32))), settings
+
+
+WITHOUT = {
+    **dict.fromkeys([unlit], LIT),
+    **dict.fromkeys([without_casters, unshadowed, shadows_off], SHADOWED),
+    **dict.fromkeys(
+        [occlusion_off, no_intensity, no_radius, tiny_radius, black_world],
+        dict.fromkeys(Method, OCCLUSION),
+    ),
+}
+
+
+def lit_stage():
+    """A box over a plane under a lamp, all of it before the camera."""
+    scene, view = box_over_plane(*SIZE)
+    return replace(scene, world=replace(scene.world, radiance=np.full(3, 0.5, np.float32))), view
+
+
+@pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
+@pytest.mark.parametrize("why", WITHOUT)
+def test_what_is_not_needed_is_left_out(device, why, method):
+    scene, view = lit_stage()
+    with_all = with_quality(SETTINGS[method], samples=2)
+    scene_without, without = why(scene, with_all)
+    whole, part = draw(device, scene, view, with_all), draw(device, scene_without, view, without)
+    drawn = {name for name, row in part.profile.rows.items() if row.drawn}
+    left_out = WITHOUT[why][method]
+    assert drawn == {name for name, row in whole.profile.rows.items() if row.drawn} - left_out
+    assert not drawn & OTHERS[method]
+    spared = {name for kind in renderer.PASSES if kind.__name__ in left_out for name in kind.writes}
+    assert {part.renderer.targets[name].size for name in spared} <= {(1, 1)}
+    taken, left = (sum(memory_of(each.renderer.targets[name]) for name in spared) for each in (whole, part))
+    counted = (each.profile.counts["bytes_of_targets"] for each in (whole, part))
+    assert left <= 16 * len(spared) < taken
+    assert next(counted) - next(counted) >= taken - left
+
+
+def memory_of(texture) -> int:
+    return texture.width * texture.height * texture.components * int(texture.dtype[1:])
+
+
+def test_without_images_no_texel_and_no_shader_for_them(device):
+    scene, view = lit_stage()
+    assert not scene.images
+    drawn = draw(device, scene, view, SETTINGS[Method.FITTED])
+    assert drawn.renderer.tables["surfaces"].texels.height == 1
+    assert not [key for key in device.programs if ("images", 1) in key[-1]]
+
+
+@pytest.mark.parametrize("across", [0.1, 1.0, 2.5])
+@pytest.mark.parametrize("away", [None, -6.0, 6.0])
+def test_no_point_about_what_is_seen_is_farther_on_the_screen_than_is_said(device, away, across):
+    generator, radius = np.random.default_rng(5), 0.2
+    view = look((0.0, away, 1.0), (0.2, 0.0, 0.0), SIZE, across) if away else from_above(2.0, SIZE)
+    scene = stage([rubble()])
+    prepared_renderer, _ = prepared(device, scene)
+    drawn = draw(device, scene, view, renderer=prepared_renderer)
+    frame = prepared_renderer.last[0]
+    points = drawn.target("position")[drawn.target("position")[..., 3] != 0.0][:, :3]
+    assert len(points) > 10
+    around = generator.normal(size=(200, 1, 3))
+    around *= radius / np.linalg.norm(around, axis=2, keepdims=True)
+    clip = clip_from_anchor(view, frame.anchor)
+    before, after = (on_screen(clip, p) for p in (points[None], points[None] + around))
+    farthest = (np.abs(after - before) * SIZE).max() / 2.0
+    said = frame.pixels_around(radius)
+    assert 0.2 * said < farthest <= said
+
+
+def on_screen(clip, points):
+    """(…,2): from -1 to 1 in the picture."""
+    homogeneous = points @ clip[:, :3].T + clip[:, 3]
+    return homogeneous[..., :2] / homogeneous[..., 3:]
+
+
+def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
+    room = stage([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
+    assert draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last[0].pixels_around(1e-3) == np.inf
+
+
+@pytest.mark.parametrize(("radius", "drawn"), [(0.03, 0), (0.07, 1)])
+def test_a_radius_of_less_than_half_a_pixel_is_too_small(device, radius, drawn):
+    """In a view from above whose pixels are an eighth of a metre wide."""
+    scene, _ = lit_stage()
+    settings = with_ssao(SETTINGS[Method.FITTED], radius=radius)
+    rows = draw(device, scene, from_above(8.0, (64, 64)), settings).profile.rows
+    assert {rows[name].drawn for name in OCCLUSION} == {drawn}
+
+
+def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device, monkeypatch):
+    scene, view = lit_stage()
+    settings = with_ssao(SETTINGS[Method.FITTED], radius=1e-3)
+    left_out = draw(device, scene, view, settings)
+    assert not left_out.profile.rows["SSAO"].drawn
+    monkeypatch.setattr(passes, "SAME_PIXEL", 0.0)
+    drawn = draw(device, scene, view, settings)
+    assert drawn.profile.rows["SSAO"].drawn
+    assert (drawn.target("occlusion") == 1.0).all()
+    assert np.abs(left_out.color - drawn.color).max() < 1e-6
