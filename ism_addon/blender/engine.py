@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render engine, as Blender calls it. `final` and `viewport` do what it is asked for."""
+"""The render engine, as Blender calls it. `final` and `viewport` do what it is asked for.
+
+They are imported when they are first asked: Blender starts without them, and most files are for other engines.
+"""
 
 from importlib.machinery import ExtensionFileLoader
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
-from . import account, final, frames, lookout, viewport
+from . import account, frames, lookout
+
+if TYPE_CHECKING:
+    from .viewport import Viewport
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
 
@@ -25,7 +31,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True  # for Material Preview, which is empty otherwise
     bl_use_shading_nodes_custom = False  # else Blender hides its own material nodes
 
-    _viewport: viewport.Viewport | None = None
+    _viewport: Any = None  # a Viewport, which Blender would look for at once if it were named here
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -38,6 +44,8 @@ class ISMRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, "Normal", 3, "XYZ", "VECTOR")
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        from . import final
+
         try:
             final.render(self, depsgraph)
         except Exception as error:
@@ -56,9 +64,11 @@ class ISMRenderEngine(bpy.types.RenderEngine):
         """For the panels, which ask the engine by its name."""
         return account.latest()
 
-    def _own_viewport(self) -> viewport.Viewport:
+    def _own_viewport(self) -> "Viewport":
         if self._viewport is None:
-            self._viewport = viewport.Viewport()
+            from .viewport import Viewport
+
+            self._viewport = Viewport()
         return self._viewport
 
 

@@ -4,7 +4,6 @@
 Kept as long as Blender's render job lasts and, with its Persistent Data, until the next one.
 """
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -12,15 +11,15 @@ from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
 from ..scene import Scene
-from .extract import Reader
 
 
-@dataclass(eq=False)
 class Layer:
     """A view layer that is rendered."""
 
-    reader: Reader = field(default_factory=Reader)
-    client: object = field(default_factory=object)
+    def __init__(self) -> None:
+        from .extract import Reader  # Blender starts without what reads scenes
+
+        self.reader, self.client = Reader(), object()
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> Scene:
         """The Scene by now; what is as in the frame before is the same object."""

@@ -5,11 +5,8 @@
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from .. import snapshot
 from ..gpu.worker import shared
-from ..scene import Scene, View
-from ..settings import Settings
-from . import camera, controls, extract, lookout, viewport
+from . import lookout
 
 
 class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
@@ -29,15 +26,14 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
         return context.engine == "ISM"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        depsgraph = context.evaluated_depsgraph_get()
+        from . import camera, origin  # Blender starts without what reads scenes
+
         try:
-            scene, view, chosen = _seen(context, depsgraph)
-            snapshot.save(self.filepath, scene, view, chosen)
+            saved = origin.save(context, self.filepath)
         except (camera.CameraError, OSError) as reason:
             self.report({"ERROR"}, f"The snapshot was not saved: {reason}")
             return {"CANCELLED"}
-        size = f"{view.width}×{view.height} pixels, {scene.triangle_count:,} triangles"
-        self.report({"INFO"}, f"Saved {size} to {self.filepath}")
+        self.report({"INFO"}, f"Saved {saved} to {self.filepath}")
         return {"FINISHED"}
 
 
@@ -60,19 +56,6 @@ class ISM_OT_reload_shaders(bpy.types.Operator):
         lookout.redraw()
         self.report({"INFO"}, "The next picture is drawn by the shaders as they are now")
         return {"FINISHED"}
-
-
-def _seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[Scene, View, Settings]:
-    """What the viewport that asks is drawn from; from other editors, the final render."""
-    if context.area is None or context.area.type != "VIEW_3D":
-        return extract.scene(depsgraph), camera.final_view(depsgraph), controls.read(context.scene, "render")
-    region = context.region
-    if region.type != "WINDOW":  # of a quad view's four, the last can be turned
-        region = [each for each in context.area.regions if each.type == "WINDOW"][-1]
-    with context.temp_override(region=region):
-        view, _place = viewport.seen(context, depsgraph)
-    scene = extract.scene(depsgraph, viewport.shown_by(context.space_data))
-    return scene, view, controls.read(context.scene, "viewport")
 
 
 register, unregister = bpy.utils.register_classes_factory((ISM_OT_save_snapshot, ISM_OT_reload_shaders))

@@ -3,6 +3,7 @@
 
 import json
 import sys
+import threading
 from pathlib import Path
 
 import bpy
@@ -11,6 +12,9 @@ import numpy as np
 archive, picture = sys.argv[-2:]
 bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
 early = sorted({"moderngl", "glcontext"} & set(sys.modules))
+reading = (".blender.extract", ".blender.final", ".blender.viewport", ".snapshot")
+read_early = sorted(name for name in sys.modules if name.endswith(reading))
+threads_early = [thread.name for thread in threading.enumerate() if thread is not threading.main_thread()]
 
 # Blender puts the extension's packages last, behind those of a virtual environment with the same names.
 user = bpy.utils.resource_path("USER")
@@ -32,6 +36,8 @@ print(
     json.dumps(
         {
             "packages before the first picture": early,
+            "readers before the first picture": read_early,
+            "threads before the first picture": threads_early,
             "moderngl": sys.modules["moderngl"].__file__,
             "user": user,
             "brightest": float(pixels.reshape(-1, 4)[:, :3].max()),

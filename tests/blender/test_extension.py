@@ -47,6 +47,14 @@ def test_enabling_it_imports_no_opengl(findings):
     assert findings["packages before the first picture"] == []
 
 
+def test_enabling_it_imports_nothing_that_reads_scenes(findings):
+    assert findings["readers before the first picture"] == []
+
+
+def test_enabling_it_starts_no_worker_and_so_compiles_no_shader(findings):
+    assert "ISM renderer" not in findings["threads before the first picture"]
+
+
 def test_it_brings_its_own_moderngl(findings):
     assert Path(findings["moderngl"]).is_relative_to(findings["user"])
 
