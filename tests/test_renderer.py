@@ -8,10 +8,11 @@ import pytest
 
 from ism_addon.gpu import renderer
 from ism_addon.gpu.renderer import SHOWABLE
+from ism_addon.scene import Image
 from ism_addon.settings import SSAO, Method
 
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, quad, stage, with_quality
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 BY_MAPS = replace(MAPS, ssao=SSAO())
@@ -65,7 +66,22 @@ def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
     for name in ("geometry", "surfaces"):
         assert first.renderer.tables[name] is second.renderer.tables[name]
     uploaded = [drawn.profile.counts["bytes_uploaded"] for drawn in (first, second)]
-    assert uploaded[0] - uploaded[1] == sum(first.renderer.tables[name].bytes for name in ("geometry", "surfaces"))
+    geometry, surfaces = first.renderer.tables["geometry"], first.renderer.tables["surfaces"]
+    assert uploaded[0] - uploaded[1] == geometry.bytes + surfaces.bytes + surfaces.texels.bytes
+
+
+def test_another_colour_uploads_no_image(device):
+    texels = np.random.default_rng(0).integers(0, 256, (64, 64, 4), np.uint8)
+    scene, view = (
+        stage([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], image=Image(texels)),
+        from_above(2.0),
+    )
+    first = draw(device, scene, view)
+    materials = replace(scene.materials, base_color=scene.materials.base_color / 2.0)
+    second = draw(device, replace(scene, materials=materials), view, renderer=first.renderer)
+    assert second.profile.rows["Colours"].drawn
+    assert first.profile.counts["bytes_uploaded"] > texels.nbytes
+    assert second.profile.counts["bytes_uploaded"] == second.renderer.tables["surfaces"].bytes
 
 
 def test_equal_settings_draw_nothing(again, base):

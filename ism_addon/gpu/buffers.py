@@ -107,25 +107,35 @@ class Placement:
                 yield replace(mesh, first_instance=first + start, instances=count)
 
 
-class Surfaces:
-    """Materials as a table; all images, with their halved copies, in one texture of texels."""
+class Texels:
+    """All images, with their halved copies, in one texture of texels."""
 
-    def __init__(self, gl: moderngl.Context, materials: Materials, images: tuple[Image, ...]):
+    def __init__(self, gl: moderngl.Context, images: tuple[Image, ...]):
+        self.images = images
         chains = [mip_chain(image.texels) for image in images]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
-        first = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
+        self.first_lines = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
+        self.levels = [len(chain) for chain in chains]
+        texels = joined(blocks, (0, 4), "u1")
+        self.texture = upload_array(gl, texels, "f1", internal_format=SRGB8_ALPHA8)
+        self.bytes = texels.nbytes
+
+
+class Surfaces:
+    """Materials as a table that leads into the images' texels."""
+
+    def __init__(self, gl: moderngl.Context, materials: Materials, texels: Texels):
         table = np.zeros(len(materials.base_color), MATERIAL.dtype)
         table["color"] = materials.base_color
         for row in np.flatnonzero(materials.image >= 0):
-            image = materials.image[row]
-            height, width = images[image].texels.shape[:2]
-            table[row]["first_line"] = first[image]
-            table[row]["width"], table[row]["height"] = width, height
-            table[row]["repeat"], table[row]["levels"] = images[image].repeat, len(chains[image])
+            number = materials.image[row]
+            image = texels.images[number]
+            table[row]["first_line"], table[row]["levels"] = texels.first_lines[number], texels.levels[number]
+            table[row]["height"], table[row]["width"] = image.texels.shape[:2]
+            table[row]["repeat"] = image.repeat
         self.table = MATERIAL.upload(gl, table)
-        texels = joined(blocks, (0, 4), "u1")
-        self.texels = upload_array(gl, texels, "f1", internal_format=SRGB8_ALPHA8)
-        self.bytes = table.nbytes + texels.nbytes
+        self.texels = texels
+        self.bytes = table.nbytes
 
 
 def numbered(triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -83,7 +83,7 @@ class GBuffer(Pass):
             first=tuple(frame.grid.bounds(frame.view.width, frame.view.height)[0]),
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
-            texels=frame.tables["surfaces"].texels,
+            texels=frame.tables["surfaces"].texels.texture,
             **frame.tables["geometry"].textures,
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")

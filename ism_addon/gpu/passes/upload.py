@@ -2,7 +2,7 @@
 """The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each only when it changed."""
 
 from ...scene import Change
-from ..buffers import Geometry, Placement, Surfaces
+from ..buffers import Geometry, Placement, Surfaces, Texels
 from . import Frame, Pass
 
 
@@ -36,4 +36,5 @@ class Colours(Pass):
     depends_on = (Change.MATERIALS,)
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["surfaces"] = frame.shared(Surfaces, frame.scene.materials, frame.scene.images)
+        texels = frame.shared(Texels, frame.scene.images)
+        frame.tables["surfaces"] = frame.shared(Surfaces, frame.scene.materials, texels)
