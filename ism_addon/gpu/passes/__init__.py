@@ -106,7 +106,7 @@ class Frame:
         """Whether ambient occlusion can darken anything."""
         ssao = self.settings.ssao
         asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any()
-        return bool(asked and self.pixels_around(ssao.radius) > SAME_PIXEL)
+        return bool(asked and not (self.settings.skip and self.pixels_around(ssao.radius) < SAME_PIXEL))
 
     def pixels_around(self, radius: float) -> float:
         """How many pixels across or up, at most, anything seen is from points about it, `radius` m away or less."""
