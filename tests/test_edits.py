@@ -17,7 +17,7 @@ SIZE = 24, 16
 SEVERAL = 6
 
 OCCLUSION = {"SSAO", "Blur"}
-PICTURE = {"Shade", "Accumulate", "Resolve"}
+PICTURE = {"Shade", "Accumulate", "Halves", "Resolve"}
 BY_RAYS = {"Reach", "Predict", "Trace"}
 BY_MAPS = {"Splat", "PullPush", "Gather"}
 
