@@ -164,7 +164,11 @@ def main() -> int:
         what, samples, kept, count = options.one
         print(json.dumps(turn(blend, what, int(samples), kept == PERSISTENT, int(count))))
         return 0
-    saved_atrium(blend)
+    addon.register()
+    try:
+        saved_atrium(blend)
+    finally:
+        addon.unregister()
     print(f"{'ms':<24}" + "".join(f"{name:>9}" for name in COLUMNS) + "   ratio")
     record = {}
     for animation in product(options.what.split(","), options.samples.split(","), ("", PERSISTENT)):

@@ -33,10 +33,11 @@ DIM = 0.01
 #: What a block shows is bounded in two parts, near and far, if the farthest depth is the nearest times this.
 SPLIT = 1.1
 
-#: Of more lights than these, only those are looked for from each block that arrive at one of every so many, along
-#: either side of the picture.
-FEW = 16
+#: Lights are looked for from one block of so many, along either side of the picture; of more lights than a few, only
+#: those that arrive at any of fewer blocks.
+NEARER = 2
 FARTHER = 4
+FEW = 16
 
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS = 1 << 15
@@ -65,10 +66,10 @@ class Reach(Pass):
 
     reads = ("position", "normal", "placement", "depth", "lights", "casters")
     writes = {
-        # Twice as high as there are rows of blocks: what they show nearby, and what far off.
-        "lowest": Target(4, "f4", divisor=0),  # corner of the box around it; in alpha, whether there is any
-        "highest": Target(4, "f4", divisor=0),
-        "facing": Target(4, "f4", divisor=0),  # axis of the cone of its normals; in alpha, its cosine
+        "lowest": Target(4, "f4", divisor=BLOCK),  # corner of the box around what a block shows; in alpha, whether any
+        "highest": Target(4, "f4", divisor=BLOCK),
+        "facing": Target(4, "f4", divisor=BLOCK),  # axis of the cone of its normals; in alpha, its cosine
+        **{f"far_{name}": Target(4, "f4", divisor=BLOCK) for name in ("lowest", "highest", "facing")},
     }
     makes = ("reach",)
     settings = ("skip",)
@@ -103,8 +104,8 @@ class Reach(Pass):
             self.light = around(there).mean((2, 3))
         else:
             spotted = np.array(list(frame.tables.get("spotted", {})), int)
-            for light, rays in self.rays_from(frame, spotted, 1).items():
-                self.arrives[light] = np.maximum(self.arrives[light], part_seen(rays))
+            for light, rays in self.rays_from(frame, spotted, NEARER).items():
+                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
             new = np.flatnonzero(~self.bounds.hold(seen))
             self.bounds = self.bounds.joined(seen)
             self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
@@ -126,21 +127,13 @@ class Reach(Pass):
 
     def look(self, frame: Frame) -> Bounds:
         """What the blocks show, each nearby and far off."""
-        columns, rows = frame.blocks
-        for name, target in self.writes.items():
-            frame.targets.allocate(name, target, (columns, 2 * rows))
         self.device.gl.enable_only(moderngl.NOTHING)
         frame.targets.into(*self.writes).use()
-        bind(
-            self.surfaces.program,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            depth=frame.targets["depth"],
-            rows=rows,
-        )
+        bind(self.surfaces.program, position=frame.targets["position"], depth=frame.targets["depth"])
         self.surfaces.render(moderngl.TRIANGLES, vertices=3)
         self.device.wait()
-        return Bounds.of(*(pixels(frame.targets[name]) for name in self.writes))
+        near_and_far = np.array([pixels(frame.targets[name]) for name in self.writes]).reshape(2, 3, -1, 4)
+        return Bounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
     def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
@@ -150,9 +143,15 @@ class Reach(Pass):
         if len(asked) > FEW:
             arrived = self.rays_from(frame, asked, FARTHER)
             asked = np.array([light for light in asked if arrived[light][..., 0].any()], int)
-        rays = self.rays_from(frame, asked, 1)
+        rays = self.rays_from(frame, asked, NEARER)
         unasked = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
-        return unasked | {light: part_seen(found) for light, found in rays.items()}
+        return unasked | {light: self.by_blocks(frame, found) for light, found in rays.items()}
+
+    @staticmethod
+    def by_blocks(frame: Frame, rays: np.ndarray) -> np.ndarray:
+        """(rows,columns): the part of a light that is seen about each block, by rays from every NEARER-th."""
+        columns, rows = frame.blocks
+        return part_seen(rays).repeat(NEARER, 0).repeat(NEARER, 1)[:rows, :columns]
 
     def rays_from(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
