@@ -9,85 +9,13 @@ import pytest
 from ism_addon.gpu.passes.check import Check
 from ism_addon.settings import SSAO, Method
 
+from .scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
 
 SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
 SIZE = 24, 16
 SEVERAL = 6
-
-OCCLUSION = {"SSAO", "Blur"}
-PICTURE = {"Shade", "Accumulate", "Halves", "Resolve"}
-BY_RAYS = {"Reach", "Predict", "Trace"}
-BY_MAPS = {"Splat", "PullPush", "Gather"}
-
-#: Other ones, or nothing new, in each sample.
-EACH_SAMPLE = {
-    Method.FITTED: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    Method.CLASSIC: {"Sift", "GBuffer", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
-}
-
-
-def nothing_changed(scene, view):
-    return scene, view
-
-
-def view_turned(scene, view):
-    return scene, look((3.0, -3.4, 2.6), (0.0, 0.0, 0.3), SIZE)
-
-
-def light_moved(scene, view):
-    return replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.1)), view
-
-
-def colour_changed(scene, view):
-    materials = replace(scene.materials, base_color=np.array([[0.9, 0.1, 0.1]], np.float32))
-    return replace(scene, materials=materials), view
-
-
-def object_moved(scene, view):
-    matrices = scene.instances.world_from_object.copy()
-    matrices[1, 2, 3] += 0.2
-    return replace(scene, instances=replace(scene.instances, world_from_object=matrices)), view
-
-
-#: What an edit has drawn again, of that which samples share;
-SHARED = {
-    Method.FITTED: {
-        nothing_changed: set(),
-        view_turned: {"Scout"},
-        light_moved: {"Lights", "Scout"},
-        colour_changed: {"Colours"},
-        object_moved: {"Place", "InstanceTree", "Scout"},
-    },
-    Method.CLASSIC: {
-        nothing_changed: set(),
-        view_turned: set(),
-        light_moved: {"Lights", "Subsets"},
-        colour_changed: {"Colours"},
-        object_moved: {"Place", "SurfacePoints", "Subsets"},
-    },
-}
-
-#: and of a first sample, where all that was drawn is that of another first sample.
-FIRST = {
-    Method.FITTED: {
-        nothing_changed: set(),
-        view_turned: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-        light_moved: BY_RAYS | PICTURE,
-        colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    },
-    Method.CLASSIC: {
-        nothing_changed: set(),
-        view_turned: {"Sift", "GBuffer", "Gather"} | OCCLUSION | PICTURE,
-        light_moved: {"LightPoints"} | BY_MAPS | PICTURE,
-        colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer"} | BY_MAPS | OCCLUSION | PICTURE,
-    },
-}
-
-EDITS = list(FIRST[Method.FITTED])
 
 
 @pytest.fixture(params=Method, ids=[method.label for method in Method])

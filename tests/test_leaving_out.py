@@ -10,8 +10,9 @@ from ism_addon.gpu import renderer
 from ism_addon.gpu.block import clip_from_anchor
 from ism_addon.settings import SSAO, Method
 
+from .scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, no_lights, prepared, quad, rubble, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, prepared, quad, rubble, stage, with_quality
 
 SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
 SIZE = 64, 48
@@ -31,54 +32,10 @@ LIT = {Method.FITTED: RAYS | LIGHT_BY_RAYS | {"Lights"}, Method.CLASSIC: MAPS_AL
 SHADOWED = {Method.FITTED: RAYS | {"Predict"}, Method.CLASSIC: MAPS_ALONE}
 
 
-def with_ssao(settings, **changes):
-    return replace(settings, ssao=replace(settings.ssao, **changes))
-
-
-def unlit(scene, settings):
-    return replace(scene, lights=no_lights()), settings
-
-
-def without_casters(scene, settings):
-    none = np.zeros_like(scene.instances.casts_shadow)
-    return replace(scene, instances=replace(scene.instances, casts_shadow=none)), settings
-
-
-def unshadowed(scene, settings):
-    return replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros_like(scene.lights.casts_shadow))), settings
-
-
-def shadows_off(scene, settings):
-    return scene, replace(settings, shadow=replace(settings.shadow, enabled=False))
-
-
-def occlusion_off(scene, settings):
-    return scene, with_ssao(settings, enabled=False)
-
-
-def no_intensity(scene, settings):
-    return scene, with_ssao(settings, intensity=0.0)
-
-
-def no_radius(scene, settings):
-    return scene, with_ssao(settings, radius=0.0)
-
-
-def tiny_radius(scene, settings):
-    return scene, with_ssao(settings, radius=1e-3)
-
-
-def black_world(scene, settings):
-    return replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32))), settings
-
-
 WITHOUT = {
-    **dict.fromkeys([unlit], LIT),
-    **dict.fromkeys([without_casters, unshadowed, shadows_off], SHADOWED),
-    **dict.fromkeys(
-        [occlusion_off, no_intensity, no_radius, tiny_radius, black_world],
-        dict.fromkeys(Method, OCCLUSION),
-    ),
+    **dict.fromkeys(WITHOUT_LIGHT, LIT),
+    **dict.fromkeys(WITHOUT_SHADOWS, SHADOWED),
+    **dict.fromkeys(WITHOUT_OCCLUSION, dict.fromkeys(Method, OCCLUSION)),
 }
 
 

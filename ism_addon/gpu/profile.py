@@ -8,7 +8,10 @@ from dataclasses import asdict, dataclass, field
 from ..scene import Scene
 
 #: What is counted beside the passes.
-COUNTS = ("light_points", "surface_points", "triangles_drawn", "bytes_uploaded", "bytes_of_targets")
+COUNTS = (
+    *("triangles_drawn", "pixels_drawn", "lights_used", "pixels_refined", "pixels_checked"),
+    *("light_points", "surface_points", "bytes_uploaded", "bytes_of_targets"),
+)
 
 
 @dataclass

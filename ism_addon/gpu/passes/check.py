@@ -44,6 +44,7 @@ class Check(Pass):
             frame.tables["spotted"] = self.spotted(frame)
             target.clear()
         blocks = self.chosen(frame)
+        frame.counts["pixels_checked"] += len(blocks) * SCOUTED_BLOCK**2
         self.device.gl.enable_only(moderngl.BLEND)
         self.device.gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(

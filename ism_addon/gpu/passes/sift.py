@@ -56,6 +56,7 @@ class Sift(Pass):
         error, turn = frame.tables["error"], additive_sequence(frame.sample, 1, 1)[0, 0]
         takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & most_around(~error.settled)
         frame.tables["blocks"] = self.blocks(frame, takes_part)
+        frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * BLOCK**2
         self.turns += takes_part
         error.count(takes_part)
         frame.tables["counts"].write(error.counts)

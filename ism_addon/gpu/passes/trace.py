@@ -17,7 +17,7 @@ from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target
-from . import Frame, Pass
+from . import BLOCK, Frame, Pass
 
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
 ENOUGH = 0.2
@@ -63,11 +63,13 @@ class Trace(Pass):
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         shifts = additive_sequence(0, len(lights.shape), 3)
+        used: set[int] = set()
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
             traced, shown = self.chosen(frame, light, shift[2])
             if not len(traced) + len(shown):
                 continue
+            used.add(light)
             kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
             shared = {
                 **frame.receivers,
@@ -81,6 +83,7 @@ class Trace(Pass):
             program = self.program(*kind, 0, 1)
             bind(program, **shared)
             self.draw_blocks(frame, predicted, program, shown)
+            frame.counts["pixels_refined"] += len(traced) * BLOCK**2
             if len(traced):
                 places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
@@ -89,18 +92,20 @@ class Trace(Pass):
             bind(program, **uniforms, enough=self.enough(frame), **frame.tables["casters"])
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)
-        self.draw_dim(frame)
+        used.update(self.draw_dim(frame))
+        frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
 
     @staticmethod
     def enough(frame: Frame) -> float:
         """The change of a pixel's luminance that a ray is traced for in any case."""
         return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
 
-    def draw_dim(self, frame: Frame) -> None:
-        """Lights that are a small part of a block's light: all at once, predicted for the block as a whole."""
+    def draw_dim(self, frame: Frame) -> list[int]:
+        """Lights that are a small part of a block's light: all at once, predicted for whole blocks. Which they are."""
         lights, rays = frame.scene.lights, int(frame.traces and frame.sample > 0)
         target = frame.targets.into("predicted", "correction")
         blocks = self.dim_ones(frame)
+        frame.counts["pixels_refined"] += rays * len(blocks) * BLOCK**2
         number = blocks["light"].astype(np.int64)
         kinds = (lights.shape == LightShape.RECTANGLE) + 2 * (lights.spread < np.pi)
         for kind in np.unique(kinds[number]):
@@ -116,6 +121,7 @@ class Trace(Pass):
                 **frame.tables.get("casters", {}),
             )
             self.draw_blocks(frame, target, program, blocks[kinds[number] == kind])
+        return np.unique(number).tolist()
 
     def dim_ones(self, frame: Frame) -> np.ndarray:
         """Rows of BLOCKS for each light that is dim there; the part that is thought to be seen of it is `sure`."""

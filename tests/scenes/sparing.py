@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of which much can be left out, or taken from the one before: the cases of `dev.py bench skip`.
+
+Each has the counts that must hold; tests assert them on small pictures, the benchmark reports what they save on large.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from ism_addon.scene import Scene, View
+from ism_addon.settings import Method, Quality, Settings
+
+from .changes import (
+    EDITS,
+    FIRST,
+    OCCLUSION,
+    SHARED,
+    WITHOUT_LIGHT,
+    WITHOUT_OCCLUSION,
+    WITHOUT_SHADOWS,
+    Edit,
+    tiny_radius,
+)
+from .rooms import IDLE, rooms
+from .small import view as looking
+
+Picture = tuple[Scene, View, Settings]
+SAMPLES = 16
+IDLE_LIGHTS = 195
+
+
+@dataclass(frozen=True)
+class Case:
+    """A picture, perhaps after another by the same renderer, and what must hold of it."""
+
+    name: str
+    picture: Picture
+    before: Picture | None = None
+    drawn: frozenset[str] | None = None  # the passes that must be drawn
+    never: frozenset[str] = frozenset()  # those that must not be
+    equal: dict[str, int] = field(default_factory=dict)  # counts that must be just so
+    at_most: dict[str, int] = field(default_factory=dict)  # or no more than this
+
+
+def words(function: object) -> str:
+    return function.__name__.replace("_", " ")
+
+
+def settings(method: Method = Method.FITTED, samples: int = SAMPLES) -> Settings:
+    """The defaults, with so many samples whatever their error."""
+    base = Settings(quality=Quality(samples=samples, error_threshold=0.0))
+    return replace(base, shadow=replace(base.shadow, method=method))
+
+
+def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
+    """All of them, at a size."""
+    scene, view = rooms({}, width, height)
+    whole = scene, view, settings()
+    pixels = width * height
+    yield Case("first picture", whole, equal={"lights_used": 5}, at_most={"triangles_drawn": scene.triangle_count // 4})
+    sky = looking((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), width, height)
+    nothing = {"lights_used": 0, "pixels_refined": 0, "pixels_checked": 0}
+    yield Case("nothing but background", (scene, sky, settings()), equal=nothing)
+    yield from (edited(edit, *whole[:2], method) for method in Method for edit in EDITS)
+    for lack in WITHOUT_LIGHT + WITHOUT_SHADOWS:
+        lacking, without = lack(scene, settings())
+        never = {"MeshTrees", "InstanceTree", "Scout", "Check", "Predict"}
+        yield Case(words(lack), (lacking, view, without), never=frozenset(never), equal={"pixels_refined": 0})
+    for lack in WITHOUT_OCCLUSION:
+        lacking, without = lack(scene, settings())
+        if lack is not tiny_radius:  # in a room, a camera may be as close as it likes to what it sees
+            yield Case(words(lack), (lacking, view, without), never=frozenset(OCCLUSION))
+    for why in IDLE:
+        lit, _ = rooms({why: IDLE_LIGHTS}, width, height)
+        looked_for = 4 * pixels if why == "hidden" else 0 if why in ("turned away", "elsewhere") else pixels
+        yield Case(
+            f"{IDLE_LIGHTS} lights {why}",
+            (lit, view, settings()),
+            at_most={"pixels_checked": looked_for, "lights_used": 5},
+        )
+
+
+def edited(edit: Edit, scene: Scene, view: View, method: Method) -> Case:
+    """A first sample after the same one before an edit."""
+    one = settings(method, 1)
+    drawn = frozenset(SHARED[method][edit] | FIRST[method][edit])
+    return Case(f"{words(edit)}, {method.label}", (*edit(scene, view), one), (scene, view, one), drawn)
