@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is saved by leaving out what does not change a picture, and by keeping what did not change: `dev.py bench skip`.
+
+Every case of tests/scenes/sparing.py is drawn twice, as always and with nothing left out (`--no-skip`): the ratio of
+the times, how far the pictures are apart, and the counts.
+"""
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import asdict, replace
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from ism_addon.gpu.context import Device, open_device
+from ism_addon.gpu.profile import COUNTS, Profile
+from ism_addon.gpu.renderer import Renderer
+from tests.scenes.sparing import Case, Picture, cases
+
+COLUMNS = ("ms", "no skip", "faster", "apart", "drawn", "reused", "skipped")
+COUNTED = ("lights_used", "triangles_drawn", "pixels_drawn", "pixels_refined", "pixels_checked", "bytes_uploaded")
+
+
+def draw(renderer: Renderer, picture: Picture) -> tuple[float, Profile, np.ndarray]:
+    """Seconds that all samples took, their profile and the picture."""
+    scene, view, settings = picture
+    profile, start = Profile(), time.perf_counter()
+    for sample in range(settings.quality.samples):
+        for _ in renderer.sample(scene, view, settings, sample, profile):
+            pass
+    color = renderer.picture()[..., :3]
+    return time.perf_counter() - start, profile, color
+
+
+def measured(device: Device, case: Case, skip: bool) -> tuple[float, Profile, np.ndarray]:
+    """A case by a new renderer, after the picture before it."""
+    renderer = Renderer(device)
+    for picture in filter(None, (case.before, case.picture)):
+        found = draw(renderer, (*picture[:2], replace(picture[2], skip=skip)))
+    renderer.release()
+    return found
+
+
+def row(device: Device, case: Case, rounds: int) -> dict:
+    """Medians of a case's rounds, and its counts."""
+    times: dict[bool, list[float]] = {True: [], False: []}
+    pictures, profiles = {}, {}
+    for _ in range(rounds):
+        for skip, seconds in times.items():
+            taken, profiles[skip], pictures[skip] = measured(device, case, skip)
+            seconds.append(taken)
+    ms = {skip: 1e3 * median(seconds) for skip, seconds in times.items()}
+    apart = np.sqrt(((pictures[True] - pictures[False]) ** 2).mean()) / max(pictures[False].mean(), 1e-6)
+    passes = {name: asdict(each) for name, each in profiles[True].rows.items()}
+    return {
+        "ms": ms[True],
+        "no skip": ms[False],
+        "faster": ms[False] / ms[True],
+        "apart": float(apart),
+        **{what: sum(each[what] for each in passes.values()) for what in COLUMNS[4:]},
+        **{name: profiles[True].counts[name] for name in COUNTS},
+        "passes": passes,
+    }
+
+
+def line(name: str, found: dict) -> str:
+    """A row of the table, in Markdown."""
+    times = f"{found['ms']:.0f} | {found['no skip']:.0f} | {found['faster']:.1f}× | {found['apart']:.4f}"
+    counts = " | ".join(f"{found[count]:,}" for count in (*COLUMNS[4:], *COUNTED))
+    return f"| {name} | {times} | {counts} |"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="tests.benchmark.skip", description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, required=True, help="folder of the record, skip.json and skip.md")
+    parser.add_argument("--rounds", type=int, default=3, help="of each case; medians are taken (%(default)s)")
+    parser.add_argument("--size", default="640x360", help="WIDTHxHEIGHT in pixels (%(default)s)")
+    parser.add_argument("--only", default="", help="cases whose names hold this")
+    options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
+    device = open_device()
+    chosen = [case for case in cases(*map(int, options.size.split("x"))) if options.only in case.name]
+    measured(device, chosen[0], True)  # shaders are compiled by then
+    heads = ("case", *COLUMNS, *(name.replace("_", " ") for name in COUNTED))
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    print("\n".join(lines), flush=True)
+    record = {}
+    for case in chosen:
+        record[case.name] = row(device, case, options.rounds)
+        lines.append(line(case.name, record[case.name]))
+        print(lines[-1], flush=True)
+    (options.output / "skip.json").write_text(json.dumps(record, indent=1), "utf-8")
+    (options.output / "skip.md").write_text("\n".join(lines) + "\n", "utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
