@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The benchmark's scene, in which anything can grow: rough ground, a rock on it and balls about it, under lamps."""
+
+import math
+
+import bpy
+import numpy as np
+
+from tests.scenes import scenery
+from tests.scenes.atrium_light import aim
+from tests.scenes.scenery import Lamp, large_mesh
+from tests.scenes.solids import ball
+
+REACH = 4.0  # m, half of the ground's side
+HEIGHT = 5.0  # m, of the lamps
+WATTS = 300.0  # of all lamps together
+CAMERA = (0.0, -6.5, 3.2), (0.0, 0.2, 0.4), 34.0
+SENSOR = 36.0  # mm, Blender's
+SHAPES = ("RECTANGLE", "ELLIPSE", "SQUARE", "DISK")
+
+
+def build(triangles: int, objects: int, lamps: int) -> None:
+    """Open it: `triangles` in the ground and the rock together, `objects` balls, `lamps` lamps."""
+    scenery.start()
+    material = bpy.data.materials.new("Stone")
+    stand("Ground", ground(triangles // 2, material))
+    solid = ball(1.0, max(round(math.sqrt(triangles / 24)), 2), 2.6)
+    stand("Rock", large_mesh("Rock", rough(solid.positions) * 0.9 + (0.2, 0.3, 0.9), solid.quads, material))
+    small = ball(1.0, 4)
+    scatter(large_mesh("Ball", small.positions, small.quads, material), objects)
+    scenery.light(ring(lamps))
+    scenery.look(*CAMERA)
+
+
+def ground(triangles: int, material: bpy.types.Material) -> bpy.types.Mesh:
+    """Waves, and grit as fine as the triangles."""
+    line = np.linspace(-REACH, REACH, max(round(math.sqrt(triangles / 2)), 1) + 1, dtype=np.float32)
+    positions = np.empty((len(line), len(line), 3), np.float32)
+    positions[..., 0], positions[..., 1] = line[:, None], line
+    positions[..., 2] = 0.15 * np.sin(2.1 * line)[:, None] * np.cos(1.7 * line)
+    positions[..., 2] += 0.03 * np.sin(17.0 * line)[:, None] * np.sin(13.0 * line)
+    index = np.arange(len(line) ** 2, dtype=np.int32).reshape(len(line), -1)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)
+    return large_mesh("Ground", positions.reshape(-1, 3), quads.reshape(-1, 4), material)
+
+
+def rough(directions: np.ndarray) -> np.ndarray:
+    """Points (N,3) of a ball, moved in and out."""
+    x, y, z = directions.T
+    bumps = 0.08 * np.sin(5.0 * x + 2.0 * z) * np.sin(4.0 * y) + 0.015 * np.sin(31.0 * z) * np.sin(29.0 * (x + y))
+    return directions * (1.0 + bumps)[:, None]
+
+
+def scatter(mesh: bpy.types.Mesh, count: int) -> None:
+    """Instances of a ball of radius 1 on the ground, the smaller the more there are."""
+    random = np.random.default_rng(count)
+    size = 0.9 / math.sqrt(max(count, 9))
+    for number, (x, y) in enumerate(random.uniform(-0.85 * REACH, 0.85 * REACH, (count, 2))):
+        thing = bpy.data.objects.new(f"Ball {number}", mesh)
+        thing.location, thing.scale = (x, y, 0.2 + size), (size, size, size)
+        bpy.context.scene.collection.objects.link(thing)
+
+
+def ring(count: int) -> list[Lamp]:
+    """Lamps of all shapes in a ring over the ground."""
+    turns = 2.0 * math.pi * (np.arange(count) + 0.3) / count
+    return [
+        Lamp(
+            SHAPES[number % len(SHAPES)],
+            (3.0 * math.cos(turn), 3.0 * math.sin(turn), HEIGHT),
+            (0.0, 0.0, 0.3),
+            WATTS / count,
+            (0.9, 0.6),
+        )
+        for number, turn in enumerate(turns.tolist())
+    ]
+
+
+def stand(name: str, mesh: bpy.types.Mesh) -> None:
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+
+
+def brighten() -> None:
+    """Let light come from everywhere too."""
+    world = bpy.context.scene.world.node_tree.nodes["Background"]
+    world.inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
+
+
+def turn(angle: float) -> None:
+    """The camera by so many radians around the scene, from where it began."""
+    position, target, _ = CAMERA
+    cosine, sine = math.cos(angle), math.sin(angle)
+    place = bpy.context.scene.camera
+    place.location = cosine * position[0] - sine * position[1], sine * position[0] + cosine * position[1], position[2]
+    place.rotation_euler = aim(tuple(place.location), target)
