@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.layout import CASTER, WIDTH, upload_array
-from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees, packed_triangles
+from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
 from ism_addon.gpu.passes.upload import Meshes, Place
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.program import FOLDER, bind, expand, head
@@ -40,7 +40,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
-    for kind in (Meshes, Place, MeshTrees, InstanceTree):
+    for kind in (MeshTrees, Meshes, Place, InstanceTree):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene's arrays on the GPU.
-
-All meshes lie one behind the other in common arrays, so one triangle number names a triangle of the scene.
-The G-buffer needs positions alone; normals and texture coordinates are fetched by triangle where it is seen.
-"""
+"""Where the scene's meshes stand, and what they are made of, on the GPU."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -12,9 +8,10 @@ import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
-from ..scene import Image, Instances, Materials, Mesh
+from ..scene import Image, Instances, Materials
 from .cull import in_view, runs
-from .layout import INSTANCE, MATERIAL, MEMBERSHIP, WIDTH, octahedron_from_directions, upload_array
+from .geometry import Geometry
+from .layout import INSTANCE, MATERIAL, MEMBERSHIP, WIDTH, upload_array
 
 SRGB8_ALPHA8 = 0x8C43
 
@@ -38,34 +35,6 @@ def portions(draws: Iterator[Draw], most: int) -> Iterator[Draw]:
             yield replace(draw, first_triangle=draw.first_triangle + first, triangles=count)
 
 
-class Geometry:
-    """Meshes as vertex and index buffers, and as textures that shaders read by triangle."""
-
-    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...]):
-        vertices = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])
-        self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
-        # A mesh far from its own origin would lose digits in float32 products: it is moved to its centre.
-        self.centres = np.array([centre_of(mesh.positions) for mesh in meshes]).reshape(-1, 3)
-        centred = [(m.positions - c).astype(np.float32) for m, c in zip(meshes, self.centres, strict=True)]
-        self.half_sizes = np.array([points.max(0, initial=0.0) for points in centred]).reshape(-1, 3)
-        positions = joined(centred, (0, 3), "f4")
-        triangles = joined([m.triangles + first for m, first in zip(meshes, vertices[:-1], strict=True)], (0, 3), "u4")
-        uvs = [m.uvs if len(m.uvs) else np.zeros((len(m.triangles), 3, 2), np.float32) for m in meshes]
-        normals = joined([snorm(mesh.normals) for mesh in meshes], (0, 2), "i2")
-        corners, indices = numbered(triangles, len(positions))
-        self.vertices = gl.buffer(positions.take(corners, 0)) if len(triangles) else None
-        self.indices = gl.buffer(indices) if len(triangles) else None
-        self.textures = {
-            "positions": upload_array(gl, positions, "f4"),
-            "triangles": upload_array(gl, triangles, "u4"),
-            "normals": upload_array(gl, normals, "i2"),
-            "uvs": upload_array(gl, joined([uv.reshape(-1, 2) for uv in uvs], (0, 2), "f4"), "f4"),
-            "materials": upload_array(gl, joined([m.materials[:, None] for m in meshes], (0, 1), "u4"), "u4"),
-        }
-        self.bytes = positions.nbytes + 12 * len(corners) + triangles.nbytes * 2 + normals.nbytes
-        self.bytes += 8 * len(normals) + 4 * len(triangles)
-
-
 class Placement:
     """Where the instances stand in anchor space, those of a mesh one behind the other."""
 
@@ -76,9 +45,8 @@ class Placement:
         self.rows = np.full(len(instances.mesh), -1)
         self.rows[order] = np.arange(len(order))
         mesh = instances.mesh[order]
-        matrices = instances.world_from_object[order]
-        offsets = np.einsum("nij,nj->ni", matrices[:, :3, :3], geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
-        self.matrices = np.concatenate([matrices[:, :3, :3], offsets[:, :, None]], 2)
+        linear, offsets = anchor_from_steps(geometry, instances, order, anchor)
+        self.matrices = np.concatenate([linear, offsets[:, :, None]], 2)
         table = np.zeros(len(order), INSTANCE.dtype)
         for k in range(3):
             table[f"row{k}"] = self.matrices[:, k]
@@ -138,24 +106,14 @@ class Surfaces:
         self.bytes = table.nbytes
 
 
-def numbered(triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Copies (N,) of `count` vertices, and triangles (T,3) uint32 of them whose last corners bear their numbers.
-
-    So no shader needs gl_PrimitiveID, for which some drivers copy all corners of all triangles.
-    """
-    last, numbers = triangles[:, 2], np.arange(len(triangles), dtype=np.uint32)
-    copies, alone = np.zeros(count, np.uint32), np.ones(count, bool)
-    copies[last], alone[last] = numbers, False
-    others = np.flatnonzero(alone).astype(np.uint32)
-    copies[others] = np.arange(len(last), len(last) + len(others))
-    indices = copies[triangles]
-    indices[:, 2] = numbers
-    return np.concatenate([last, others]), indices
-
-
-def snorm(normals: np.ndarray) -> np.ndarray:
-    """Unit vectors (…,3) as points (N,2) int16 of the octahedron's square."""
-    return np.rint(octahedron_from_directions(normals.reshape(-1, 3)) * 32767.0).astype(np.int16)
+def anchor_from_steps(
+    geometry: Geometry, instances: Instances, rows: np.ndarray, anchor: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the steps of their meshes' lattices."""
+    mesh, matrices = instances.mesh[rows], instances.world_from_object[rows]
+    linear = matrices[:, :3, :3]
+    offsets = np.einsum("nij,nj->ni", linear, geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
+    return linear / geometry.scales[mesh, None, None], offsets
 
 
 def joined(parts: list[np.ndarray], shape: tuple[int, ...], dtype: str) -> np.ndarray:
@@ -166,13 +124,6 @@ def joined(parts: list[np.ndarray], shape: tuple[int, ...], dtype: str) -> np.nd
 def padded(texels: np.ndarray) -> np.ndarray:
     """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly."""
     return np.pad(texels, ((0, -len(texels) % WIDTH), (0, 0)))
-
-
-def centre_of(positions: np.ndarray) -> np.ndarray:
-    """(3,) float64: the middle of the bounding box of positions (V,3)."""
-    if not len(positions):
-        return np.zeros(3)
-    return (positions.min(0).astype(np.float64) + positions.max(0)) / 2.0
 
 
 def mip_chain(texels: np.ndarray) -> list[np.ndarray]:

@@ -55,27 +55,44 @@ class Record:
         return texture
 
 
+def array_texture(
+    gl: moderngl.Context, count: int, components: int, dtype: str, internal_format: int | None = None
+) -> moderngl.Texture:
+    """Room for an array (count, components 1…4) in a texture of WIDTH columns."""
+    size = WIDTH, max(1, -(-count // WIDTH))
+    texture = gl.texture(size, components, dtype=dtype, internal_format=internal_format)
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return texture
+
+
+def write_array(texture: moderngl.Texture, array: np.ndarray, first: int = 0) -> None:
+    """Write an array (N, components) into array_texture's room from element `first` on, which begins a line."""
+    array, line = np.ascontiguousarray(array), first // WIDTH
+    lines, rest = divmod(len(array), WIDTH)
+    if lines:
+        texture.write(array[: lines * WIDTH], viewport=(0, line, WIDTH, lines))
+    if rest:
+        texture.write(array[lines * WIDTH :], viewport=(0, line + lines, rest, 1))
+
+
 def upload_array(
     gl: moderngl.Context, array: np.ndarray, dtype: str, internal_format: int | None = None
 ) -> moderngl.Texture:
     """An array (N, components 1…4) as a texture of WIDTH columns, without a padded copy of the whole."""
-    array = np.ascontiguousarray(array)
-    lines, rest = divmod(len(array), WIDTH)
-    size = WIDTH, max(1, lines + (rest > 0))
-    texture = gl.texture(size, array.shape[1], dtype=dtype, internal_format=internal_format)
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    if lines:
-        texture.write(array[: lines * WIDTH], viewport=(0, 0, WIDTH, lines))
-    if rest:
-        texture.write(array[lines * WIDTH :], viewport=(0, lines, rest, 1))
+    texture = array_texture(gl, *array.shape, dtype, internal_format)
+    write_array(texture, array)
     return texture
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
     """Unit vectors (…,3) as points (…,2) of a square, as lib/octahedron.glsl does (Cigolle et al. 2014)."""
-    p = directions[..., :2] / np.maximum(np.abs(directions).sum(-1, keepdims=True), 1e-20)
-    folded = np.copysign(1.0 - np.abs(p[..., ::-1]), p)
-    return np.where(directions[..., 2:] >= 0.0, p, folded)
+    points = np.empty((*directions.shape[:-1], 2), directions.dtype)
+    x, y, z = (directions[..., k] for k in range(3))  # numpy is slow along short axes
+    size = np.maximum(np.abs(x) + np.abs(y) + np.abs(z), 1e-20)
+    u, v, below = x / size, y / size, z < 0.0
+    points[..., 0] = np.where(below, np.copysign(1.0 - np.abs(v), u), u)
+    points[..., 1] = np.where(below, np.copysign(1.0 - np.abs(u), v), v)
+    return points
 
 
 def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
@@ -92,7 +109,7 @@ INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 #: The groups that an instance belongs to, a bit for each.
 MEMBERSHIP = Record("Membership", groups="int")
 
-#: What casts a shadow: the 3×4 matrix into its mesh's space, that mesh's tree, who it is in the G-buffer, its groups.
+#: What casts a shadow: the 3×4 matrix into its mesh's steps, that mesh's tree, who it is in the G-buffer, its groups.
 CASTER = Record(
     "Caster",
     row0="vec4",
@@ -100,10 +117,10 @@ CASTER = Record(
     row2="vec4",
     first_node="int",
     leaves="int",
-    first_triangle="int",
+    first_start="int",
     per_leaf="int",
+    first_triangle="int",
     instance="int",
-    first_own="int",
     groups="int",
 )
 

@@ -42,14 +42,16 @@ from .passes.subsets import Subsets
 from .passes.surface_points import SurfacePoints
 from .passes.trace import Trace
 from .passes.trees import InstanceTree, MeshTrees
-from .passes.upload import Colours, Meshes, Place
+from .passes.upload import Colours, Meshes, Place, Unwrap
 from .profile import Profile
 from .targets import DEPTH, Targets
 
-#: What the camera sees, in the parts of the picture that the sample is spent on, and the lights;
-BEFORE = (Meshes, Place, Colours, Sift, GBuffer, Lights)
+#: The scene, in the order that suits shadow rays;
+SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours, InstanceTree)
+#: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights;
+BEFORE = (*SCENE, Sift, GBuffer, Lights)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
-FITTED = (MeshTrees, InstanceTree, Reach, Scout, Check, Predict, Trace)
+FITTED = (Reach, Scout, Check, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
 CLASSIC = (LightPoints, SurfacePoints, Subsets)

@@ -4,7 +4,8 @@
 Complete, so that its shape needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and the leaves are
 as many as the next power of four asks for. Each node splits its boxes at the median of their middles along the longest
 axis (Kay & Kajiya 1986), all nodes of a level at once. Rays go two levels at a step, from k to 4k … 4k + 3: what they
-fetch for that is 32 bytes, corners in bytes within the box around all four (Ylitie, Karras & Laine 2017).
+fetch for that is 32 bytes, corners in bytes within the box around all four (Ylitie, Karras & Laine 2017). All lengths
+are in steps of a grid, see scale_of and lattice.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -13,12 +14,17 @@ from functools import reduce
 
 import numpy as np
 
-#: Where the boxes of leaves that hold nothing are: no ray gets there. m
+#: Where the boxes of leaves that hold nothing are: no ray gets there.
 NOWHERE = 1e30
 
 #: Trees of more boxes than this are split by two threads (numpy lets go of the interpreter's lock).
 LARGE = 1 << 14
 
+#: Nodes that are packed at a time: so many stay in a processor's cache.
+PORTION = 1 << 13
+
+#: The box (2,3,1) around nothing: it begins where it has ended.
+NOTHING = np.repeat(np.float32([[[np.inf]], [[-np.inf]]]), 3, 1)
 
 #: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
 PLANE = 512
@@ -39,71 +45,99 @@ NODE = np.dtype([("begin", "<i2", 3), ("unit", "<u2"), ("low", "u1", (3, 4)), ("
 class Tree:
     """Which boxes lie in which leaf, and around what."""
 
-    order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; one is repeated to fill the last leaves
+    order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; their number where a leaf is not full
     leaves: int
     nodes: np.ndarray  # (2 * leaves, 2, 3) float32: low and high corner of node k
 
     @property
     def per_leaf(self) -> int:
-        """Boxes a leaf."""
+        """Boxes a leaf, at most."""
         return len(self.order) // self.leaves
 
-    @property
-    def scale(self) -> np.ndarray:
-        """(3,) float32: steps of the grid a unit of length. What is flat counts as thicker, lest products overflow."""
-        reach = np.abs(self.nodes[1]).max(0)
-        return np.float32(REACH) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20))
 
-    def steps(self, points: np.ndarray) -> np.ndarray:
-        """Points (…,3) float32 of the tree on its grid."""
-        return points * self.scale
-
-    def packed(self) -> np.ndarray:
-        """(leaves // 2,) NODE: rounded outwards, and inside out where there is nothing."""
-        count = self.leaves // 2
-        nowhere = self.nodes[: 4 * count, 0, 0] == np.float32(NOWHERE)
-        corners = self.steps(np.where(nowhere[:, None, None], np.float32(0.0), self.nodes[: 4 * count]))
-        corners += np.float32([[-SLACK], [SLACK]])
-        corners /= np.float32(PLANE)
-        low, high = np.floor(corners[:, 0]).astype(np.int32), np.ceil(corners[:, 1]).astype(np.int32)
-        begin = low[:count]
-        power = np.frexp(((np.maximum(high[:count] - begin, 1) - 1) // 255).astype(np.float32))[1]
-        low, high = (corner.reshape(count, 4, 3).swapaxes(1, 2) - begin[..., None] for corner in (low, high))
-        nowhere = nowhere.reshape(count, 1, 4)
-        packed = np.empty(count, NODE)
-        packed["begin"], packed["unit"] = begin, power @ (1, 16, 256)
-        packed["low"] = np.where(nowhere, 255, low >> power[..., None])
-        packed["high"] = np.where(nowhere, 0, -(-high >> power[..., None]))
-        return packed
+def build(boxes: np.ndarray, most_per_leaf: int) -> Tree:
+    """A tree over N > 0 boxes (2,3,N) float32."""
+    leaves = leaves_for(boxes.shape[2], most_per_leaf)
+    order = in_leaves(boxes, leaves)
+    members = [np.append(boxes, NOTHING, 2).take(row, 2) for row in order.reshape(leaves, -1).T]
+    low, high = (reduce(f, (each[k] for each in members)) for k, f in enumerate((np.minimum, np.maximum)))
+    return Tree(order, leaves, nodes_over(np.stack([low, high])))
 
 
-def build(low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> Tree:
-    """A tree over N > 0 boxes, given by their corners (N,3) float32 each."""
-    depth = 2 * int(np.ceil(np.log2(max(len(low) / most_per_leaf, 1.0)) / 2.0))
-    leaves = 1 << depth
-    per_leaf = -(-len(low) // leaves)
-    count = len(low)
-    order = np.minimum(np.arange(leaves * per_leaf), count)  # number `count` stands for no box
-    middles = np.append(low + high, low[-1:] + high[-1:], 0).T[:, None, order]
+def leaves_for(count: int, most_per_leaf: int) -> int:
+    """A power of four of leaves that hold `count` boxes."""
+    return 4 ** int(np.ceil(np.log2(max(count / most_per_leaf, 1.0)) / 2.0))
+
+
+def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
+    """(leaves * per_leaf,) int64: which of the boxes (2,3,N) is where, leaf by leaf; N where a leaf is not full."""
+    count = boxes.shape[2]
+    per_leaf = -(-count // leaves)
+    order = np.minimum(np.arange(leaves * per_leaf), count)
+    middles = (boxes[0] + boxes[1])[:, None, np.minimum(order, count - 1)]
     halves = [(middles, order[None])]
-    if depth and count > LARGE:
+    if leaves > 1 and count > LARGE:
         middles, both = split(*halves[0])
         halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     with ThreadPoolExecutor() as cores:
-        order = np.concatenate(list(cores.map(lambda half: sort(*half, per_leaf), halves)))
-    nodes = np.empty((2 * leaves, 2, 3), np.float32)
-    nothing = np.full((1, 3), np.inf, np.float32)
-    in_leaves = order.reshape(leaves, per_leaf).T  # reduced row by row: numpy is slow along short axes
-    nodes[leaves:, 0] = reduce(np.minimum, map(np.append(low, nothing, 0).__getitem__, in_leaves))
-    nodes[leaves:, 1] = reduce(np.maximum, map(np.append(high, -nothing, 0).__getitem__, in_leaves))
-    for level in range(depth - 1, -1, -1):
-        first = 1 << level
-        children = nodes[2 * first : 4 * first].reshape(first, 2, 2, 3)
-        nodes[first : 2 * first, 0] = np.minimum(children[:, 0, 0], children[:, 1, 0])
-        nodes[first : 2 * first, 1] = np.maximum(children[:, 0, 1], children[:, 1, 1])
-    nodes[0] = NOWHERE
-    nodes[nodes[:, 0, 0] > nodes[:, 1, 0]] = NOWHERE
-    return Tree(np.minimum(order, count - 1), leaves, nodes)
+        return np.concatenate(list(cores.map(lambda half: sort(*half, per_leaf), halves)))
+
+
+def nodes_over(boxes: np.ndarray) -> np.ndarray:
+    """(2 * leaves, 2, 3): Tree.nodes above the leaves' boxes (2,3,leaves), NOTHING where there is nothing."""
+    leaves = boxes.shape[2]
+    nodes = np.empty((2, 3, 2 * leaves), np.float32)  # coordinates side by side: numpy is slow along short axes
+    nodes[..., leaves:] = boxes
+    first = leaves // 2
+    while first:
+        children = nodes[:, :, 2 * first : 4 * first]
+        np.minimum(children[0, :, ::2], children[0, :, 1::2], out=nodes[0, :, first : 2 * first])
+        np.maximum(children[1, :, ::2], children[1, :, 1::2], out=nodes[1, :, first : 2 * first])
+        first //= 2
+    nodes[..., 0] = NOWHERE
+    nodes[:, :, nodes[0, 0] > nodes[1, 0]] = NOWHERE
+    return nodes.transpose(2, 0, 1)
+
+
+def scale_of(reach: np.ndarray) -> np.ndarray:
+    """(3,) float32: steps of the grid a unit of length, for what reaches (3,) from the origin.
+
+    What is flat counts as thicker, lest products overflow.
+    """
+    return np.float32(REACH) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20)).astype(np.float32)
+
+
+def packed(nodes: np.ndarray) -> np.ndarray:
+    """(leaves // 2,) NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
+    boxes = nodes.transpose(1, 2, 0)
+    rows = np.zeros(len(nodes) // 4, NODE)
+    levels = [4**k for k in range(15) if 4**k < len(rows) or k == 0]
+    parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
+    with ThreadPoolExecutor() as cores:
+        for _ in cores.map(lambda part: pack(boxes, rows, part), parts):
+            pass
+    return rows
+
+
+def pack(boxes: np.ndarray, rows: np.ndarray, part: slice) -> None:
+    """Fill a part of the rows (N,) NODE, which look at the boxes (2,3,4 N)."""
+    inside, around = boxes[:, :, 4 * part.start : 4 * part.stop], boxes[:, :, part]
+    nowhere = (inside[0, 0] == np.float32(NOWHERE)).reshape(-1, 4)
+    (begin, end), (low, high) = planes(around), planes(inside)
+    powers = np.frexp(((np.maximum(end - begin, 1) - 1) // 255).astype(np.float32))[1]
+    into = rows[part]
+    into["begin"], into["unit"] = begin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
+    for k in range(3):
+        power, origin = powers[k][:, None], begin[k][:, None]
+        into["low"][:, k] = np.where(nowhere, 255, (low[k].reshape(-1, 4) - origin) >> power)
+        into["high"][:, k] = np.where(nowhere, 0, -((origin - high[k].reshape(-1, 4)) >> power))
+
+
+def planes(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(3,N) int32 each: where boxes (2,3,N) begin and end with their slack; those of nothing somewhere."""
+    boxes = np.where(boxes[:, :1] == np.float32(NOWHERE), np.float32(0.0), boxes)
+    low, high = (boxes[0] - np.float32(SLACK)) / np.float32(PLANE), (boxes[1] + np.float32(SLACK)) / np.float32(PLANE)
+    return np.floor(low, out=low).astype(np.int32), np.ceil(high, out=high).astype(np.int32)
 
 
 def sort(middles: np.ndarray, groups: np.ndarray, per_leaf: int) -> np.ndarray:

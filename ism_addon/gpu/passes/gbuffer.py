@@ -51,7 +51,7 @@ class GBuffer(Pass):
         "albedo": Target(4, "f4"),  # in alpha: the rise
     }
     makes = ("rise",)  # how far the curved surface stands out over the triangle
-    reads = ("geometry", "placement", "surfaces", "blocks")
+    reads = ("geometry", "placement", "surfaces", "coordinates", "blocks")
     parts = {"surfaces": ("albedo",)}
     settings = ("skip",)
     depends_on = (Change.VIEW, Change.SAMPLE)
@@ -75,7 +75,8 @@ class GBuffer(Pass):
             self.drawn = drawn
         frame.device.gl.enable_only(moderngl.NOTHING)
         # Without images no shader is ready for them: many processors would walk through that too.
-        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(len(frame.scene.images) > 0))
+        images = len(frame.scene.images) > 0
+        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(images))
         bind(
             surface,
             triangles_seen=frame.targets["triangles"],
@@ -85,6 +86,7 @@ class GBuffer(Pass):
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels.texture,
             **frame.tables["geometry"].textures,
+            **({"uvs": frame.tables["coordinates"].texture} if images else {}),
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
         self.draw_blocks(frame, target, surface)

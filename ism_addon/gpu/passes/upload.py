@@ -2,18 +2,41 @@
 """The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each only when it changed."""
 
 from ...scene import Change
-from ..buffers import Geometry, Placement, Surfaces, Texels
+from ..buffers import Placement, Surfaces, Texels
+from ..geometry import Coordinates, Geometry
+from ..mesh_tree import MeshTree
 from . import Frame, Pass
+
+
+def trees_of(frame: Frame) -> tuple[MeshTree, ...]:
+    """Those of the scene's meshes, or none where rays have never asked for them."""
+    table = frame.tables.get("mesh_trees")
+    return table.trees if table is not None and table.meshes == frame.scene.meshes else ()
 
 
 class Meshes(Pass):
     """Vertices and triangles of all meshes."""
 
+    reads = ("mesh_trees",)
     makes = ("geometry",)
     depends_on = (Change.MESHES,)
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["geometry"] = frame.shared(Geometry, frame.scene.meshes)
+        frame.tables["geometry"] = frame.shared(Geometry, frame.scene.meshes, trees_of(frame))
+
+
+class Unwrap(Pass):
+    """Texture coordinates of all meshes."""
+
+    reads = ("mesh_trees",)
+    makes = ("coordinates",)
+    depends_on = (Change.MESHES,)
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.images) > 0
+
+    def draw(self, frame: Frame) -> None:
+        frame.tables["coordinates"] = frame.shared(Coordinates, frame.scene.meshes, trees_of(frame))
 
 
 class Place(Pass):

@@ -1,5 +1,6 @@
 // From a triangle's number to all that the other passes ask about a pixel.
 #include "lib/array.glsl"
+#include "lib/corners.glsl"
 #include "lib/octahedron.glsl"
 #include "lib/packed_normal.glsl"
 #include "lib/ray.glsl"
@@ -18,10 +19,7 @@ flat in vec4 place;
 flat in float own_number;
 uniform sampler2D instances;
 uniform sampler2D material_table;
-uniform sampler2D positions;
-uniform usampler2D triangles;
 uniform isampler2D normals;
-uniform usampler2D materials;
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
 layout(location = 2) out vec4 normal;
@@ -51,11 +49,8 @@ void main() {
     mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
     vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
 
-    uvec3 vertex = fetch(triangles, element(triangle)).xyz;
-    vec3 a = fetch(positions, element(int(vertex.x))).xyz;
-    vec3 u = linear * (fetch(positions, element(int(vertex.y))).xyz - a);
-    vec3 v = linear * (fetch(positions, element(int(vertex.z))).xyz - a);
-    a = linear * a + offset;
+    Corners corner = corners_of(triangle, texel_size(corners));
+    vec3 a = linear * corner.first + offset, u = linear * corner.u, v = linear * corner.v;
     vec3 facet = cross(u, v);
 
     Ray ray = view_ray(pixel);
@@ -66,12 +61,12 @@ void main() {
     depth = -(view_from_anchor * vec4(p, 1.0)).z;
 
     // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.
+    linear /= max(max(length(linear[0]), length(linear[1])), length(linear[2])); // steps are short
     mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
     vec3 smooth_normal = vec3(0.0);
     vec3 corner_normals[3];
     for (int k = 0; k < 3; ++k) {
-        int corner = 3 * triangle + k;
-        vec2 octahedra = vec2(fetch(normals, element(corner)).xy) / 32767.0;
+        vec2 octahedra = vec2(fetch(normals, element(3 * triangle + k)).xy) / 32767.0;
         corner_normals[k] = direction_from_octahedron(octahedra);
         smooth_normal += b[k] * corner_normals[k];
     }
@@ -83,7 +78,7 @@ void main() {
     normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
     position = vec4(p, number_of(normal.xy));
 
-    Material material = fetch_Material(material_table, int(fetch(materials, element(triangle)).x));
+    Material material = fetch_Material(material_table, corner.material);
     albedo = vec4(material.color, rise);
 #if IMAGES
     if (material.width > 0) {

@@ -3,9 +3,10 @@
 // Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Möller 2013, for complete trees).
 // Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
 // that walk through both sides of every "if".
+#include "lib/corners.glsl"
 #include "lib/linked.glsl"
 uniform usampler2D tree_nodes;
-uniform usampler2D tree_triangles;
+uniform usampler2D tree_starts;
 uniform sampler2D casters;
 uniform int caster_leaves;
 uniform vec3 casters_middle;
@@ -14,9 +15,6 @@ uniform vec3 casters_scale;
 // Where a ray is in one tree: the node, and which of its siblings and of its ancestors' wait, four bits a level, the
 // latest eight levels in x. Node 0: nowhere.
 struct Place { int node; uvec2 trail; };
-
-// Where texel i is in the unit square, see fetch.glsl and array.glsl; `texel` is the size of one.
-vec2 tree_place(int i, vec2 texel) { return (vec2(i & (WIDTH - 1), i / WIDTH) + 0.5) * texel; }
 
 Place next_place(Place here) {
     if (here.trail.x == 0u) here = Place(here.node >> 16, uvec2(here.trail.y, 0u));
@@ -32,7 +30,7 @@ vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); 
 
 // On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
 Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 texel) {
-    vec2 at = tree_place(2 * (first_node + here.node), texel);
+    vec2 at = place_of(2 * (first_node + here.node), texel);
     uvec4 one = textureLod(tree_nodes, at, 0.0), other = textureLod(tree_nodes, at + vec2(texel.x, 0.0), 0.0);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
@@ -50,27 +48,20 @@ Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 te
     return all > 0u ? Place(4 * here.node + findLSB(all), trail) : next_place(here);
 }
 
-// A triangle is two texels, see packed_triangles.
-bool crosses(int triangle, vec3 origin, vec3 ray, int own, vec2 texel) {
-    vec2 place = tree_place(2 * triangle, texel);
-    uvec4 one = textureLod(tree_triangles, place, 0.0);
-    uvec4 other = textureLod(tree_triangles, place + vec2(texel.x, 0.0), 0.0);
-    uvec4 last = (one & 127u) << uvec4(7, 14, 21, 28), number = (other & 127u) << uvec4(0, 7, 14, 21);
-    ivec3 corner = ivec3(one.xyz) >> 7;
-    vec3 u = vec3((ivec3(one.w, other.xy) >> 7) - corner);
-    vec3 v = vec3((ivec3(other.zw, last.x | last.y | last.z | last.w) >> 7) - corner);
-    vec3 p = cross(ray, v), to = origin - vec3(corner), q = cross(to, u); // Möller & Trumbore 1997
-    float scale = 1.0 / dot(u, p);
-    float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(v, q) * scale;
-    bool others = int(number.x | number.y | number.z | number.w) != own;
-    return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0 && others;
+bool crosses(int triangle, vec3 origin, vec3 ray, vec2 texel) {
+    Corners corners = corners_of(triangle, texel);
+    vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Möller & Trumbore 1997
+    float scale = 1.0 / dot(corners.u, p);
+    float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
+    return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
 }
 
 // By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
 bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
     vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
     vec3 whole_origin = (from - casters_middle) * casters_scale;
-    vec2 node_texel = texel_size(tree_nodes), triangle_texel = texel_size(tree_triangles); // out of the loops
+    vec2 node_texel = texel_size(tree_nodes), start_texel = texel_size(tree_starts);
+    vec2 corner_texel = texel_size(corners); // out of the loops
     Place outside = Place(1, uvec2(0u));
     bool hit = false;
     while (outside.node > 0) {
@@ -80,14 +71,15 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
         Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = inside * vec4(from, 1.0), ray = without_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
-        int own = caster.instance == instance ? triangle - caster.first_own : -1;
+        int own = caster.instance == instance ? triangle : -1;
         Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
         while (here.node > 0) {
             while (here.node > 0 && here.node < caster.leaves)
                 here = descend(caster.first_node, here, origin, inverse_ray, node_texel);
-            int first = caster.first_triangle + (here.node - caster.leaves) * caster.per_leaf;
+            int start = caster.first_start + here.node - caster.leaves;
+            int first = caster.first_triangle + int(textureLod(tree_starts, place_of(start, start_texel), 0.0).x);
             int last = here.node > 0 ? first + caster.per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || crosses(k, origin, ray, own, triangle_texel);
+            for (int k = first; k < last; ++k) hit = hit || (crosses(k, origin, ray, corner_texel) && k != own);
             here = hit ? Place(0, uvec2(0u)) : next_place(here);
         }
         outside = hit ? Place(0, uvec2(0u)) : next_place(outside);
