@@ -46,9 +46,14 @@ class Mesh(Arrays):
 
     positions: np.ndarray  # (V,3) m
     triangles: np.ndarray  # (T,3) uint32, into positions
-    normals: np.ndarray  # (T,3,3) unit shading normals of the corners
+    normals: np.ndarray  # unit shading normals: (V,3) of the vertices, or (T,3,3) of the corners
     uvs: np.ndarray  # (T,3,2), or (0,3,2) where the mesh has none
     materials: np.ndarray  # (T,) uint32, into Materials
+
+    @property
+    def corner_normals(self) -> np.ndarray:
+        """(T,3,3) unit shading normals of the corners."""
+        return self.normals if self.normals.ndim == 3 else self.normals[self.triangles]
 
     @cached_property
     def box(self) -> tuple[np.ndarray, np.ndarray]:

@@ -20,11 +20,11 @@ from .settings import Choice, Settings
 
 VERSION = 1
 
-#: The array of each field: dtype and lengths. A letter is one length throughout its object.
+#: The array of each field: dtype and lengths, or others. A letter is one length throughout its object.
 SHAPES: dict[tuple[type, str], str] = {
     (Mesh, "positions"): "float32 V 3",
     (Mesh, "triangles"): "uint32 T 3",
-    (Mesh, "normals"): "float32 T 3 3",
+    (Mesh, "normals"): "float32 V 3 or T 3 3",
     (Mesh, "uvs"): "float32 U 3 2",
     (Mesh, "materials"): "uint32 T",
     (Instances, "mesh"): "int32 I",
@@ -156,9 +156,9 @@ def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str,
     if place not in arrays:
         raise SnapshotError(f"The snapshot has no {place}.")
     array = arrays[place]
-    dtype, *sizes = expected.split()
-    fits = array.dtype == np.dtype(dtype) and array.ndim == len(sizes)
-    if not fits or any(
+    dtype, _, shapes = expected.partition(" ")
+    sizes = next((s.split() for s in shapes.split(" or ") if len(s.split()) == array.ndim), None)
+    if array.dtype != np.dtype(dtype) or sizes is None or any(
         length != (lengths.setdefault(size, length) if size.isalpha() else int(size))
         for size, length in zip(sizes, array.shape, strict=True)
     ):

@@ -177,7 +177,7 @@ def shading_normals(scene: Scene, surface: Surface) -> np.ndarray:
     parts = [np.zeros((0, 3, 3))]
     for row in np.flatnonzero(scene.instances.visible):
         mesh, linear = scene.meshes[scene.instances.mesh[row]], scene.instances.world_from_object[row, :3, :3]
-        parts.append(mesh.normals.astype(np.float64) @ np.linalg.inv(linear))
+        parts.append(mesh.corner_normals.astype(np.float64) @ np.linalg.inv(linear))
     normals = np.concatenate(parts)[surface.triangle]
     smooth = np.einsum("nk,nkc->nc", surface.barycentric, normals)
     smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-300)

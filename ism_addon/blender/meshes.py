@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ..scene import Mesh
+from . import faces
 from .reach import within
 
 
@@ -26,78 +27,69 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...]) -> Reading:
     """
     if not len(source.polygons):
         return Reading(None, 0, 0)
-    source.calc_loop_triangles()
-    corners = _corners(source)
-    corner_vertices = _read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32)
-    positions = _read(source.attributes["position"].data, "vector", (len(source.vertices), 3))
-    triangles = corner_vertices[corners]
-    reachable = within(positions).all(1)[triangles].all(1)
-    with np.errstate(all="ignore"):
-        face_normals, areas = _face_normals(positions, triangles)
-    kept = reachable & (areas > 0)
-    mesh = _mesh(source, positions, triangles, corners, face_normals, kept, materials) if kept.any() else None
+    positions = faces.read(source.attributes["position"].data, "vector", (len(source.vertices), 3))
+    triangles, reached = faces.triangles(source, positions), within(positions)
+    reachable = np.ones(len(triangles.vertices), np.bool_)
+    if not reached.all():
+        reachable = reached.all(1)[triangles.vertices].all(1)
+    kept = reachable & triangles.has_area
+    mesh = _mesh(source, positions, triangles, kept, materials) if kept.any() else None
     return Reading(mesh, int((reachable & ~kept).sum()), int((~reachable).sum()))
 
 
 def _mesh(
     source: bpy.types.Mesh,
     positions: np.ndarray,
-    triangles: np.ndarray,
-    corners: np.ndarray,
-    face_normals: np.ndarray,
+    triangles: faces.Triangles,
     kept: np.ndarray,
     materials: tuple[int, ...],
 ) -> Mesh:
     """The kept triangles, with the vertices that they use: others may be no numbers, or far away."""
-    slots = np.minimum(_material_slots(source), len(materials) - 1)
-    normals = _read(source.corner_normals, "vector", (len(source.loops), 3))
-    uvs = _uvs(source)
+    vertices, corners = triangles.vertices, triangles.corners
+    of_triangles, uvs = _materials(source, materials), _uvs(source)
+    normals = _normals(source, vertices, corners)
     if not kept.all():
-        triangles, corners, face_normals, slots = (a[kept] for a in (triangles, corners, face_normals, slots))
+        vertices, corners, of_triangles = vertices[kept], corners[kept], of_triangles[kept]
+        normals = normals[kept] if normals.ndim == 3 else normals
     used = np.zeros(len(positions), np.bool_)
-    used[triangles] = True
+    used[vertices] = True
     if not used.all():
-        positions, triangles = positions[used], (np.cumsum(used) - 1)[triangles]
+        normals = normals[used] if normals.ndim == 2 else normals
+        positions, vertices = positions[used], (np.cumsum(used, dtype=np.uint32) - np.uint32(1))[vertices]
     return Mesh(
         positions=positions,
-        triangles=triangles.astype(np.uint32),
-        normals=_mended(normals[corners], face_normals),
+        triangles=vertices,
+        normals=_mended(normals, positions, vertices),
         uvs=np.zeros((0, 3, 2), np.float32) if uvs is None else uvs[corners],
-        materials=np.array(materials, np.uint32)[slots],
+        materials=of_triangles,
     )
 
 
-def _read(
-    collection: bpy.types.bpy_prop_collection, attribute: str, shape: tuple[int, ...] | int, dtype: type = np.float32
-) -> np.ndarray:
-    """An attribute of all items as an array of this shape."""
-    array: np.ndarray = np.empty(shape, dtype)
-    collection.foreach_get(attribute, array.reshape(-1))
-    return array
+def _normals(source: bpy.types.Mesh, vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(V,3) where all faces at a vertex have the same, else (T,3,3)."""
+    if source.normals_domain == "POINT":
+        return faces.read(source.vertex_normals, "vector", (len(source.vertices), 3))
+    if source.normals_domain == "FACE":
+        normals = faces.read(source.polygon_normals, "vector", (len(source.polygons), 3))
+        return np.broadcast_to(normals[faces.face_of_each(source)][:, None], (*vertices.shape, 3))
+    return faces.read(source.corner_normals, "vector", (len(source.loops), 3))[corners]
 
 
-def _corners(source: bpy.types.Mesh) -> np.ndarray:
-    """(T,3) the corners of each triangle. Blender's own triangles are slow to read: not done where all faces are."""
-    count = len(source.loop_triangles)
-    if count == len(source.polygons):
-        return np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-    return _read(source.loop_triangles, "loops", (count, 3), np.int32)
-
-
-def _face_normals(positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(T,3) unit normals, NaN where there is no area, and (T,) areas m²."""
-    a, b, c = (positions[triangles[:, corner]] for corner in range(3))
+def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The same, but where they are no directions, those of their triangles."""
+    with np.errstate(all="ignore"):
+        x, y, z = (normals[..., axis] for axis in range(3))
+        square = x * x + y * y + z * z
+    broken = ~((square > 0.25) & np.isfinite(square))
+    if not broken.any():
+        return normals
+    if normals.ndim == 2:
+        normals, broken = normals[triangles], broken[triangles]
+    of_triangle, _ = np.nonzero(broken)
+    a, b, c = (positions[triangles[of_triangle, corner]] for corner in range(3))
     crossed = np.cross(b - a, c - a)
-    doubled = np.linalg.norm(crossed, axis=1)
-    return crossed / doubled[:, None], doubled / 2
-
-
-def _mended(normals: np.ndarray, face_normals: np.ndarray) -> np.ndarray:
-    """(T,3,3) corner normals, those that are no directions replaced by their triangle's own."""
-    length = np.linalg.norm(normals, axis=2)
-    broken = ~(np.isfinite(length) & (length > 0.5))
-    if broken.any():
-        normals[broken] = np.broadcast_to(face_normals[:, None], normals.shape)[broken]
+    normals = normals.copy()
+    normals[broken] = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
     return normals
 
 
@@ -107,14 +99,14 @@ def _uvs(source: bpy.types.Mesh) -> np.ndarray | None:
     layer = next((layer for layer in layers if layer.active_render), layers[0] if len(layers) else None)
     if layer is None:
         return None
-    uvs = _read(layer.uv, "vector", (len(source.loops), 2))
+    uvs = faces.read(layer.uv, "vector", (len(source.loops), 2))
     return np.nan_to_num(uvs, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
 
-def _material_slots(source: bpy.types.Mesh) -> np.ndarray:
-    """(T,) material slot of each triangle."""
-    faces = _read(source.loop_triangle_polygons, "value", len(source.loop_triangles), np.int32)
-    slots = source.attributes.get("material_index")
-    if slots is None:
-        return np.zeros_like(faces)
-    return np.maximum(_read(slots.data, "value", len(source.polygons), np.int32), 0)[faces]
+def _materials(source: bpy.types.Mesh, materials: tuple[int, ...]) -> np.ndarray:
+    """(T,) uint32: the material of each triangle, into Materials."""
+    slots, count = source.attributes.get("material_index"), len(source.loops) - 2 * len(source.polygons)
+    if slots is None or len(materials) == 1:
+        return np.broadcast_to(np.uint32(materials[0]), count)
+    slots = np.clip(faces.read(slots.data, "value", len(source.polygons), np.int32), 0, len(materials) - 1)
+    return np.array(materials, np.uint32)[slots][faces.face_of_each(source)]

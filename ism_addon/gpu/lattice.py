@@ -29,9 +29,9 @@ class Lattice:
         low, high = mesh.box
         return cls((low + high) / 2.0, REACH / max((high - low).max() / 2.0, 1e-20))
 
-    def steps(self, positions: np.ndarray) -> np.ndarray:
-        """(3,V) int32 of positions (V,3)."""
-        found = np.empty((3, len(positions)), np.int32)
+    def steps(self, positions: np.ndarray, dtype: type = np.int32) -> np.ndarray:
+        """(3,V) whole numbers, which float32 holds too, of positions (V,3)."""
+        found = np.empty((3, len(positions)), dtype)
         for first in range(0, len(positions), PORTION):
             part = slice(first, first + PORTION)
             found[:, part] = np.rint((positions[part] - self.centre).T * self.scale)

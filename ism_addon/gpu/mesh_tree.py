@@ -13,7 +13,7 @@ import numpy as np
 
 from ..scene import Mesh
 from .lattice import Lattice
-from .tree import NOTHING, NOWHERE, build, in_leaves, leaves_for, nodes_over, packed
+from .tree import NOWHERE, build, in_leaves, leaves_for, nodes_over, packed
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
 TRIANGLES_PER_LEAF = 4
@@ -30,8 +30,8 @@ SOME = 1 << 14
 #: Runs, or runs of runs, that are sorted: more of them are taken together, as long as they are no LOOSE ones.
 MANY = 1 << 16
 
-#: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at most,
-#: for so many of them: grids' rows have ends.
+#: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at
+#: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
 LOOSE, MOSTLY = 3.0, 0.9
 
 #: Boxes of a mesh by which its instances are bounded; a power of two.
@@ -61,7 +61,7 @@ class MeshTree:
 def mesh_tree(mesh: Mesh) -> MeshTree:
     """The tree of a mesh that has triangles."""
     lattice = Lattice.of(mesh)
-    steps = lattice.steps(mesh.positions).astype(np.float32)
+    steps = lattice.steps(mesh.positions, np.float32)
     count = len(mesh.triangles)
     if count > FEW:
         run = run_of(count)
@@ -90,7 +90,7 @@ def tree_of_runs(lattice: Lattice, boxes: np.ndarray, count: int) -> MeshTree:
         groups, size = larger, 4 * size
     order = in_leaves(groups, leaves_for(count, TRIANGLES_PER_RUN) // size)
     members = np.minimum((order[:, None] * size + np.arange(size)).reshape(-1), boxes.shape[2])
-    nodes = nodes_over(np.append(boxes, NOTHING, 2).take(members, 2))
+    nodes = nodes_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
     return MeshTree(lattice, parts_of(nodes), packed(nodes), starts, run, None)
 

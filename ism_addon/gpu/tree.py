@@ -11,6 +11,7 @@ are in steps of a grid, see scale_of and lattice.
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
+from itertools import repeat
 
 import numpy as np
 
@@ -59,9 +60,9 @@ def build(boxes: np.ndarray, most_per_leaf: int) -> Tree:
     """A tree over N > 0 boxes (2,3,N) float32."""
     leaves = leaves_for(boxes.shape[2], most_per_leaf)
     order = in_leaves(boxes, leaves)
-    members = [np.append(boxes, NOTHING, 2).take(row, 2) for row in order.reshape(leaves, -1).T]
-    low, high = (reduce(f, (each[k] for each in members)) for k, f in enumerate((np.minimum, np.maximum)))
-    return Tree(order, leaves, nodes_over(np.stack([low, high])))
+    boxes, in_leaf = np.append(boxes, NOTHING, 2), order.reshape(leaves, -1).T
+    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate((np.minimum, np.maximum)))
+    return Tree(order, leaves, nodes_over(np.stack([low, high]), np.arange(leaves)))
 
 
 def leaves_for(count: int, most_per_leaf: int) -> int:
@@ -83,19 +84,25 @@ def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
         return np.concatenate(list(cores.map(lambda half: sort(*half, per_leaf), halves)))
 
 
-def nodes_over(boxes: np.ndarray) -> np.ndarray:
-    """(2 * leaves, 2, 3): Tree.nodes above the leaves' boxes (2,3,leaves), NOTHING where there is nothing."""
-    leaves = boxes.shape[2]
+def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
+    """(2 * leaves, 2, 3): Tree.nodes above leaves that hold a box (2,3,N) each, by number; N where there is none."""
+    leaves, empty = len(members), members == boxes.shape[2]
     nodes = np.empty((2, 3, 2 * leaves), np.float32)  # coordinates side by side: numpy is slow along short axes
-    nodes[..., leaves:] = boxes
-    first = leaves // 2
-    while first:
-        children = nodes[:, :, 2 * first : 4 * first]
-        np.minimum(children[0, :, ::2], children[0, :, 1::2], out=nodes[0, :, first : 2 * first])
-        np.maximum(children[1, :, ::2], children[1, :, 1::2], out=nodes[1, :, first : 2 * first])
-        first //= 2
-    nodes[..., 0] = NOWHERE
-    nodes[:, :, nodes[0, 0] > nodes[1, 0]] = NOWHERE
+
+    def fill(side: int, axis: int) -> None:
+        along, either, nothing = nodes[side, axis], (np.minimum, np.maximum)[side], np.float32((np.inf, -np.inf)[side])
+        boxes[side, axis].take(members, out=along[leaves:], mode="clip")
+        np.copyto(along[leaves:], nothing, where=empty)
+        first = leaves // 2
+        while first:
+            children = along[2 * first : 4 * first]
+            either(children[::2], children[1::2], out=along[first : 2 * first])
+            first //= 2
+        along[0] = nothing
+        np.copyto(along, np.float32(NOWHERE), where=along == nothing)
+
+    with ThreadPoolExecutor() as cores:
+        list(cores.map(fill, *zip(*np.ndindex(2, 3), strict=True)))
     return nodes.transpose(2, 0, 1)
 
 
