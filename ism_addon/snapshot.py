@@ -158,9 +158,13 @@ def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str,
     array = arrays[place]
     dtype, _, shapes = expected.partition(" ")
     sizes = next((s.split() for s in shapes.split(" or ") if len(s.split()) == array.ndim), None)
-    if array.dtype != np.dtype(dtype) or sizes is None or any(
-        length != (lengths.setdefault(size, length) if size.isalpha() else int(size))
-        for size, length in zip(sizes, array.shape, strict=True)
+    if (
+        array.dtype != np.dtype(dtype)
+        or sizes is None
+        or any(
+            length != (lengths.setdefault(size, length) if size.isalpha() else int(size))
+            for size, length in zip(sizes, array.shape, strict=True)
+        )
     ):
         seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
         raise SnapshotError(f"The snapshot's {place} is {seen} where {expected} belongs.")

@@ -6,41 +6,40 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build
+from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build, packed, scale_of
 
 
-def boxes(count: int, seed: int = 0, size: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high corners (N,3) of random boxes."""
+def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
+    """(2,3,N): low and high corners of random boxes."""
     random = np.random.default_rng(seed)
-    middle = random.normal(size=(count, 3)).astype(np.float32)
-    half = (size * random.random((count, 3))).astype(np.float32)
-    return middle - half, middle + half
+    middle = random.normal(size=(count, 3)).astype(np.float32).T
+    half = (size * random.random((count, 3))).astype(np.float32).T
+    return np.stack([middle - half, middle + half])
 
 
-def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> None:
-    """All that a ray relies on."""
-    count, leaves = len(low), tree.leaves
+def on_grid(found: np.ndarray) -> np.ndarray:
+    """Boxes (2,3,N) in steps."""
+    return found * scale_of(np.abs(found).max((0, 2)))[:, None]
+
+
+def check(tree: Tree, given: np.ndarray, most_per_leaf: int) -> None:
+    """All that a ray relies on, of a tree over boxes (2,3,N)."""
+    (low, high), leaves = given.transpose(0, 2, 1), tree.leaves
+    count = len(low)
     assert leaves == 4 ** round(np.log(leaves) / np.log(4))
     assert tree.per_leaf * leaves == len(tree.order)
     assert 1 <= tree.per_leaf <= most_per_leaf
-    repeats = np.bincount(tree.order, minlength=count)
-    assert len(repeats) == count
-    assert repeats.min() == 1
-    assert (repeats > 1).sum() <= 1, "one box fills the last leaves, every other is in one leaf once"
+    assert (np.bincount(tree.order, minlength=count)[:count] == 1).all(), "every box is in one leaf once"
     nowhere = tree.nodes[:, 0, 0] == np.float32(NOWHERE)
     assert np.isfinite(tree.nodes).all()
     assert nowhere[0]
     assert not nowhere[1]
     assert (tree.nodes[nowhere] == np.float32(NOWHERE)).all()
     for leaf, row in enumerate(tree.order.reshape(leaves, -1)):
-        node = tree.nodes[leaves + leaf]
-        real = row[repeats[row] == 1]
-        if nowhere[leaves + leaf]:
-            assert not len(real)
-            continue
-        assert (node[0] <= low[real]).all()
-        assert (node[1] >= high[real]).all()
-        assert (node[0] == low[row].min(0)).all() or repeats.max() > 1
+        node, real = tree.nodes[leaves + leaf], row[row < count]
+        assert nowhere[leaves + leaf] == (not len(real))
+        if len(real):
+            assert np.array_equal(node, [low[real].min(0), high[real].max(0)])
     children = tree.nodes[2:].reshape(leaves - 1, 2, 2, 3)
     gone = nowhere[2:].reshape(leaves - 1, 2)
     expected_low = np.where(gone[..., None], np.inf, children[:, :, 0]).min(1)
@@ -55,17 +54,18 @@ def check(tree: Tree, low: np.ndarray, high: np.ndarray, most_per_leaf: int) -> 
 
 def check_packed(tree: Tree) -> None:
     """As bytes, boxes are around those they stand for and the slack, and no more than a unit wider; or hold nothing."""
-    rows = tree.packed()
+    rows = packed(tree.nodes)
     assert rows.dtype.itemsize == 32
     assert len(rows) == tree.leaves // 2
-    packed, inside = rows[1:], tree.nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)
-    unit = 2.0 ** (packed["unit"][:, None] >> np.array([0, 4, 8]) & 15)[:, None]
-    low, high = (packed["begin"][:, None] + packed[side].swapaxes(1, 2) * unit for side in ("low", "high"))
+    levels = np.arange(1, len(rows))
+    read = levels[np.log2(levels).astype(int) % 2 == 0]
+    row, inside = rows[read], tree.nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)[read - 1]
+    unit = 2.0 ** (row["unit"][:, None] >> np.array([0, 4, 8]) & 15)[:, None]
+    low, high = (row["begin"][:, None] + row[side].swapaxes(1, 2) * unit for side in ("low", "high"))
     nothing = inside[:, :, 0, 0] == np.float32(NOWHERE)
     assert (low > high)[nothing].all()
-    with np.errstate(over="ignore"):
-        true_low, true_high = (tree.steps(inside[:, :, k]) / PLANE for k in (0, 1))
-        around = tree.steps(tree.nodes[1 : len(rows)]) / PLANE
+    true_low, true_high = (inside[:, :, k] / PLANE for k in (0, 1))
+    around = tree.nodes[read] / PLANE
     for packed_too_far in (true_low - low, high - true_high):
         assert (packed_too_far >= (SLACK - 2.0) / PLANE)[~nothing].all()
         assert (packed_too_far < unit + 1.0 + SLACK / PLANE)[~nothing].all()
@@ -76,8 +76,8 @@ def check_packed(tree: Tree) -> None:
 @pytest.mark.parametrize("most_per_leaf", [1, 4])
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 1000, LARGE - 1, LARGE + 1, 3 * LARGE])
 def test_trees_of_all_sizes(count, most_per_leaf):
-    low, high = boxes(count)
-    check(build(low, high, most_per_leaf), low, high, most_per_leaf)
+    given = on_grid(boxes(count))
+    check(build(given, most_per_leaf), given, most_per_leaf)
 
 
 @settings(deadline=None, derandomize=True, max_examples=60)
@@ -90,8 +90,8 @@ def test_trees_of_all_sizes(count, most_per_leaf):
 )
 def test_any_boxes(count, most_per_leaf, seed, size, scale):
     """Points, huge ones, all in one plane, on one line, or in one place."""
-    low, high = (corner * np.array(scale, np.float32) for corner in boxes(count, seed, size))
-    check(build(low, high, most_per_leaf), low, high, most_per_leaf)
+    given = on_grid(boxes(count, seed, size) * np.array(scale, np.float32)[:, None])
+    check(build(given, most_per_leaf), given, most_per_leaf)
 
 
 def test_the_slack_is_more_than_rays_err():
@@ -115,16 +115,16 @@ def test_the_slack_is_more_than_rays_err():
 
 def test_the_outermost_boxes_end_in_the_last_planes():
     """A room: its walls take all of a byte, and coordinates with the slack all of the grid."""
-    low, high = (np.full((1, 3), corner, np.float32) for corner in (-5.1, 5.1))
-    row = build(np.repeat(low, 5, 0), np.repeat(high, 5, 0), 1).packed()[1]
+    room = np.repeat(np.float32([-5.1, 5.1])[:, None, None], 3, 1)
+    row = packed(build(on_grid(np.repeat(room, 5, 2)), 1).nodes)[1]
     assert row["begin"].tolist() == [-255 * 128] * 3
     assert row["unit"] == 8 * (1 + 16 + 256)
     assert row["low"].max(1).tolist() == [255] * 3 and row["low"].min(1).tolist() == [0] * 3
 
 
 def test_the_same_boxes_make_the_same_tree():
-    low, high = boxes(2 * LARGE)
-    one, two = build(low, high, 4), build(low.copy(), high.copy(), 4)
+    given = boxes(2 * LARGE)
+    one, two = build(given, 4), build(given.copy(), 4)
     assert np.array_equal(one.order, two.order)
     assert np.array_equal(one.nodes, two.nodes)
 
@@ -139,14 +139,14 @@ def area(nodes: np.ndarray) -> np.ndarray:
 def test_leaves_are_small(stretch):
     """Cut along the longest side, 4096 boxes spread evenly end up in leaves as compact as can be, however they lie."""
     random = np.random.default_rng(1)
-    middle = (random.random((4096, 3)) * stretch).astype(np.float32)
-    tree = build(middle, middle, 4)
+    middle = (random.random((4096, 3)) * stretch).astype(np.float32).T
+    tree = build(np.stack([middle, middle]), 4)
     volume = np.prod(np.array(stretch, float)) / tree.leaves
     assert np.median(area(tree.nodes[tree.leaves :])) < 3.0 * volume ** (2.0 / 3.0)
 
 
 def test_halves_of_a_large_tree_are_cut_like_a_small_one():
     """Two threads split what is larger than LARGE: its leaves are no worse than what one thread makes."""
-    small, large = (build(*boxes(count, size=0.0), 4) for count in (LARGE, 8 * LARGE))
+    small, large = (build(boxes(count, size=0.0), 4) for count in (LARGE, 8 * LARGE))
     of_small, of_large = (np.median(area(tree.nodes[tree.leaves :])) for tree in (small, large))
     assert of_large < of_small

@@ -7,7 +7,9 @@ import moderngl
 import numpy as np
 import pytest
 
+from ism_addon.gpu.geometry import packed_corners
 from ism_addon.gpu.layout import CASTER, WIDTH, upload_array
+from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
 from ism_addon.gpu.passes.upload import Meshes, Place
 from ism_addon.gpu.profile import Profile
@@ -117,18 +119,18 @@ def test_long_thin_triangles(device):
 
 
 def test_a_triangle_in_two_texels_is_all_there():
-    """Corners to the ends of the grid, numbers to the last bit."""
+    """Corners to the ends of the lattice, materials to the last bit."""
     random = np.random.default_rng(0)
     corners = random.integers(-REACH, REACH, (1000, 3, 3), np.int32, endpoint=True)
     corners[0], corners[1], corners[2] = -REACH, REACH, -1
-    numbers = random.integers(0, 1 << 28, 1000)
-    numbers[:2] = 0, (1 << 28) - 1
-    words = packed_triangles(corners, numbers).reshape(-1, 8)
+    materials = random.integers(0, 1 << 28, 1000, np.uint32)
+    materials[:2] = 0, (1 << 28) - 1
+    words = packed_corners(list(np.ascontiguousarray(corners.reshape(-1, 9).T)), materials)
     lower = ((words & 127).astype(np.int64) << np.array([0, 7, 14, 21] * 2)).reshape(-1, 2, 4).sum(2)
     upper = words.view(np.int32) >> 7
     last = (lower[:, 0] ^ 1 << 27) - (1 << 27)  # a sign of 28 bits
     assert np.array_equal(np.column_stack([upper, last]).reshape(-1, 3, 3), corners)
-    assert np.array_equal(lower[:, 1], numbers)
+    assert np.array_equal(lower[:, 1], materials)
 
 
 MATRICES = {
@@ -203,7 +205,8 @@ def test_a_triangle_is_not_in_its_own_way(device):
     first, rows = np.array([40, 0, 40]), np.array([1, 0, 2])  # of the meshes; of the instances, sorted by mesh
     counts = np.array([30, 40, 30])
     instance = np.repeat(np.arange(3), counts)
-    number = np.concatenate([np.arange(count) + first[k] for k, count in enumerate(counts)])
+    orders = [mesh_tree(mesh).order for mesh in (scene.meshes[1], scene.meshes[0], scene.meshes[1])]
+    number = np.concatenate([np.argsort(order) + first[k] for k, order in enumerate(orders)])
     _, ends = rays(len(triangles), 2.0)
     starts = triangles.mean(1)
     starts -= 1e-3 * (ends - starts)
@@ -253,7 +256,7 @@ def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
     assert second.profile.counts["bytes_uploaded"] < 2000
     assert second.profile.rows["MeshTrees"].drawn == 0
     assert second.renderer.tables["mesh_trees"] is trees
-    assert second.renderer.tables["casters"]["tree_triangles"] is textures["tree_triangles"]
+    assert second.renderer.tables["casters"]["tree_starts"] is textures["tree_starts"]
     assert second.renderer.tables["casters"]["casters"] is not textures["casters"]
 
 

@@ -95,7 +95,7 @@ def of_corners(corners: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Tria
 
 
 def of_quads(firsts: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Triangles:
-    """Two for each of the quads that begin with these corners (N,); as in Blender they lie on either side of an edge."""
+    """Two for each quad, by its first corner (N,): on either side of an edge, as Blender wants them."""
     a, b, c, d = ([along.take(vertices.take(firsts + k)) for along in axes] for k in range(4))
     across = between(a, c)
     one, two = crossed(between(a, b), across), crossed(across, between(a, d))

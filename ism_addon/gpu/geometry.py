@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The triangles of all meshes on the GPU, one mesh behind the other: one number names a triangle of the scene.
 
-Those of a leaf of the tree lie side by side, so the camera and shadow rays read the same arrays. All is made and uploaded
-in portions: what the processor holds of it at a time is small.
+Those of a leaf of the tree lie side by side, so the camera and shadow rays read the same arrays. All is made and
+uploaded in portions: what the processor holds of it at a time is small.
 """
 
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeVar
 
 import moderngl
@@ -56,9 +57,9 @@ class Order:
 
     def pieces(self) -> Iterator[Piece]:
         """All triangles, in pieces that end where a portion does or a mesh."""
-        for mesh, (begin, end) in enumerate(zip(self.first_triangle[:-1], self.first_triangle[1:], strict=True)):
+        for mesh, (begin, end) in enumerate(pairwise(self.first_triangle)):
             borders = [begin, *range(begin // PORTION * PORTION + PORTION, end, PORTION), end]
-            for first, last in zip(borders[:-1], borders[1:], strict=True):
+            for first, last in pairwise(borders):
                 part, order = slice(first - begin, last - begin), self.orders[mesh]
                 yield Piece(mesh, part if order is None else order[part])
 
@@ -141,8 +142,8 @@ class Arrays:
 class Source:
     """What the arrays are made from.
 
-    Vertices are copied so that each triangle's last corner bears its number: so no shader needs gl_PrimitiveID, for which
-    some drivers copy all corners of all triangles.
+    Vertices are copied so that each triangle's last corner bears its number: so no shader needs gl_PrimitiveID, for
+    which some drivers copy all corners of all triangles.
     """
 
     def __init__(self, order: Order):
@@ -169,7 +170,9 @@ class Source:
     def make(self, first: int, pieces: list[Piece]) -> Arrays:
         """The arrays of the triangles from number `first` on."""
         order = self.order
-        triangles = np.concatenate([order.triangles(each) + np.uint32(order.first_vertex[each.mesh]) for each in pieces])
+        triangles = np.concatenate(
+            [order.triangles(each) + np.uint32(order.first_vertex[each.mesh]) for each in pieces]
+        )
         materials = np.concatenate([order.meshes[each.mesh].materials[each.chosen] for each in pieces])
         indices = self.copies.take(triangles)
         indices[:, 2] = np.arange(first, first + len(triangles))

@@ -21,7 +21,8 @@ def test_a_mesh_is_blenders_own_triangles(add, extracted):
     assert mesh.positions.tolist() == [list(vertex.co) for vertex in source.vertices]
     assert mesh.triangles.tolist() == [list(triangle.vertices) for triangle in source.loop_triangles]
     corners = [list(triangle.loops) for triangle in source.loop_triangles]
-    assert mesh.normals.tolist() == [[list(source.corner_normals[i].vector) for i in each] for each in corners]
+    normals = [[list(source.corner_normals[i].vector) for i in each] for each in corners]
+    assert mesh.corner_normals.tolist() == normals
     uv = source.uv_layers.active.uv
     assert mesh.uvs.tolist() == [[list(uv[i].vector) for i in each] for each in corners]
     assert [array.dtype for array in (mesh.positions, mesh.triangles, mesh.normals, mesh.uvs, mesh.materials)] == [
@@ -42,6 +43,18 @@ def test_triangles_quads_and_polygons_have_their_area(add, extracted, operator):
     a, b, c = (mesh.positions[mesh.triangles[:, corner]] for corner in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
     assert area == pytest.approx(sum(polygon.area for polygon in source.polygons), rel=1e-5)
+
+
+def test_quads_are_cut_as_blender_cuts_them(add, extracted):
+    """Flat and bent ones, and ones that overlap themselves along one of their diagonals."""
+    random = np.random.default_rng(0)
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    corners = square + random.normal(size=(300, 4, 3)) * random.choice([0.0, 0.2, 0.6], (300, 1, 1))
+    source = add("Bent", (corners.reshape(-1, 3).tolist(), np.arange(1200).reshape(-1, 4).tolist())).data
+    (mesh,) = extracted().meshes
+    source.calc_loop_triangles()
+    assert mesh.triangles.tolist() == [list(triangle.vertices) for triangle in source.loop_triangles]
+    assert {2, 3} <= {int(third) % 4 for third in mesh.triangles[::2, 2]}, "some are cut along each diagonal"
 
 
 def test_modifiers_are_applied(add, extracted):
@@ -148,9 +161,10 @@ def test_normals_and_uvs_that_are_no_numbers_are_mended(add, extracted):
 
 
 def test_a_corner_without_a_normal_has_its_triangles():
-    face = np.array([[0, 0, 1]], np.float32)
-    normals = np.array([[[NAN, 0, 0], [0, 0, 0], [1, 0, 0]]], np.float32)
-    assert meshes._mended(normals, face).tolist() == [[[0, 0, 1], [0, 0, 1], [1, 0, 0]]]
+    positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
+    normals = np.float32([[NAN, 0, 0], [0, 0, 0], [1, 0, 0]])
+    for given in (normals, normals[None]):
+        assert meshes._mended(given, positions, triangles).tolist() == [[[0, 0, 1], [0, 0, 1], [1, 0, 0]]]
 
 
 def test_a_mesh_in_edit_mode_is_read_as_it_stands(add, extracted):

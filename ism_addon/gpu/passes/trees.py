@@ -44,7 +44,9 @@ class MeshTrees(Pass):
     kept: ClassVar[WeakKeyDictionary[Mesh, MeshTree]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
-        return frame.traces
+        """Once triangles lie in the order of their trees, they are left so."""
+        known = frame.tables.get("mesh_trees")
+        return frame.traces or (known is not None and known.meshes == frame.scene.meshes)
 
     def draw(self, frame: Frame) -> None:
         meshes = frame.scene.meshes

@@ -26,8 +26,9 @@ from tests.tools import memory
 from . import stage
 from .series import SAMPLES, SERIES, Picture
 
+TREES = ("MeshTrees", "InstanceTree")
 SHADOWS = tuple(kind.__name__ for kind in FITTED)
-UPLOADS = ("Meshes", "Place", "Colours")
+UPLOADS = ("Meshes", "Unwrap", "Place", "Colours")
 
 
 def measure(picture: Picture) -> dict:
@@ -65,11 +66,13 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     rows, first = sample(renderer, scene, view, settings, 0)
     told |= {
         "first sync s": told["reading s"] + sum(rows.get(name, 0.0) for name in UPLOADS) / 1e3,
-        "shadows ms": sum(rows.get(name, 0.0) for name in SHADOWS),
+        "trees ms": sum(rows.get(name, 0.0) for name in TREES),
+        "shadows ms": sum(rows.get(name, 0.0) for name in (*TREES, *SHADOWS)),
         "first sample s": first,
         "passes ms": rows,
     }
-    told["further sample s"] = float(np.median([sample(renderer, scene, view, settings, k)[1] for k in range(1, SAMPLES)]))
+    further = [sample(renderer, scene, view, settings, number)[1] for number in range(1, SAMPLES)]
+    told["further sample s"] = float(np.median(further))
     renderer.picture()
     again, _ = sample(renderer, scene, beside(view), settings, 0)
     told["shadows again ms"] = sum(again.get(name, 0.0) for name in SHADOWS)
