@@ -20,7 +20,7 @@ def a_mesh(generator, uvs=True):
     return Mesh(
         positions=generator.normal(size=(5, 3)).astype(np.float32),
         triangles=np.array([[0, 1, 2], [2, 3, 4]], np.uint32),
-        normals=generator.normal(size=(2, 3, 3)).astype(np.float32),
+        normals=generator.normal(size=(2, 3, 3) if uvs else (5, 3)).astype(np.float32),
         uvs=generator.normal(size=(2 if uvs else 0, 3, 2)).astype(np.float32),
         materials=np.array([1, 0], np.uint32),
     )

@@ -8,12 +8,14 @@ import argparse
 import json
 import subprocess
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
 
 from ism_addon.gpu.context import open_device
+from tests.benchmark.error.record import machine
 from tests.tools import project
 
-from . import plot, record, report
+from . import plot, report
 from .series import SERIES
 
 PATIENCE = 1800  # s, for one picture
@@ -29,14 +31,20 @@ def main() -> int:
     if unknown := [name for name in names if name not in SERIES]:
         parser.error(f"nothing grows by the name {', '.join(unknown)}")
     options.output.mkdir(parents=True, exist_ok=True)
-    results: record.Results = {}
+    results: dict[str, report.Results] = {}
     for name in names:
         series = SERIES[name]
         results[name] = {value: measured(name, value) for value in (series.quick if options.quick else series.values)}
         print(report.series(name, results[name]), flush=True)
     tables = [report.series(name, points) for name, points in results.items()]
     (options.output / "scale.md").write_text("\n\n".join([*tables, report.COUNTED]) + "\n", "utf-8")
-    record.write(options.output / "scale.json", results, open_device())
+    record = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": machine(open_device()),
+        "commit": project.commit(),
+        "series": results,
+    }
+    (options.output / "scale.json").write_text(json.dumps(record, indent=1), "utf-8")
     print(plot.draw(results, options.output))
     return 0
 

@@ -33,7 +33,7 @@ UPLOADS = ("Meshes", "Unwrap", "Place", "Colours")
 
 def measure(picture: Picture) -> dict:
     """Seconds, milliseconds and bytes by name."""
-    small = replace(picture, triangles=1000, objects=min(picture.objects, 4), frames=1)
+    small = replace(picture, triangles=1000, objects=min(picture.objects, 4), frames=0)
     depsgraph = opened(small)
     empty = memory.resident()
     device = open_device()
@@ -76,7 +76,7 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     renderer.picture()
     again, _ = sample(renderer, scene, beside(view), settings, 0)
     told["shadows again ms"] = sum(again.get(name, 0.0) for name in SHADOWS)
-    if picture.frames > 1:
+    if picture.frames:
         told["a frame s"] = seconds_a_frame(renderer, layer, settings, picture.frames)
     renderer.release()
     return told

@@ -23,7 +23,7 @@ class Picture:
     light_points: int | None = None  # with any, shadows are those of the method Classic
     height: int = 360  # px; pictures are 16:9
     ssao_radius: float | None = None  # px in the middle of the picture; without, nothing is darkened
-    frames: int = 1  # of a camera that goes around the scene
+    frames: int = 0  # of a camera that goes around the scene, after the picture
 
     @property
     def size(self) -> tuple[int, int]:
