@@ -6,6 +6,8 @@ A Record is a row of a table: the table is a 2D texture, so its number of rows h
 are stored as floats, exact up to 2^24.
 """
 
+from collections.abc import Iterable, Iterator
+
 import moderngl
 import numpy as np
 
@@ -13,6 +15,9 @@ SIZES = {"float": 1, "int": 1, "vec2": 2, "vec3": 3, "vec4": 4}
 
 #: Width of the textures that hold arrays; GLSL finds element i at (i % WIDTH, i / WIDTH).
 WIDTH = 4096
+
+#: Elements that are made ready and written at a time: whole lines, and little enough for a processor's cache.
+PORTION = 8 * WIDTH
 
 
 class Record:
@@ -81,6 +86,31 @@ def upload_array(
     """An array (N, components 1…4) as a texture of WIDTH columns, without a padded copy of the whole."""
     texture = array_texture(gl, *array.shape, dtype, internal_format)
     write_array(texture, array)
+    return texture
+
+
+def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
+    """Arrays of these lengths, one behind the other, in portions of `size`: the pieces of each, by array and slice."""
+    pieces, room = [], size
+    for index, length in enumerate(lengths):
+        first = 0
+        while first < length:
+            end = min(first + room, length)
+            pieces.append((index, slice(first, end)))
+            room -= end - first
+            first = end
+            if not room:
+                yield pieces
+                pieces, room = [], size
+    if pieces:
+        yield pieces
+
+
+def upload_joined(gl: moderngl.Context, arrays: list[np.ndarray], dtype: str) -> moderngl.Texture:
+    """Arrays (N, components) as one texture, one behind the other, without a copy of the whole."""
+    texture = array_texture(gl, sum(map(len, arrays)), arrays[0].shape[1], dtype)
+    for number, pieces in enumerate(portions(map(len, arrays), PORTION)):
+        write_array(texture, np.concatenate([arrays[index][part] for index, part in pieces]), number * PORTION)
     return texture
 
 

@@ -101,14 +101,18 @@ class GBuffer(Pass):
         target.viewport = 0, 0, *size
         target.clear(depth=1.0, viewport=target.viewport)
         geometry = frame.tables["geometry"]
-        if geometry.indices is None:
-            return
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
-        mesh = gl.vertex_array(self.triangles, [(geometry.vertices, "3f", "position")], geometry.indices)
+        mesh = gl.vertex_array(self.triangles, [])
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
         logarithm = logarithm_of_depth(frame.view.clip_from_view)
-        bind(self.triangles, turn=tuple(turn.T.ravel()), shift=tuple(shift), logarithm=logarithm)
+        bind(
+            self.triangles,
+            turn=tuple(turn.T.ravel()),
+            shift=tuple(shift),
+            logarithm=logarithm,
+            corners=geometry.textures["corners"],
+        )
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
         visible = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)

@@ -14,7 +14,7 @@ import numpy as np
 from ...scene import Change, Mesh
 from ..buffers import anchor_from_steps
 from ..context import Device
-from ..layout import CASTER, WIDTH, upload_array
+from ..layout import CASTER, WIDTH, upload_joined
 from ..mesh_tree import PARTS, MeshTree, mesh_tree
 from ..tree import NODE, build, packed, scale_of
 from . import Frame, Pass
@@ -62,13 +62,12 @@ class MeshTextures:
     def __init__(self, gl: moderngl.Context, trees: tuple[MeshTree, ...], leaves: int):
         self.lines = -(-leaves // WIDTH)
         room = np.zeros(self.lines * WIDTH // 2, NODE)
-        nodes = np.concatenate([room, *(tree.nodes for tree in trees)])
-        starts = np.concatenate([tree.starts for tree in trees])
-        self.nodes = upload_array(gl, texels(nodes), "u4")
-        self.first_nodes = np.cumsum([len(room)] + [len(tree.nodes) for tree in trees])[:-1]
-        self.starts = upload_array(gl, starts[:, None], "u4")
+        nodes = [room, *(tree.nodes for tree in trees)]
+        self.nodes = upload_joined(gl, [texels(each) for each in nodes], "u4")
+        self.first_nodes = np.cumsum([len(each) for each in nodes])[:-1]
+        self.starts = upload_joined(gl, [tree.starts[:, None] for tree in trees], "u4")
         self.first_starts = np.cumsum([0] + [tree.leaves for tree in trees])[:-1]
-        self.bytes = starts.nbytes + nodes.nbytes
+        self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees) + room.nbytes
 
     def write_instances(self, nodes: np.ndarray) -> None:
         """The tree over the instances: nodes (leaves // 2,) NODE."""
