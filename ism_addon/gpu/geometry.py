@@ -17,6 +17,7 @@ import numpy as np
 from ..scene import Mesh
 from .lattice import Lattice
 from .layout import PORTION, array_texture, octahedron_from_directions, portions, write_array
+from .memory import give_back
 from .mesh_tree import MeshTree
 
 #: Portions that are made ready while one is uploaded.
@@ -95,6 +96,7 @@ class Geometry:
             "normals": array_texture(gl, 3 * order.count, 2, "i2"),
         }
         self.bytes = (32 + 12) * order.count
+        give_back()  # from reading and the trees: this is where most is in memory
         for first, (corners, normals) in order.made(Source(order).make):
             write_array(self.textures["corners"], corners, 2 * first)
             write_array(self.textures["normals"], normals, 3 * first)
