@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is uploaded of meshes: all triangles where their numbers say, in portions; nothing that no picture needs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu import geometry
+from ism_addon.gpu.geometry import Geometry, Order
+from ism_addon.gpu.layout import PORTION, directions_from_octahedron, portions
+from ism_addon.gpu.mesh_tree import mesh_tree
+from ism_addon.scene import Image
+
+from .scenes.small import sphere
+from .studio import draw, from_above, light, quad, rubble, stage
+
+
+def uploaded(made: Geometry) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the textures."""
+    count = made.first_triangle[-1]
+    words = np.frombuffer(made.textures["corners"].read(), np.uint32)[: 8 * count].reshape(-1, 8)
+    last = ((words[:, :4] & 127).astype(np.int64) << np.array([0, 7, 14, 21])).sum(1)
+    last = (last ^ 1 << 27) - (1 << 27)
+    corners = np.column_stack([words.view(np.int32) >> 7, last]).reshape(-1, 3, 3)
+    points = np.frombuffer(made.textures["normals"].read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
+    return corners, directions_from_octahedron(points / 32767.0)
+
+
+@pytest.mark.parametrize("sorted_by_trees", [False, True])
+def test_every_triangle_is_where_its_number_says(device, sorted_by_trees):
+    """Several meshes to a portion, and a mesh over several; normals of vertices, and of corners."""
+    ball = sphere((0.3, 0.0, 1.0), 0.5, 16, 8)
+    smooth = np.zeros_like(ball.positions)
+    smooth[ball.triangles] = ball.normals
+    meshes = (rubble(5), rubble(PORTION + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
+    trees = tuple(map(mesh_tree, meshes)) if sorted_by_trees else ()
+    made = Geometry(device.gl, meshes, trees)
+    corners, normals = uploaded(made)
+    for k, mesh in enumerate(meshes):
+        own = slice(*made.first_triangle[k : k + 2])
+        order = trees[k].order if trees else np.arange(len(mesh.triangles))
+        positions = corners[own] / made.scales[k] + made.centres[k]
+        assert np.abs(positions - mesh.positions[mesh.triangles[order]]).max() < 1e-6
+        assert np.abs(normals[own] - mesh.corner_normals[order]).max() < 1e-4
+
+
+def test_portions_are_whole_but_for_the_last():
+    lengths = [3, 0, 10, 4, 1]
+    found = list(portions(lengths, 5))
+    assert [sum(part.stop - part.start for _, part in pieces) for pieces in found] == [5, 5, 5, 3]
+    numbers = [(k, i) for pieces in found for k, part in pieces for i in range(part.start, part.stop)]
+    assert numbers == [(k, i) for k, length in enumerate(lengths) for i in range(length)]
+
+
+def test_texture_coordinates_are_uploaded_with_images_alone(device):
+    plate = quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
+    plain, view = stage([plate], light()), from_above(2.0)
+    painted = stage([plate], light(), image=Image(np.full((2, 2, 4), 255, np.uint8)))
+    assert draw(device, plain, view).profile.rows["Unwrap"].drawn == 0
+    assert draw(device, painted, view).profile.rows["Unwrap"].drawn == 1
+
+
+def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
+    monkeypatch.setattr(geometry, "MOST_TRIANGLES", 100)
+    with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
+        Geometry(device.gl, (rubble(60), rubble(41)), ())
+    assert Order((rubble(60), rubble(40)), ()).count == 100
