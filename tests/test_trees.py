@@ -34,7 +34,7 @@ void main() {
     ivec2 at = ivec2(gl_VertexID % WIDTH, gl_VertexID / WIDTH);
     vec2 own = texelFetch(owners, at, 0).xy;
     vec3 from = texelFetch(starts, at, 0).xyz, to = texelFetch(ends, at, 0).xyz;
-    told = occluded(from, to, int(own.x), int(own.y)) ? 1.0 : 0.0;
+    told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
 }
 """
 
