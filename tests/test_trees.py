@@ -3,93 +3,21 @@
 
 from dataclasses import replace
 
-import moderngl
 import numpy as np
 import pytest
 
-from ism_addon.gpu import mesh_tree as mesh_trees
 from ism_addon.gpu.geometry import packed_corners
-from ism_addon.gpu.layout import CASTER, WIDTH, upload_array
-from ism_addon.gpu.mesh_tree import FEW, mesh_tree
-from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
-from ism_addon.gpu.passes.upload import Meshes, Place
-from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.program import FOLDER, bind, expand, head
-from ism_addon.gpu.renderer import Renderer
+from ism_addon.gpu.layout import WIDTH
+from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.gpu.tree import LARGE, REACH
 
 from . import reference
-from .scenes.small import grid_triangles, mesh, subdivided_box
-from .studio import SMALL_SETTINGS, draw, light, look, placed, quad, rubble, stage
+from .rays import compare, occluded, rays, truth
+from .scenes.small import subdivided_box
+from .studio import draw, light, look, placed, quad, rubble, stage
 
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
 TURN = np.array([[0.0, -0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
-
-ASK = """
-uniform sampler2D starts;
-uniform sampler2D ends;
-uniform sampler2D owners;
-out float told;
-void main() {
-    ivec2 at = ivec2(gl_VertexID % WIDTH, gl_VertexID / WIDTH);
-    vec2 own = texelFetch(owners, at, 0).xy;
-    vec3 from = texelFetch(starts, at, 0).xyz, to = texelFetch(ends, at, 0).xyz;
-    told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
-}
-"""
-
-
-def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
-    """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
-    renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
-    frame = renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
-    for kind in (MeshTrees, Meshes, Place, InstanceTree):
-        renderer.run(kind, frame, Profile())
-    owners = np.full((len(starts), 2), -5.0) if owners is None else owners
-    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
-    program = device.gl.program(vertex_shader=shader, varyings=["told"])
-    rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
-    textures = {name: upload_array(device.gl, rows.astype(np.float32), "f4") for name, rows in rays.items()}
-    bind(program, **textures, **frame.tables["casters"])
-    device.gl.simple_framebuffer((1, 1)).use()
-    buffer = device.gl.buffer(reserve=4 * len(starts))
-    device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))
-    return np.frombuffer(buffer.read(), "f4") > 0.5
-
-
-def truth(scene, starts: np.ndarray, ends: np.ndarray, doubt: float = 1e-4) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) whether any triangle is in the way, and whether that is so by more than rounding: off edges and ends."""
-    triangles = reference.world_triangles(scene, scene.instances.casts_shadow)
-    found, sure = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
-    a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    for row, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        p = np.cross(end - start, v)
-        q = np.cross(start - a, u)
-        with np.errstate(all="ignore"):
-            scale = 1.0 / (u * p).sum(1)
-            s, t = ((start - a) * p).sum(1) * scale, (q @ (end - start)) * scale
-            at = (v * q).sum(1) * scale
-            margin = np.minimum.reduce([s, t, 1.0 - s - t, at, 1.0 - at])
-        margin = np.nan_to_num(margin, nan=-1.0)
-        found[row] = margin.max() > 0.0
-        sure[row] = margin.max() > doubt or margin.max() < -doubt
-    return found, sure
-
-
-def compare(device, scene, starts: np.ndarray, ends: np.ndarray, unsure: float = 0.02) -> None:
-    """All rays but those that pass too close to an edge; some are free and some are not."""
-    ours = occluded(device, scene, starts, ends)
-    expected, sure = truth(scene, starts, ends)
-    assert (~sure).mean() <= unsure
-    assert 0.01 < expected[sure].mean() < 0.99, "these rays ask nothing"
-    wrong = np.flatnonzero(sure & (ours != expected))
-    assert not len(wrong), (len(wrong), starts[wrong[0]], ends[wrong[0]], ours[wrong[0]])
-
-
-def rays(count: int, reach: float = 1.5, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and ends (N,3) anywhere."""
-    random = np.random.default_rng(seed)
-    return tuple(random.uniform(-reach, reach, (2, count, 3)))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 16, 17, 200, 1500])
@@ -100,50 +28,6 @@ def test_random_triangles(device, count):
 def test_more_triangles_than_one_thread_sorts(device):
     scene = stage([rubble(LARGE + 100, size=0.02)], light())
     compare(device, scene, *rays(200, 1.2))
-
-
-def bumps(side: int, order: np.ndarray | None = None):
-    """A sheet of 2 side² triangles, row after row, or in another order (side²,) of its quads."""
-    line = np.linspace(-1.0, 1.0, side + 1)
-    x, y = np.meshgrid(line, line, indexing="ij")
-    points = np.stack([x, y, 0.2 * np.sin(7.0 * x) * np.sin(5.0 * y)], -1).reshape(-1, 3)
-    triangles = grid_triangles(side + 1, side + 1).reshape(-1, 2, 3)
-    return mesh(points, (triangles if order is None else triangles[order]).reshape(-1, 3))
-
-
-#: Quads along a sheet's side, so that it is none of the few.
-MANY = 261
-
-
-def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
-    sheet = bumps(MANY)
-    tree = mesh_tree(sheet)
-    assert len(sheet.triangles) > FEW
-    assert tree.order is None
-    assert tree.per_leaf * len(np.unique(tree.starts)) >= len(sheet.triangles)
-    compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
-
-
-def test_a_large_mesh_in_no_order_is_sorted(device):
-    shuffled = bumps(MANY, np.random.default_rng(0).permutation(MANY**2))
-    tree = mesh_tree(shuffled)
-    assert np.array_equal(np.sort(tree.order), np.arange(len(shuffled.triangles)))
-    compare(device, stage([shuffled], light()), *rays(100))
-
-
-def test_runs_of_runs_are_taken_together(device, monkeypatch):
-    """As with ten million triangles: what is sorted is few, and rays find the same."""
-    monkeypatch.setattr(mesh_trees, "MANY", 64)
-    sheet = bumps(MANY)
-    scene, (starts, ends) = stage([sheet], light()), rays(200)
-    grouped, tree = occluded(device, scene, starts, ends), MeshTrees.kept[sheet]
-    neighbours = np.diff(tree.starts.astype(int)) == tree.per_leaf
-    assert neighbours.sum() > 0.7 * len(np.unique(tree.starts)), "runs of four runs"
-    monkeypatch.undo()
-    MeshTrees.kept.clear()
-    assert np.array_equal(occluded(device, scene, starts, ends), grouped)
-    neighbours = np.diff(MeshTrees.kept[sheet].starts.astype(int)) == tree.per_leaf
-    assert neighbours.sum() < 0.7 * len(np.unique(tree.starts))
 
 
 def test_deeper_than_eight_levels_of_four(device):

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shadow rays through the trees, and against every triangle in float64."""
+
+import moderngl
+import numpy as np
+
+from ism_addon.gpu.layout import CASTER, upload_array
+from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
+from ism_addon.gpu.passes.upload import Meshes, Place
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.program import FOLDER, bind, expand, head
+from ism_addon.gpu.renderer import Renderer
+
+from . import reference
+from .studio import SMALL_SETTINGS, look
+
+ASK = """
+uniform sampler2D starts;
+uniform sampler2D ends;
+uniform sampler2D owners;
+out float told;
+void main() {
+    ivec2 at = ivec2(gl_VertexID % WIDTH, gl_VertexID / WIDTH);
+    vec2 own = texelFetch(owners, at, 0).xy;
+    vec3 from = texelFetch(starts, at, 0).xyz, to = texelFetch(ends, at, 0).xyz;
+    told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
+}
+"""
+
+
+def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
+    """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
+    renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
+    frame = renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
+    for kind in (MeshTrees, Meshes, Place, InstanceTree):
+        renderer.run(kind, frame, Profile())
+    owners = np.full((len(starts), 2), -5.0) if owners is None else owners
+    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
+    program = device.gl.program(vertex_shader=shader, varyings=["told"])
+    rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
+    textures = {name: upload_array(device.gl, rows.astype(np.float32), "f4") for name, rows in rays.items()}
+    bind(program, **textures, **frame.tables["casters"])
+    device.gl.simple_framebuffer((1, 1)).use()
+    buffer = device.gl.buffer(reserve=4 * len(starts))
+    device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))
+    return np.frombuffer(buffer.read(), "f4") > 0.5
+
+
+def truth(scene, starts: np.ndarray, ends: np.ndarray, doubt: float = 1e-4) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) whether any triangle is in the way, and whether that is so by more than rounding: off edges and ends."""
+    triangles = reference.world_triangles(scene, scene.instances.casts_shadow)
+    found, sure = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
+    a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    for row, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        p = np.cross(end - start, v)
+        q = np.cross(start - a, u)
+        with np.errstate(all="ignore"):
+            scale = 1.0 / (u * p).sum(1)
+            s, t = ((start - a) * p).sum(1) * scale, (q @ (end - start)) * scale
+            at = (v * q).sum(1) * scale
+            margin = np.minimum.reduce([s, t, 1.0 - s - t, at, 1.0 - at])
+        margin = np.nan_to_num(margin, nan=-1.0)
+        found[row] = margin.max() > 0.0
+        sure[row] = margin.max() > doubt or margin.max() < -doubt
+    return found, sure
+
+
+def compare(device, scene, starts: np.ndarray, ends: np.ndarray, unsure: float = 0.02) -> None:
+    """All rays but those that pass too close to an edge; some are free and some are not."""
+    ours = occluded(device, scene, starts, ends)
+    expected, sure = truth(scene, starts, ends)
+    assert (~sure).mean() <= unsure
+    assert 0.01 < expected[sure].mean() < 0.99, "these rays ask nothing"
+    wrong = np.flatnonzero(sure & (ours != expected))
+    assert not len(wrong), (len(wrong), starts[wrong[0]], ends[wrong[0]], ours[wrong[0]])
+
+
+def rays(count: int, reach: float = 1.5, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Starts and ends (N,3) anywhere."""
+    random = np.random.default_rng(seed)
+    return tuple(random.uniform(-reach, reach, (2, count, 3)))
