@@ -30,11 +30,20 @@ Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
+class Vertices:
+    """Of a mesh, as they are uploaded."""
+
+    steps: np.ndarray  # (3,V) int32
+    octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
+
+
+@dataclass(frozen=True)
 class Piece:
     """Some triangles of a mesh."""
 
     mesh: int
     chosen: np.ndarray | slice
+    vertices: Vertices | None
 
 
 class Order:
@@ -51,18 +60,29 @@ class Order:
         """Triangles of all meshes."""
         return int(self.first_triangle[-1])
 
-    def portions(self) -> Iterator[list[Piece]]:
-        """All triangles, PORTION by PORTION."""
+    def portions(self, with_vertices: bool) -> Iterator[list[Piece]]:
+        """All triangles, PORTION by PORTION. Vertices are kept as long as pieces of their mesh are."""
+        latest, vertices = -1, None
         for pieces in portions(np.diff(self.first_triangle), PORTION):
-            yield [
-                Piece(mesh, self.orders[mesh][part] if self.orders[mesh] is not None else part) for mesh, part in pieces
-            ]
+            portion = []
+            for mesh, part in pieces:
+                if with_vertices and mesh != latest:
+                    latest, vertices = mesh, self.vertices(mesh)
+                order = self.orders[mesh]
+                portion.append(Piece(mesh, part if order is None else order[part], vertices))
+            yield portion
 
-    def made(self, make: Callable[[list[Piece]], Made]) -> Iterator[tuple[int, Made]]:
+    def vertices(self, mesh: int) -> Vertices:
+        """A mesh's."""
+        source = self.meshes[mesh]
+        octahedra = snorm(source.normals) if source.normals.ndim == 2 else None
+        return Vertices(self.lattices[mesh].steps(source.positions), octahedra)
+
+    def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[tuple[int, Made]]:
         """What `make` makes of each portion, by all cores: the number of its first triangle, and that."""
         waiting: deque[tuple[int, Future[Made]]] = deque()
         with ThreadPoolExecutor() as cores:
-            for number, pieces in enumerate(self.portions()):
+            for number, pieces in enumerate(self.portions(with_vertices)):
                 waiting.append((number * PORTION, cores.submit(make, pieces)))
                 if len(waiting) > AHEAD:
                     first, ready = waiting.popleft()
@@ -97,34 +117,25 @@ class Geometry:
         }
         self.bytes = (32 + 12) * order.count
         give_back()  # from reading and the trees: this is where most is in memory
-        for first, (corners, normals) in order.made(Source(order).make):
+        for first, (corners, normals) in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
             write_array(self.textures["corners"], corners, 2 * first)
             write_array(self.textures["normals"], normals, 3 * first)
 
 
-class Source:
-    """What the textures are made from."""
+def arrays_of(order: Order, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
+    corners, normals = zip(*(arrays_of_piece(order, piece) for piece in pieces), strict=True)
+    return np.concatenate(corners), np.concatenate(normals)
 
-    def __init__(self, order: Order):
-        self.order = order
-        meshes = zip(order.meshes, order.lattices, strict=True)
-        self.steps = [lattice.steps(mesh.positions) for mesh, lattice in meshes]
-        self.octahedra = [snorm(mesh.normals) if mesh.normals.ndim == 2 else None for mesh in order.meshes]
 
-    def make(self, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
-        corners, normals = zip(*(self.make_piece(piece) for piece in pieces), strict=True)
-        return np.concatenate(corners), np.concatenate(normals)
-
-    def make_piece(self, piece: Piece) -> tuple[np.ndarray, np.ndarray]:
-        """The same of one mesh's."""
-        mesh, triangles = self.order.meshes[piece.mesh], self.order.triangles(piece)
-        vertices, octahedra = np.ascontiguousarray(triangles.T), self.octahedra[piece.mesh]
-        places = [along.take(corner) for corner in vertices for along in self.steps[piece.mesh]]
-        corners = packed_corners(places, mesh.materials[piece.chosen]).reshape(-1, 4)
-        if octahedra is None:
-            return corners, snorm(mesh.normals[piece.chosen]).reshape(-1, 2)
-        return corners, octahedra.view(np.uint32).take(triangles).view(np.int16).reshape(-1, 2)
+def arrays_of_piece(order: Order, piece: Piece) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one mesh's."""
+    mesh, triangles, vertices = order.meshes[piece.mesh], order.triangles(piece), piece.vertices
+    places = [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
+    corners = packed_corners(places, mesh.materials[piece.chosen]).reshape(-1, 4)
+    if vertices.octahedra is None:
+        return corners, snorm(mesh.normals[piece.chosen]).reshape(-1, 2)
+    return corners, vertices.octahedra.view(np.uint32).take(triangles).view(np.int16).reshape(-1, 2)
 
 
 class Coordinates:
@@ -134,15 +145,17 @@ class Coordinates:
         order = Order(meshes, trees)
         self.texture = array_texture(gl, 3 * order.count, 2, "f4")
         self.bytes = 24 * order.count
-        for first, made in order.made(lambda pieces: np.concatenate([uvs_of(order, each) for each in pieces])):
-            write_array(self.texture, made, 3 * first)
+        made = order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False)
+        for first, uvs in made:
+            write_array(self.texture, uvs, 3 * first)
 
 
-def uvs_of(order: Order, piece: Piece) -> np.ndarray:
-    """(3 N,2) float32."""
-    uvs = order.meshes[piece.mesh].uvs
-    found = uvs[piece.chosen] if len(uvs) else np.zeros((*order.triangles(piece).shape, 2), np.float32)
-    return found.reshape(-1, 2)
+def uvs_of(order: Order, pieces: list[Piece]) -> np.ndarray:
+    """(3 N,2) float32 of N triangles."""
+    nothing = np.zeros((PORTION, 3, 2), np.float32)
+    every = ((order.meshes[piece.mesh].uvs, piece) for piece in pieces)
+    found = [uvs[piece.chosen] if len(uvs) else nothing[: len(order.triangles(piece))] for uvs, piece in every]
+    return np.concatenate(found).reshape(-1, 2)
 
 
 def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarray:
