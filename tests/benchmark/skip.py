@@ -2,7 +2,8 @@
 """What is saved by leaving out what does not change a picture, and by keeping what did not change: `dev.py bench skip`.
 
 Every case of tests/scenes/sparing.py is drawn twice, as always and with nothing left out (`--no-skip`): the ratio of
-the times, how far the pictures are apart, and the counts.
+the times, how far the pictures are apart, and the counts. Then the atrium, by the times that both take to the same
+error, against Cycles' picture.
 """
 
 import argparse
@@ -20,7 +21,17 @@ from ism_addon.gpu.profile import COUNTS, Profile
 from ism_addon.gpu.renderer import Renderer
 from tests.scenes.sparing import Case, Picture, cases
 
+from .error.curve import time_to
+from .error.ism import ALL_SAMPLES, Ism
+from .error.race import race
+from .error.stage import set_up
+
 COLUMNS = ("ms", "no skip", "faster", "apart", "drawn", "reused", "skipped")
+#: Of the truth's halves.
+TRUTH_SAMPLES = 128
+#: Samples whose error is the goal.
+GOALS = 1, 4, 16, 64
+SECONDS = 16.0  # that each accumulates
 COUNTED = ("lights_used", "triangles_drawn", "pixels_drawn", "pixels_refined", "pixels_checked", "bytes_uploaded")
 
 
@@ -73,6 +84,20 @@ def line(name: str, found: dict) -> str:
     return f"| {name} | {times} | {counts} |"
 
 
+def to_the_same_error(device: Device, folder: Path, rounds: int) -> list[dict]:
+    """Of the atrium: seconds to the error that some numbers of samples have, with skipping and without."""
+    stage = set_up("atrium", 0, (640, 360), TRUTH_SAMPLES, folder)
+    variants = {"skip": ALL_SAMPLES, "no skip": replace(ALL_SAMPLES, skip=False)}
+    engines = [Ism(name, settings, device, stage, SECONDS) for name, settings in variants.items()]
+    curves = race(stage, engines, rounds).curves
+    found = []
+    for point in (point for point in curves["skip"] if point.samples in GOALS):
+        seconds = {name: time_to(points, point.error.rmse) for name, points in curves.items()}
+        faster = seconds["no skip"] / seconds["skip"]
+        found.append({"samples": point.samples, "rmse": point.error.rmse, **seconds, "faster": faster})
+    return found
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.skip", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the record, skip.json and skip.md")
@@ -92,6 +117,12 @@ def main() -> int:
         record[case.name] = row(device, case, options.rounds)
         lines.append(line(case.name, record[case.name]))
         print(lines[-1], flush=True)
+    if not options.only:
+        record["atrium"] = to_the_same_error(device, options.output, options.rounds)
+        lines += ["", "| atrium, RMSE/mean | seconds | no skip | faster |", "|---|---|---|---|"]
+        for goal in record["atrium"]:
+            lines.append(f"| {goal['rmse']:.4f} | {goal['skip']:.2f} | {goal['no skip']:.2f} | {goal['faster']:.1f}× |")
+        print("\n".join(lines[-len(GOALS) - 3 :]))
     (options.output / "skip.json").write_text(json.dumps(record, indent=1), "utf-8")
     (options.output / "skip.md").write_text("\n".join(lines) + "\n", "utf-8")
     return 0
