@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which lights can change which blocks of pixels, and by how much: the others are left out.
 
-As in tiled shading (Olsson & Assarsson 2011), a block's surfaces are bounded by a box, and by a cone of normals, see
-`bounds`. Then one ray a block looks from afar which lights arrive at all: of what may be hidden, only what could make a
-good part of the light is looked for by Scout, and the rest by Check now and then. What would be too little
-of the light that arrives, all such lights together, is left out for good.
+As in tiled shading (Olsson & Assarsson 2011), a block's surfaces are bounded by boxes, and by cones of normals, see
+`bounds`. Then a few rays look from afar which lights arrive at all: of what may be hidden, only what could make a good
+part of the light is looked for by Scout, and the rest by Check now and then. What would be too little of the light that
+arrives, all such lights together, is left out for good.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -116,14 +116,17 @@ class Reach(Pass):
         some, all_lamps = bounds.some(which), Lamps.of(frame.scene.lights, frame.anchor)
         count, step = len(frame.scene.lights.shape), max(PAIRS // max(len(which), 1), 1)
         columns, rows = frame.blocks
-        found = np.zeros((2, count, 2 * rows * columns), np.float32)
+        found = np.zeros((2, count, rows, columns), np.float32)
 
         def fill(first: int) -> None:
-            found[:, first : first + step, which] = light_on(some, all_lamps[first : first + step])
+            lights = slice(first, min(first + step, count))
+            near_and_far = np.zeros((2, lights.stop - first, 2, rows * columns), np.float32)
+            near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = light_on(some, all_lamps[lights])
+            found[:, lights] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
         with ThreadPoolExecutor() as cores:
             list(cores.map(fill, range(0, count, step)))
-        return list(found.reshape(2, count, 2, rows, columns).max(2))
+        return list(found)
 
     def look(self, frame: Frame) -> Bounds:
         """What the blocks show, each nearby and far off."""
