@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.job import Job, Request
+from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.studio import draw as steps
 
@@ -90,12 +91,8 @@ def test_statistics_are_plain_numbers(worker):
     told = job.statistics
     assert set(told) == {
         "passes",
-        "light_points",
-        "surface_points",
+        *COUNTS,
         "triangles",
-        "triangles_drawn",
-        "bytes_uploaded",
-        "bytes_of_targets",
         "samples",
         "seconds",
         "error",
