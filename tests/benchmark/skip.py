@@ -101,8 +101,8 @@ def to_the_same_error(device: Device, folder: Path, rounds: int) -> list[dict]:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.skip", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the record, skip.json and skip.md")
-    parser.add_argument("--rounds", type=int, default=3, help="of each case; medians are taken (%(default)s)")
-    parser.add_argument("--size", default="640x360", help="WIDTHxHEIGHT in pixels (%(default)s)")
+    parser.add_argument("--rounds", type=int, default=1, help="of each case; medians are taken (%(default)s)")
+    parser.add_argument("--size", default="320x180", help="WIDTHxHEIGHT in pixels (%(default)s)")
     parser.add_argument("--only", default="", help="cases whose names hold this")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
