@@ -18,7 +18,7 @@ import numpy as np
 from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from .settings import Choice, Settings
 
-VERSION = 1
+VERSION = 2
 
 #: The array of each field: dtype and lengths, or others. A letter is one length throughout its object.
 SHAPES: dict[tuple[type, str], str] = {
