@@ -182,7 +182,7 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("version", 2, "of version 2; this one reads version 1"),
+        ("version", 1, "of version 1; this one reads version 2"),
         ("version", None, "is not a snapshot"),
         ("scene", None, "has no scene"),
         ("scene/world", [], "has no scene/world"),
