@@ -20,7 +20,7 @@ from ..targets import Target
 from . import BLOCK, Frame, Pass
 
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
-ENOUGH = 0.2
+ENOUGH = 0.1
 
 #: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
 TRUST = 0.03
