@@ -10,7 +10,7 @@ from ism_addon.gpu.atlas import batches
 from ism_addon.gpu.layout import octahedron_from_directions
 from ism_addon.gpu.passes.gather import Gather
 from ism_addon.gpu.passes.gbuffer import GBuffer
-from ism_addon.gpu.passes.light_points import LightPoints, points_per_light
+from ism_addon.gpu.passes.light_points import LightPoints
 from ism_addon.gpu.passes.lights import Lights
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
@@ -34,6 +34,7 @@ def gathered(
     settings = with_quality(replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points)
     renderer, frame = prepared(device, stage([], lights), settings, size)
     frame.sample = sample
+    frame.tables["points_per_light"] = dict.fromkeys(range(len(lights.shape)), light_points)
     for kind in (Meshes, Place, Lights, LightPoints):
         renderer.run(kind, frame, Profile())
     frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
@@ -42,8 +43,7 @@ def gathered(
     for name, rows in (("position", surface), ("normal", packed)):
         frame.targets.allocate(name, GBuffer.writes[name], size)
         frame.targets[name].write(np.ascontiguousarray(rows, np.float32))
-    count = int(points_per_light(lights, light_points).sum())
-    (frame.batch,) = batches(count, 8, device.texture_size)
+    (frame.batch,) = batches(light_points * len(lights.shape), 8, device.texture_size)
     for kind in (Splat, PullPush, Gather):
         renderer.run(kind, frame, Profile())
     return np.frombuffer(frame.targets["irradiance"].read(), "f4").reshape(-1, 4)[:, :3].astype(float)

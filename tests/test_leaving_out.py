@@ -18,8 +18,9 @@ SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC:
 SIZE = 64, 48
 
 RAYS = {"MeshTrees", "InstanceTree", "Scout", "Check"}
-LIGHT_BY_RAYS = {"Reach", "Predict", "Trace"}
-LIGHT_BY_MAPS = {"LightPoints", "Gather"}
+LIGHTS = {"Lights", "Reach"}
+LIGHT_BY_RAYS = {"Predict", "Trace"}
+LIGHT_BY_MAPS = {"Shares", "LightPoints", "Gather"}
 MAPS_ALONE = {"SurfacePoints", "Subsets", "Splat", "PullPush"}
 OCCLUSION = {"SSAO", "Blur"}
 
@@ -28,7 +29,7 @@ OTHERS = {
     Method.FITTED: LIGHT_BY_MAPS | MAPS_ALONE,
     Method.CLASSIC: RAYS | LIGHT_BY_RAYS,
 }
-LIT = {Method.FITTED: RAYS | LIGHT_BY_RAYS | {"Lights"}, Method.CLASSIC: MAPS_ALONE | LIGHT_BY_MAPS | {"Lights"}}
+LIT = {Method.FITTED: LIGHTS | RAYS | LIGHT_BY_RAYS, Method.CLASSIC: LIGHTS | MAPS_ALONE | LIGHT_BY_MAPS}
 SHADOWED = {Method.FITTED: RAYS | {"Predict"}, Method.CLASSIC: MAPS_ALONE}
 
 

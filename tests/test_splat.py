@@ -29,7 +29,7 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     """(S,side,side) of the same points and the same light points, by numpy."""
     tables = drawn.renderer.tables
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
-    _, _, points = point_tables(scene.lights, settings.quality.light_points, 0, anchor)
+    _, _, points = point_tables(scene.lights, tables["points_per_light"], 0, anchor)
     subsets, buffer = tables["surface_points"]
     discs = np.frombuffer(buffer.read(), POINT)
     found = []

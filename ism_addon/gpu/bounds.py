@@ -95,6 +95,11 @@ class Lamps:
         )
         return cls(*(column[..., None].astype(np.float32) for column in columns))
 
+    @property
+    def peak(self) -> np.ndarray:
+        """(K,1): what a spread makes of the radiance straight ahead, which it makes more of."""
+        return np.where(self.scale == 0.0, np.float32(1.0), self.tangent * self.scale)
+
     def __getitem__(self, some: slice) -> Self:
         return type(self)(*(getattr(self, member.name)[..., some, :] for member in fields(self)))
 
@@ -121,8 +126,7 @@ def light_on(bounds: Bounds, lamps: Lamps) -> tuple[np.ndarray, np.ndarray]:
         solid = lamps.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)
         spread = np.maximum(lamps.tangent - across / ahead, 0.0) * lamps.scale
     wide = lamps.scale == 0.0
-    peak = np.where(wide, np.float32(1.0), lamps.tangent * lamps.scale)
-    most = np.where(lit, lamps.luminance * peak * np.where(near > 0.0, np.minimum(solid, np.pi), np.pi), 0.0)
+    most = np.where(lit, lamps.luminance * lamps.peak * np.where(near > 0.0, np.minimum(solid, np.pi), np.pi), 0.0)
     whole = lamps.luminance * np.where(wide, np.float32(1.0), spread) * lamps.area * upright
     guess = np.pi * whole * ahead / (distance * (np.pi * distance * distance + lamps.area))
     return most.astype(np.float32), np.where((ahead > 0.0) & (upright > 0.0), guess, 0.0).astype(np.float32)

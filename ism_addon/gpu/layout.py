@@ -174,8 +174,8 @@ LIGHT = Record(
     blockers="int",
 )
 
-#: Which light points stand for a light.
-POINTS_OF_LIGHT = Record("PointsOfLight", first="int", count="int")
+#: A light that counts, and which light points stand for it.
+POINTS_OF_LIGHT = Record("PointsOfLight", light="int", first="int", count="int")
 
 #: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
 LIGHT_POINT = Record("LightPoint", place="vec2", turn="vec2")

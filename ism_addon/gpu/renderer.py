@@ -26,7 +26,7 @@ from .passes.check import Check
 from .passes.gather import Gather
 from .passes.gbuffer import GBuffer
 from .passes.halves import Halves, is_due
-from .passes.light_points import LightPoints, points_per_light
+from .passes.light_points import LightPoints
 from .passes.lights import Lights
 from .passes.predict import Predict
 from .passes.pull_push import PullPush
@@ -34,6 +34,7 @@ from .passes.reach import Reach
 from .passes.resolve import Resolve
 from .passes.scout import Scout
 from .passes.shade import Shade
+from .passes.shares import Shares
 from .passes.show import Show
 from .passes.sift import Sift
 from .passes.splat import Splat
@@ -48,13 +49,13 @@ from .targets import DEPTH, Targets
 
 #: The scene, in the order that suits shadow rays;
 SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours, InstanceTree)
-#: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights;
-BEFORE = (*SCENE, Sift, GBuffer, Lights)
+#: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights that reach it;
+BEFORE = (*SCENE, Sift, GBuffer, Lights, Reach)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
-FITTED = (Reach, Scout, Check, Predict, Trace)
+FITTED = (Scout, Check, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
-CLASSIC = (LightPoints, SurfacePoints, Subsets)
+CLASSIC = (Shares, LightPoints, SurfacePoints, Subsets)
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
 #: the creases too small for either, and all of it put together; again with other points, and summed.
 AFTER = (SSAO, Blur, Shade, Show, Accumulate)
@@ -99,8 +100,8 @@ class Renderer:
         frame = self.frame(scene, view, settings, sample, profile)
         for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
-        points = points_per_light(scene.lights, settings.quality.light_points).sum()
-        for frame.batch in batches(int(points), settings.quality.map_size, self.device.texture_size):
+        points = sum(self.tables.get("points_per_light", {}).values())
+        for frame.batch in batches(points, settings.quality.map_size, self.device.texture_size):
             for kind in FOR_EACH_BATCH:
                 yield self.run(kind, frame, profile)
         frame.batch = None
@@ -179,6 +180,7 @@ class Renderer:
             **{change: frame.part(change) for change in kind.depends_on},
             **{f"settings.{path}": setting(frame.settings, path) for path in kind.settings},
             **{name: self.revisions.get(name, 0) for name in kind.reads},
+            **{f"content of {name}": self.tables.get(name) for name in kind.compares},
             "size": (frame.view.width, frame.view.height) if sized else None,
             "batch": frame.batch,
         }

@@ -168,6 +168,8 @@ class Pass:
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # all that is new where of what it reads only this one is
     settings: ClassVar[tuple[str, ...]] = ()
     depends_on: ClassVar[tuple[Change, ...]] = ()
+    compares: ClassVar[tuple[str, ...]] = ()  # tables that it reads too, where it does not matter that they were drawn
+    # again if they hold the same
 
     def __init__(self, device: Device):
         self.device = device

@@ -34,6 +34,7 @@ class Gather(Pass):
         return len(frame.scene.lights.shape) > 0 and not frame.fitted
 
     def draw(self, frame: Frame) -> None:
+        frame.counts["lights_used"] = len(frame.tables["points_per_light"])
         gl, batch, shadow = frame.device.gl, frame.batch, frame.settings.shadow
         target = frame.targets.into("irradiance")
         if batch.first == 0:
@@ -51,7 +52,7 @@ class Gather(Pass):
             points_of_lights=frame.tables["points_of_lights"],
             light_points=frame.tables["light_points"],
             maps=frame.targets["shadow_maps" if shadow.fill_holes else "splats"],
-            light_count=len(frame.scene.lights.shape),
+            light_count=len(frame.tables["points_per_light"]),
             batch=(batch.first, batch.count),
             side=batch.side,
             columns=batch.columns,

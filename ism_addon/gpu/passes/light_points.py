@@ -1,46 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Virtual point lights inside the area lights: other ones each sample.
 
-Beck-Norén & Valter 2013, section 3.1. The light points of a sample are shared out by power, at least one a
-light; a light's radiance and area are exact (see gather), its points only say how much of it is visible.
+Beck-Norén & Valter 2013, section 3.1. The light points of a sample are shared out by what they change (see shares); a
+light's radiance and area are exact (see gather), its points only say how much of it is visible.
 """
 
 import numpy as np
 
-from ...color import LUMINANCE
-from ...radiometry import light_areas, plane_normals
-from ...sampling import additive_sequence, points_on_light, shares
+from ...radiometry import plane_normals
+from ...sampling import additive_sequence, points_on_light
 from ...scene import Change, Lights
 from ...spaces import orthonormal
 from ..layout import LIGHT_POINT, POINTS_OF_LIGHT
 from . import Frame, Pass
-
-
-def points_per_light(lights: Lights, count: int) -> np.ndarray:
-    """(L,) int64: `count` light points by the lights' power; never none, so a few more where lights are many."""
-    power = np.abs(lights.radiance @ LUMINANCE) * light_areas(lights)
-    return 1 + shares(power if power.sum() > 0.0 else np.ones(len(power)), max(count - len(power), 0))
-
 
 #: A light point as the maps' drawing needs it: the axes x and z of its map, in anchor space.
 MAP = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
 
 
 def point_tables(
-    lights: Lights, count: int, sample: int, anchor: np.ndarray
+    lights: Lights, points_per_light: dict[int, int], sample: int, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of POINTS_OF_LIGHT, of LIGHT_POINT and of MAP for one sample."""
-    counts = points_per_light(lights, count)
-    first = np.cumsum(counts) - counts
+    counts = np.array(list(points_per_light.values()), int)
     of_lights = np.zeros(len(counts), POINTS_OF_LIGHT.dtype)
-    of_lights["first"], of_lights["count"] = first, counts
+    of_lights["light"], of_lights["count"] = list(points_per_light), counts
+    of_lights["first"] = np.cumsum(counts) - counts
 
     normals = plane_normals(lights)
     tangents, bitangents = orthonormal(normals)
-    owners = np.repeat(np.arange(len(counts)), counts)
-    shifts = additive_sequence(sample, 1, 2) + additive_sequence(0, len(counts), 2)
-    positions = [points_on_light(lights, light, number, shifts[light]) for light, number in enumerate(counts)]
-    offsets = np.concatenate(positions) - lights.position[owners]
+    owners = np.repeat(list(points_per_light), counts).astype(int)
+    shifts = additive_sequence(sample, 1, 2) + additive_sequence(0, len(normals), 2)
+    positions = [points_on_light(lights, light, count, shifts[light]) for light, count in points_per_light.items()]
+    offsets = np.concatenate([np.zeros((0, 3)), *positions]) - lights.position[owners]
     angle = 2.0 * np.pi * additive_sequence(sample * len(owners), len(owners), 1)
     points = np.zeros(len(owners), LIGHT_POINT.dtype)
     points["place"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents])[:, owners])
@@ -56,7 +48,7 @@ class LightPoints(Pass):
     """The tables of light points, and of which are whose."""
 
     makes = ("points_of_lights", "light_points", "maps")
-    settings = ("quality.light_points",)
+    compares = ("points_per_light",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def needed(self, frame: Frame) -> bool:
@@ -64,7 +56,7 @@ class LightPoints(Pass):
 
     def draw(self, frame: Frame) -> None:
         of_lights, points, maps = point_tables(
-            frame.scene.lights, frame.settings.quality.light_points, frame.sample, frame.anchor
+            frame.scene.lights, frame.tables["points_per_light"], frame.sample, frame.anchor
         )
         frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device.gl, of_lights)
         frame.tables["light_points"] = LIGHT_POINT.upload(self.device.gl, points)

@@ -35,7 +35,7 @@ class PullPush(Pass):
         }
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats and frame.settings.shadow.fill_holes
+        return frame.splats and frame.batch.count > 0 and frame.settings.shadow.fill_holes
 
     def draw(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)

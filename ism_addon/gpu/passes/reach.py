@@ -71,7 +71,7 @@ class Reach(Pass):
         "facing": Target(4, "f4", divisor=BLOCK),  # axis of the cone of its normals; in alpha, its cosine
         **{f"far_{name}": Target(4, "f4", divisor=BLOCK) for name in ("lowest", "highest", "facing")},
     }
-    makes = ("reach",)
+    makes = ("reach", "guess")
     settings = ("skip",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
@@ -87,29 +87,34 @@ class Reach(Pass):
         self.light = np.zeros((0, 0), np.float32)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0 and frame.fitted
+        return len(frame.scene.lights.shape) > 0
 
     def draw(self, frame: Frame) -> None:
         if frame.sample & (frame.sample - 1):  # as often as the number of samples has doubled: surfaces come to light
             return
-        if not frame.settings.skip:
-            frame.tables["reach"] = everywhere(frame)
-            return
-        seen = self.look(frame)
         if frame.sample == 0:
-            self.bounds = seen
-            self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
-            self.arrives = self.from_afar(frame)
-            there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
-            self.light = around(there).mean((2, 3))
-        else:
-            spotted = np.array(list(frame.tables.get("spotted", {})), int)
-            for light, rays in self.rays_from(frame, spotted, NEARER).items():
-                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
-            new = np.flatnonzero(~self.bounds.hold(seen))
-            self.bounds = self.bounds.joined(seen)
-            self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
-        frame.tables["reach"] = self.weighed()
+            self.start(frame, self.look(frame))
+        elif frame.settings.skip:
+            self.add(frame, self.look(frame))
+        frame.tables["reach"] = self.weighed() if frame.settings.skip else everywhere(frame)
+
+    def start(self, frame: Frame, seen: Bounds) -> None:
+        """What the first sample shows, and the light that is thought to arrive there."""
+        self.bounds = seen
+        self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
+        self.arrives = self.from_afar(frame)
+        there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
+        self.light = around(there).mean((2, 3))
+        frame.tables["guess"] = guess
+
+    def add(self, frame: Frame, seen: Bounds) -> None:
+        """What later samples show, and the lights that were found since."""
+        spotted = np.array(list(frame.tables.get("spotted", {})), int)
+        for light, rays in self.rays_from(frame, spotted, NEARER).items():
+            self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
+        new = np.flatnonzero(~self.bounds.hold(seen))
+        self.bounds = self.bounds.joined(seen)
+        self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
 
     def light_on(self, frame: Frame, bounds: Bounds, which: np.ndarray) -> list[np.ndarray]:
         """See bounds.py: two arrays (lights, rows, columns) of the most on some of what the blocks show, by number."""

@@ -35,7 +35,7 @@ class Splat(Pass):
         self.discs = compile_program(device, "splat.vert", "splat.frag", empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats
+        return frame.splats and frame.batch.count > 0
 
     def draw(self, frame: Frame) -> None:
         gl, batch = frame.device.gl, frame.batch

@@ -11,7 +11,7 @@ uniform sampler2D lights;
 uniform sampler2D points_of_lights;
 uniform sampler2D light_points;
 uniform sampler2D maps;
-uniform int light_count;
+uniform int light_count; // of those that count
 uniform ivec2 batch; // first light point, number of light points
 uniform int side;
 uniform int columns;
@@ -69,8 +69,9 @@ void main() {
     vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
     int groups = fetch_Membership(memberships, int(fetch(triangles, at).y)).groups;
     for (int k = 0; k < light_count; ++k) {
-        Light light = fetch_Light(lights, k);
+        PointsOfLight points = fetch_PointsOfLight(points_of_lights, k);
+        Light light = fetch_Light(lights, points.light);
         if (light.receivers >= 0 && !linked(groups, light.receivers)) continue;
-        irradiance.rgb += light_irradiance(light, fetch_PointsOfLight(points_of_lights, k), p.xyz, n, facet);
+        irradiance.rgb += light_irradiance(light, points, p.xyz, n, facet);
     }
 }

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light points go where they change most, their sum is what was asked for, and small moves change nothing of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.bounds import Lamps
+from ism_addon.gpu.passes.shares import weights
+from ism_addon.scene import LightShape
+
+from . import reference
+from .scenes.rooms import rooms
+from .scenes.small import subdivided_box
+from .studio import MAPS, both, draw, from_above, light, look, quad, stage, with_quality
+
+SIZE = 160, 96
+HERE = range(5)
+FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
+
+
+def small(x: float, y: float, z: float, **more: object):
+    return light(LightShape.ELLIPSE, (x, y, z), (0.05, 0, 0), (0, -0.05, 0), **{"radiance": 10.0, **more})
+
+
+def shared_out(device, scene, view, renderer=None, **quality: int) -> dict[int, int]:
+    """Light points of each light that counts."""
+    return draw(device, scene, view, with_quality(MAPS, **quality), renderer).renderer.tables["points_per_light"]
+
+
+def drawn_rooms(device, idle: dict[str, int], **changes: object):
+    """The room with five lamps, and others, by one sample."""
+    return draw(device, *rooms(idle, *SIZE), replace(with_quality(MAPS, light_points=60), **changes))
+
+
+@pytest.mark.parametrize("count", [1, 7, 40, 333])
+def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_what_was_asked_for(device, count):
+    lights = light(axis_u=(2.0, 0, 0), axis_v=(0, -2.0, 0))
+    for place in ((1.0, 1.0, 3.0), (-1.0, 0.5, 3.0), (0.0, 0.0, 9.0)):
+        lights = both(lights, small(*place))
+    counts = shared_out(device, stage([FLOOR], lights), from_above(6.0), light_points=count)
+    assert sum(counts.values()) == max(count, 4)
+    assert min(counts.values()) == 1
+    if count == 40:
+        assert counts[0] >= 34
+        assert max(counts[light] for light in (1, 2, 3)) <= 2
+
+
+def test_of_lights_alike_the_brighter_and_the_nearer_have_more(device):
+    dim, bright, far = small(-1, 0, 2), small(1, 0, 2, radiance=60.0), small(0, 1, 6)
+    counts = shared_out(device, stage([FLOOR], both(both(dim, bright), far)), from_above(6.0), light_points=100)
+    assert counts[1] > 2 * counts[0] > 4 * counts[2]
+
+
+def test_weights_are_powers_of_two_and_know_no_unit():
+    random = np.random.default_rng(2)
+    guess = (
+        random.uniform(0.0, 1.0, (6, 4, 5)).astype(np.float32)
+        * np.exp2(-np.arange(6.0, dtype=np.float32) * 2)[:, None, None]
+    )
+    lights = light()
+    for _ in range(5):
+        lights = both(lights, light())
+    lamps = Lamps.of(lights, np.zeros(3))
+    found = weights(guess, lamps)
+    assert found.max() == 1.0
+    assert (np.log2(found) % 1.0 == 0.0).all()
+    assert len(set(found)) > 3
+    brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
+    assert np.array_equal(weights(7.0 * guess, Lamps.of(brighter, np.zeros(3))), found)
+    guess[3] = 0.0
+    assert weights(guess, lamps)[3] == 0.0
+    assert not weights(0.0 * guess, lamps).any()
+
+
+@pytest.mark.parametrize("why", ["turned away", "elsewhere"])
+def test_lights_that_reach_nothing_have_no_points_and_change_nothing(device, why):
+    alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
+    assert drawn.renderer.tables["points_per_light"] == alone.renderer.tables["points_per_light"]
+    assert set(drawn.renderer.tables["points_per_light"]) == set(HERE)
+    assert drawn.profile.counts["lights_used"] == 5
+    assert np.array_equal(drawn.color, alone.color)
+    everything = drawn_rooms(device, {why: 40}, skip=False)
+    assert set(everything.renderer.tables["points_per_light"]) == set(range(45))
+
+
+def test_hidden_lights_keep_one_point_each_for_maps_alone_tell_that_they_are_hidden(device):
+    counts = drawn_rooms(device, {"hidden": 40}).renderer.tables["points_per_light"]
+    assert set(counts) > set(HERE)
+    assert sum(counts.values()) == 60
+
+
+def test_faint_lights_have_points_nowhere_but_in_the_dark(device):
+    counts = drawn_rooms(device, {"faint": 40}).renderer.tables["points_per_light"]
+    assert len(set(counts) - set(HERE)) <= 4
+
+
+@pytest.mark.parametrize("metres", [0.003, -0.01, 0.05])
+def test_a_small_move_of_the_camera_draws_no_map(device, metres):
+    scene, view = rooms({}, *SIZE)
+    beside = view.view_from_world.copy()
+    beside[:3, 3] += metres
+    moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, light_points=60)
+    first = draw(device, scene, view, settings)
+    counts = first.renderer.tables["points_per_light"]
+    again = draw(device, scene, moved, settings, first.renderer)
+    rows = again.profile.rows
+    assert rows["Shares"].drawn
+    assert not rows["LightPoints"].drawn + rows["Splat"].drawn + rows["PullPush"].drawn
+    assert again.renderer.tables["points_per_light"] == counts
+    assert np.array_equal(again.color, draw(device, scene, moved, settings).color)
+
+
+def test_shares_know_nothing_of_the_pictures_before(device):
+    """Elsewhere in between, where other lights count."""
+    scene, view = rooms({}, *SIZE)
+    behind = look((5.5, 4.6, 1.7), (5.6, 5.0, 0.0), SIZE)
+    settings = with_quality(MAPS, samples=5, light_points=60)
+    first = draw(device, scene, view, settings)
+    color, counts = first.color, first.renderer.tables["points_per_light"]
+    there = draw(device, scene, behind, settings, first.renderer)
+    assert there.renderer.tables["points_per_light"] != counts
+    back = draw(device, scene, view, settings, first.renderer)
+    assert back.renderer.tables["points_per_light"] == counts
+    assert np.array_equal(back.color, color)
+
+
+def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
+    lights = both(light(casts_shadow=False), small(1.0, 1.0, 3.0))
+    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.3), (0.5, 0.5, 0.8), 2)], lights)
+    assert shared_out(device, scene, from_above(6.0), light_points=20) == {0: 0, 1: 20}
+    unshadowed = replace(scene, lights=replace(lights, casts_shadow=np.zeros(2, bool)))
+    drawn = draw(device, unshadowed, from_above(6.0), MAPS)
+    assert drawn.renderer.tables["points_per_light"] == {0: 0, 1: 0}
+    assert drawn.color[..., :3].max() > 0.1
+
+
+def test_where_nothing_is_seen_no_map_is_drawn(device):
+    drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), MAPS)
+    assert drawn.renderer.tables["points_per_light"] == {}
+    assert not drawn.profile.rows["Splat"].drawn + drawn.profile.rows["PullPush"].drawn
+    assert not drawn.target("irradiance")[..., :3].any()
+
+
+def test_the_picture_is_right_on_average(device):
+    """Lights large and small, one that casts no shadow and one that reaches nothing."""
+    lights = both(light(axis_u=(1.5, 0, 0), axis_v=(0, -1.5, 0)), small(1.0, -1.0, 3.0, radiance=400.0))
+    lights = both(lights, light(position=(-1.0, 1.0, 3.0), casts_shadow=False))
+    lights = both(lights, light(position=(0.0, 0.0, 3.0), axis_v=(0, 1.0, 0), radiance=100.0))
+    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
+    view = look((2.5, -4.0, 3.0), size=(48, 32))
+    truth, _ = reference.picture(scene, view, 12)
+    settings = with_quality(MAPS, samples=16, light_points=32, map_size=128, surface_points=16384)
+    found = draw(device, scene, view, settings)
+    assert set(found.renderer.tables["points_per_light"]) == {0, 1, 2}
+    assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)
