@@ -62,6 +62,18 @@ def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, mo
     assert not again.profile.rows["Scout"].drawn
 
 
+def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, method, monkeypatch):
+    """The next one has fewer lights, and may be of the other method."""
+    monkeypatch.setattr(Check, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
+    floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
+    before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
+    renderer = draw(device, before, view, with_quality(SETTINGS[Method.FITTED], samples=SEVERAL)).renderer
+    assert renderer.tables["spotted"]
+    after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)
+    expected = draw(device, after, view, settings).color
+    assert np.array_equal(draw(device, after, view, settings, renderer).color, expected)
+
+
 def test_after_many_edits_the_picture_is_that_of_a_new_renderer(device, method):
     """Back and forth, and of some pictures only a few passes."""
     from ism_addon.gpu.profile import Profile

@@ -109,8 +109,8 @@ class Reach(Pass):
 
     def add(self, frame: Frame, seen: Bounds) -> None:
         """What later samples show, and the lights that were found since."""
-        spotted = np.array(list(frame.tables.get("spotted", {})), int)
-        for light, rays in self.rays_from(frame, spotted, NEARER).items():
+        spotted = frame.tables["spotted"] if frame.traces and frame.sample > 1 else {}  # Check begins with the second
+        for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
             self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
         new = np.flatnonzero(~self.bounds.hold(seen))
         self.bounds = self.bounds.joined(seen)
