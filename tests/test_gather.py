@@ -19,22 +19,18 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
 from .reference import irradiance
-from .studio import MAPS, both, light, prepared, stage, with_quality
+from .studio import both, light, prepared, shadows, stage
 
 SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
 
 
-def gathered(
-    device, lights, points: np.ndarray, normals: np.ndarray, light_points: int = 64, sample: int = 0
-) -> np.ndarray:
+def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(N,3) irradiance of receivers (N,3) that nothing hides."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
-    settings = with_quality(replace(MAPS, shadow=replace(MAPS.shadow, enabled=False)), light_points=light_points)
-    renderer, frame = prepared(device, stage([], lights), settings, size)
-    frame.sample = sample
-    frame.tables["points_per_light"] = dict.fromkeys(range(len(lights.shape)), light_points)
+    renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
+    frame.tables["reaching"] = tuple(range(len(lights.shape)))
     for kind in (Meshes, Place, Lights, LightPoints):
         renderer.run(kind, frame, Profile())
     frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
@@ -43,7 +39,7 @@ def gathered(
     for name, rows in (("position", surface), ("normal", packed)):
         frame.targets.allocate(name, GBuffer.writes[name], size)
         frame.targets[name].write(np.ascontiguousarray(rows, np.float32))
-    (frame.batch,) = batches(light_points * len(lights.shape), 8, device.texture_size)
+    (frame.batch,) = batches(0, 8, device.texture_size)
     for kind in (Splat, PullPush, Gather):
         renderer.run(kind, frame, Profile())
     return np.frombuffer(frame.targets["irradiance"].read(), "f4").reshape(-1, 4)[:, :3].astype(float)
@@ -108,14 +104,14 @@ def test_behind_the_light_and_facing_away_it_is_dark(device):
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("spread", np.radians([150.0, 90.0, 30.0]))
 def test_a_spread_narrows_the_light(device, shape, spread):
-    """A spread is weighed by the light points: within 2 % of the brightest receiver."""
+    """Within 2 % of the brightest receiver."""
     lights = tilted_light(shape, spread=spread)
     normal, across = lights.normal[0], unit(lights.axis_u[0])
     points = np.array(
         [lights.position[0] + d * normal + d * s * across for d in (1.0, 3.0, 20.0) for s in (0.0, 0.2, 0.6, 1.5)]
     )
     normals = np.tile(-normal, (len(points), 1))
-    ours = np.mean([gathered(device, lights, points, normals, 256, sample) for sample in range(4)], 0)[:, 0]
+    ours = gathered(device, lights, points, normals)[:, 0]
     truth = np.array([irradiance(p, n, lights, 0) for p, n in zip(points, normals, strict=True)])
     for rows in np.arange(len(points)).reshape(3, -1):
         assert ours[rows] == pytest.approx(truth[rows], abs=0.02 * truth[rows].max())

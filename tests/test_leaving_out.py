@@ -20,8 +20,8 @@ SIZE = 64, 48
 RAYS = {"MeshTrees", "InstanceTree", "Scout", "Check"}
 LIGHTS = {"Lights", "Reach"}
 LIGHT_BY_RAYS = {"Predict", "Trace"}
-LIGHT_BY_MAPS = {"Shares", "LightPoints", "Gather"}
-MAPS_ALONE = {"SurfacePoints", "Subsets", "Splat", "PullPush"}
+LIGHT_BY_MAPS = {"LightPoints", "Gather"}
+MAPS_ALONE = {"SurfacePoints", "Shares", "Subsets", "Splat", "PullPush"}
 OCCLUSION = {"SSAO", "Blur"}
 
 #: What only the other method draws.

@@ -112,10 +112,10 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
         ("shadow", {"fill_threshold": 0.1}, set(), {"PullPush", "Gather"} | AFTER),
         ("shadow", {"fill_holes": False}, set(), {"Gather"} | AFTER),
         ("shadow", {"splat_size": 2.0}, set(), {"Subsets"} | SHADOWS | AFTER),
-        ("shadow", {"enabled": False}, {"Reach", "Trace"} | AFTER, {"Shares", "LightPoints", "Gather"} | AFTER),
+        ("shadow", {"enabled": False}, {"Reach", "Trace"} | AFTER, {"LightPoints", "Gather"} | AFTER),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
-        ("quality", {"surface_points": 1000}, set(), {"SurfacePoints", "Subsets"} | SHADOWS | AFTER),
-        ("quality", {"light_points": 5}, set(), {"Shares", "LightPoints"} | SHADOWS | AFTER),
+        ("quality", {"surface_points": 1000}, set(), ALL_MAPS | AFTER),
+        ("quality", {"light_points": 5}, set(), {"LightPoints"} | SHADOWS | AFTER),
     ],
 )
 def test_a_setting_redraws_its_own_passes(again, section, changes, by_rays, by_maps):

@@ -41,6 +41,12 @@ class Bounds:
         half_angle = np.minimum((1.0 + MARGIN) * turn + LEAST_TURN, np.float32(np.pi))
         return cls(lowest[3] > 0.0, lowest[:3] - margin, highest[:3] + margin, facing[:3], half_angle)
 
+    @classmethod
+    def around(cls, points: np.ndarray, normals: np.ndarray) -> Self:
+        """Around each of N points (3,N) alone."""
+        count = points.shape[1]
+        return cls(np.ones(count, bool), points, points, normals, np.zeros(count, np.float32))
+
     def some(self, chosen: np.ndarray) -> Self:
         """Those numbered, or chosen of (N,)."""
         return type(self)(*(getattr(self, member.name)[..., chosen] for member in fields(self)))

@@ -55,7 +55,7 @@ BEFORE = (*SCENE, Sift, GBuffer, Lights, Reach)
 FITTED = (Scout, Check, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
-CLASSIC = (Shares, LightPoints, SurfacePoints, Subsets)
+CLASSIC = (SurfacePoints, Shares, LightPoints, Subsets)
 FOR_EACH_BATCH = (Splat, PullPush, Gather)
 #: the creases too small for either, and all of it put together; again with other points, and summed.
 AFTER = (SSAO, Blur, Shade, Show, Accumulate)

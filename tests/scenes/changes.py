@@ -46,13 +46,12 @@ EDITS: tuple[Edit, ...] = (nothing_changed, view_turned, light_moved, colour_cha
 OCCLUSION = {"SSAO", "Blur"}
 PICTURE = {"Shade", "Accumulate", "Halves", "Resolve"}
 BY_RAYS = {"Reach", "Predict", "Trace"}
-SHARED_OUT = {"Reach", "Shares"}
 BY_MAPS = {"Splat", "PullPush", "Gather"}
 
 #: Other ones, or nothing new, in each sample.
 EACH_SAMPLE = {
     Method.FITTED: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    Method.CLASSIC: {"Sift", "GBuffer", "LightPoints"} | SHARED_OUT | BY_MAPS | OCCLUSION | PICTURE,
+    Method.CLASSIC: {"Sift", "GBuffer", "Reach", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
 }
 
 
@@ -68,9 +67,9 @@ SHARED = {
     Method.CLASSIC: {
         nothing_changed: set(),
         view_turned: set(),
-        light_moved: {"Lights", "Subsets"},
+        light_moved: {"Lights", "Shares", "Subsets"},
         colour_changed: {"Colours"},
-        object_moved: {"Place", "SurfacePoints", "Subsets"},
+        object_moved: {"Place", "SurfacePoints", "Shares", "Subsets"},
     },
 }
 
@@ -85,10 +84,10 @@ FIRST = {
     },
     Method.CLASSIC: {
         nothing_changed: set(),
-        view_turned: {"Sift", "GBuffer", "Gather"} | SHARED_OUT | OCCLUSION | PICTURE,
-        light_moved: {"LightPoints"} | SHARED_OUT | BY_MAPS | PICTURE,
+        view_turned: {"Sift", "GBuffer", "Reach", "Gather"} | OCCLUSION | PICTURE,
+        light_moved: {"Reach", "LightPoints"} | BY_MAPS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer"} | SHARED_OUT | BY_MAPS | OCCLUSION | PICTURE,
+        object_moved: {"GBuffer", "Reach", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
     },
 }
 

@@ -8,7 +8,7 @@ light's radiance and area are exact (see gather), its points only say how much o
 import numpy as np
 
 from ...radiometry import plane_normals
-from ...sampling import additive_sequence, points_on_light
+from ...sampling import additive_sequence, points_on_light, shares
 from ...scene import Change, Lights
 from ...spaces import orthonormal
 from ..layout import LIGHT_POINT, POINTS_OF_LIGHT
@@ -16,6 +16,13 @@ from . import Frame, Pass
 
 #: A light point as the maps' drawing needs it: the axes x and z of its map, in anchor space.
 MAP = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
+
+
+def points_per_light(wanting: list[int], weights: np.ndarray, count: int) -> dict[int, int]:
+    """`count` light points for those that want any of L lights, by weights (L,); one at least for each."""
+    known = weights[wanting] if weights[wanting].any() else np.ones(len(wanting))
+    more = shares(known, max(count - len(wanting), 0))
+    return {light: 1 + int(number) for light, number in zip(wanting, more, strict=True)}
 
 
 def point_tables(
@@ -47,17 +54,22 @@ def point_tables(
 class LightPoints(Pass):
     """The tables of light points, and of which are whose."""
 
-    makes = ("points_of_lights", "light_points", "maps")
-    compares = ("points_per_light",)
+    reads = ("deviations",)
+    compares = ("reaching",)
+    makes = ("points_per_light", "points_of_lights", "light_points", "maps")
+    settings = ("quality.light_points",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and not frame.fitted
 
     def draw(self, frame: Frame) -> None:
-        of_lights, points, maps = point_tables(
-            frame.scene.lights, frame.tables["points_per_light"], frame.sample, frame.anchor
-        )
+        lights, counts = frame.scene.lights, dict.fromkeys(frame.tables["reaching"], 0)
+        wanting = [light for light in counts if frame.splats and lights.casts_shadow[light]]
+        if wanting:
+            counts |= points_per_light(wanting, frame.tables["deviations"], frame.settings.quality.light_points)
+        of_lights, points, maps = point_tables(lights, counts, frame.sample, frame.anchor)
+        frame.tables["points_per_light"] = counts
         frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device.gl, of_lights)
         frame.tables["light_points"] = LIGHT_POINT.upload(self.device.gl, points)
         frame.tables["maps"] = maps

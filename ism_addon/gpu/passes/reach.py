@@ -71,7 +71,7 @@ class Reach(Pass):
         "facing": Target(4, "f4", divisor=BLOCK),  # axis of the cone of its normals; in alpha, its cosine
         **{f"far_{name}": Target(4, "f4", divisor=BLOCK) for name in ("lowest", "highest", "facing")},
     }
-    makes = ("reach", "guess")
+    makes = ("reach", "reaching")
     settings = ("skip",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
@@ -92,29 +92,26 @@ class Reach(Pass):
     def draw(self, frame: Frame) -> None:
         if frame.sample & (frame.sample - 1):  # as often as the number of samples has doubled: surfaces come to light
             return
+        frame.tables["reach"] = self.reached(frame) if frame.settings.skip else everywhere(frame)
+        frame.tables["reaching"] = tuple(sorted(frame.tables["reach"]))
+
+    def reached(self, frame: Frame) -> dict[int, Reached]:
+        """By all that was seen so far."""
+        seen = self.look(frame)
         if frame.sample == 0:
-            self.start(frame, self.look(frame))
-        elif frame.settings.skip:
-            self.add(frame, self.look(frame))
-        frame.tables["reach"] = self.weighed() if frame.settings.skip else everywhere(frame)
-
-    def start(self, frame: Frame, seen: Bounds) -> None:
-        """What the first sample shows, and the light that is thought to arrive there."""
-        self.bounds = seen
-        self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
-        self.arrives = self.from_afar(frame)
-        there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
-        self.light = around(there).mean((2, 3))
-        frame.tables["guess"] = guess
-
-    def add(self, frame: Frame, seen: Bounds) -> None:
-        """What later samples show, and the lights that were found since."""
-        spotted = frame.tables["spotted"] if frame.traces and frame.sample > 1 else {}  # Check begins with the second
-        for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
-            self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
-        new = np.flatnonzero(~self.bounds.hold(seen))
-        self.bounds = self.bounds.joined(seen)
-        self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
+            self.bounds = seen
+            self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
+            self.arrives = self.from_afar(frame)
+            there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
+            self.light = around(there).mean((2, 3))
+        else:
+            spotted = frame.tables["spotted"] if frame.traces and frame.sample > 1 else {}  # Check begins with sample 1
+            for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
+                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
+            new = np.flatnonzero(~self.bounds.hold(seen))
+            self.bounds = self.bounds.joined(seen)
+            self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
+        return self.weighed()
 
     def light_on(self, frame: Frame, bounds: Bounds, which: np.ndarray) -> list[np.ndarray]:
         """See bounds.py: two arrays (lights, rows, columns) of the most on some of what the blocks show, by number."""
