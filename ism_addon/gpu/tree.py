@@ -21,6 +21,9 @@ NOWHERE = 1e30
 #: Trees of more boxes than this are split by two threads (numpy lets go of the interpreter's lock).
 LARGE = 1 << 14
 
+#: Rows of so many boxes are short: numpy is slow along them.
+SHORT = 1 << 8
+
 #: Nodes that are packed at a time: so many stay in a processor's cache.
 PORTION = 1 << 13
 
@@ -80,8 +83,9 @@ def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
     if leaves > 1 and count > LARGE:
         middles, both = split(*halves[0])
         halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
+    most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
     with ThreadPoolExecutor() as cores:
-        return np.concatenate(list(cores.map(lambda half: sort(*half, per_leaf), halves)))
+        return np.concatenate(list(cores.map(lambda half: sort(*half, most), halves)))
 
 
 def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
@@ -118,7 +122,7 @@ def packed(nodes: np.ndarray) -> np.ndarray:
     """(leaves // 2,) NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
     boxes = nodes.transpose(1, 2, 0)
     rows = np.zeros(len(nodes) // 4, NODE)
-    levels = [4**k for k in range(15) if 4**k < len(rows) or k == 0]
+    levels = [4**k for k in range(15) if 4**k < len(rows)]
     parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
     with ThreadPoolExecutor() as cores:
         for _ in cores.map(lambda part: pack(boxes, rows, part), parts):
@@ -129,15 +133,16 @@ def packed(nodes: np.ndarray) -> np.ndarray:
 def pack(boxes: np.ndarray, rows: np.ndarray, part: slice) -> None:
     """Fill a part of the rows (N,) NODE, which look at the boxes (2,3,4 N)."""
     inside, around = boxes[:, :, 4 * part.start : 4 * part.stop], boxes[:, :, part]
-    nowhere = (inside[0, 0] == np.float32(NOWHERE)).reshape(-1, 4)
+    nowhere = inside[0, 0] == np.float32(NOWHERE)
     (begin, end), (low, high) = planes(around), planes(inside)
     powers = np.frexp(((np.maximum(end - begin, 1) - 1) // 255).astype(np.float32))[1]
     into = rows[part]
     into["begin"], into["unit"] = begin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
-    for k in range(3):
-        power, origin = powers[k][:, None], begin[k][:, None]
-        into["low"][:, k] = np.where(nowhere, 255, (low[k].reshape(-1, 4) - origin) >> power)
-        into["high"][:, k] = np.where(nowhere, 0, -((origin - high[k].reshape(-1, 4)) >> power))
+    origin, powers = np.repeat(begin, 4, 1), np.repeat(powers, 4, 1)
+    low, high = (low - origin) >> powers, -((origin - high) >> powers)
+    low[:, nowhere], high[:, nowhere] = 255, 0
+    words = into.view(np.uint32).reshape(-1, 8)  # four bytes at a time, as numpy is slow along short axes
+    words[:, 2:5], words[:, 5:] = (corner.astype(np.uint8).view(np.uint32).T for corner in (low, high))
 
 
 def planes(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -147,9 +152,9 @@ def planes(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.floor(low, out=low).astype(np.int32), np.ceil(high, out=high).astype(np.int32)
 
 
-def sort(middles: np.ndarray, groups: np.ndarray, per_leaf: int) -> np.ndarray:
-    """Split boxes (1,N), N a power of two times per_leaf, until each leaf has its own; their middles are (3,1,N)."""
-    while groups.shape[1] > per_leaf:
+def sort(middles: np.ndarray, groups: np.ndarray, most: int) -> np.ndarray:
+    """Split boxes (1,N), N a power of two times what a leaf holds, into rows of `most`; their middles are (3,1,N)."""
+    while groups.shape[1] > most:
         middles, groups = split(middles, groups)
     return groups.ravel()
 
@@ -159,9 +164,18 @@ def split(middles: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
     Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
     """
-    longest = (middles.max(2) - middles.min(2)).argmax(0)
-    along = middles[longest, np.arange(len(groups))]
-    order = np.argpartition(along, groups.shape[1] // 2, axis=1)
-    halves = 2 * len(groups), groups.shape[1] // 2
-    middles = np.take_along_axis(middles, order[None], 2).reshape(3, *halves)
-    return middles, np.take_along_axis(groups, order, 1).reshape(halves)
+    count, size = groups.shape
+    longest = (of_rows(np.maximum, middles) - of_rows(np.minimum, middles)).argmax(0)
+    order = np.argpartition(middles[longest, np.arange(count)], size // 2, axis=1)
+    order += np.arange(0, count * size, size)[:, None]
+    order = order.reshape(2 * count, size // 2)
+    return middles.reshape(3, -1).take(order, 1), groups.ravel().take(order)
+
+
+def of_rows(either: np.ufunc, middles: np.ndarray) -> np.ndarray:
+    """(3,G) the least or the greatest of each row of middles (3,G,N)."""
+    rows, size = middles.shape[:2], middles.shape[2]
+    while size <= SHORT and size % 2 == 0:
+        middles, size = middles.reshape(-1), size // 2
+        middles = either(middles[::2], middles[1::2])
+    return either.reduce(middles.reshape(*rows, size), 2)
