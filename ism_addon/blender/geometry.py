@@ -160,9 +160,10 @@ class Geometry:
 
 
 def _triangles(source: bpy.types.Object, materials: tuple[int, ...]) -> meshes.Reading:
-    """An object's mesh; one in edit mode is in its editor's form, and has to be copied out of it."""
-    if not source.data.is_editmode:
-        return meshes.read(source.data, materials)
+    """An object's mesh, from a copy: it shares all arrays, but Blender makes its own of those that are read.
+
+    What is in edit mode is in its editor's form, and has to be copied out of it in any case.
+    """
     try:
         return meshes.read(source.to_mesh(), materials)
     finally:
