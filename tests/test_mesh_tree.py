@@ -4,7 +4,9 @@
 import numpy as np
 
 from ism_addon.gpu import mesh_tree as mesh_trees
-from ism_addon.gpu.mesh_tree import FEW, mesh_tree
+from ism_addon.gpu.geometry import Geometry
+from ism_addon.gpu.layout import PORTION
+from ism_addon.gpu.mesh_tree import FEW, Runs, mesh_tree
 from ism_addon.gpu.passes.trees import MeshTrees
 
 from .rays import compare, occluded, rays
@@ -27,11 +29,11 @@ MANY = 261
 
 def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
     sheet = bumps(MANY)
-    tree = mesh_tree(sheet)
     assert len(sheet.triangles) > FEW
+    compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
+    tree = MeshTrees.kept[sheet].tree
     assert tree.order is None
     assert tree.per_leaf * len(np.unique(tree.starts)) >= len(sheet.triangles)
-    compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
 
 
 def test_a_large_mesh_in_no_order_is_sorted(device):
@@ -46,11 +48,36 @@ def test_runs_of_runs_are_taken_together(device, monkeypatch):
     monkeypatch.setattr(mesh_trees, "MANY", 64)
     sheet = bumps(MANY)
     scene, (starts, ends) = stage([sheet], light()), rays(200)
-    grouped, tree = occluded(device, scene, starts, ends), MeshTrees.kept[sheet]
+    grouped, tree = occluded(device, scene, starts, ends), MeshTrees.kept[sheet].tree
     neighbours = np.diff(tree.starts.astype(int)) == tree.per_leaf
     assert neighbours.sum() > 0.7 * len(np.unique(tree.starts)), "runs of four runs"
     monkeypatch.undo()
     MeshTrees.kept.clear()
     assert np.array_equal(occluded(device, scene, starts, ends), grouped)
-    neighbours = np.diff(MeshTrees.kept[sheet].starts.astype(int)) == tree.per_leaf
+    neighbours = np.diff(MeshTrees.kept[sheet].tree.starts.astype(int)) == tree.per_leaf
     assert neighbours.sum() < 0.7 * len(np.unique(tree.starts))
+
+
+def test_runs_are_bounded_wherever_portions_of_them_end(device):
+    """Two meshes share a portion, and no run ends with one: each box is around its triangles."""
+    sheet = bumps(MANY)
+    meshes = (rubble(5), sheet)
+    trees = tuple(map(mesh_tree, meshes))
+    Geometry(device.gl, meshes, trees)
+    runs, steps = trees[1], trees[1].lattice.steps(sheet.positions)
+    assert isinstance(runs, Runs)
+    assert (PORTION - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0
+    corners = steps[:, sheet.triangles]
+    for number, first in enumerate(range(0, len(sheet.triangles), runs.run)):
+        of_run = corners[:, first : first + runs.run].reshape(3, -1)
+        assert np.array_equal(runs.boxes[..., number], [of_run.min(1), of_run.max(1)])
+
+
+def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
+    """As when another mesh of the scene has changed."""
+    sheet = bumps(MANY)
+    scene, (starts, ends) = stage([sheet], light()), rays(150)
+    before = occluded(device, scene, starts, ends)
+    assert MeshTrees.kept[sheet].boxes is None
+    more = stage([rubble(3, size=1e-3), sheet], light())
+    assert np.array_equal(occluded(device, more, starts, ends), before)

@@ -18,7 +18,7 @@ from ..scene import Mesh
 from .lattice import Lattice
 from .layout import PORTION, array_texture, octahedron_from_directions, portions, write_array
 from .memory import give_back
-from .mesh_tree import MeshTree
+from .mesh_tree import MeshTree, Runs
 
 #: Portions that are made ready while one is uploaded.
 AHEAD = 3
@@ -49,10 +49,11 @@ class Piece:
 class Order:
     """The triangles of all meshes one behind the other, those of a mesh as its tree wants them if there are trees."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], trees: tuple[MeshTree, ...]):
+    def __init__(self, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
         self.meshes = meshes
         self.lattices = [tree.lattice for tree in trees] if trees else [Lattice.of(mesh) for mesh in meshes]
         self.orders = [tree.order for tree in trees] if trees else [None] * len(meshes)
+        self.runs = {number: tree for number, tree in enumerate(trees) if isinstance(tree, Runs)}
         self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
 
     @property
@@ -94,11 +95,21 @@ class Order:
         """(N,3) uint32 into the positions of its mesh."""
         return self.meshes[piece.mesh].triangles[piece.chosen]
 
+    def places(self, piece: Piece) -> list[np.ndarray]:
+        """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
+        runs, triangles = self.runs.get(piece.mesh), self.triangles(piece)
+        if runs is None:
+            return places_of(triangles, piece.vertices)
+        first, count = piece.chosen.start, len(triangles)
+        places = places_of(self.meshes[piece.mesh].triangles[first : runs.end_of(first + count)], piece.vertices)
+        runs.bound(first, places)
+        return [along[:count] for along in places]
+
 
 class Geometry:
     """Meshes as textures that shaders read by triangle."""
 
-    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree, ...]):
+    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
         """Without trees triangles lie as in their meshes. Raises ValueError if they are too many."""
         order = Order(meshes, trees)
         if order.count > MOST_TRIANGLES:
@@ -131,17 +142,22 @@ def arrays_of(order: Order, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray
 def arrays_of_piece(order: Order, piece: Piece) -> tuple[np.ndarray, np.ndarray]:
     """The same of one mesh's."""
     mesh, triangles, vertices = order.meshes[piece.mesh], order.triangles(piece), piece.vertices
-    places = [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
+    places = order.places(piece)
     corners = packed_corners(places, mesh.materials[piece.chosen]).reshape(-1, 4)
     if vertices.octahedra is None:
         return corners, snorm(mesh.normals[piece.chosen]).reshape(-1, 2)
     return corners, vertices.octahedra.view(np.uint32).take(triangles).view(np.int16).reshape(-1, 2)
 
 
+def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
+    """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first of each, and so on."""
+    return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
+
+
 class Coordinates:
     """Texture coordinates by corner, zero where a mesh has none."""
 
-    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree, ...]):
+    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
         order = Order(meshes, trees)
         self.texture = array_texture(gl, 3 * order.count, 2, "f4")
         self.bytes = 24 * order.count

@@ -2,12 +2,13 @@
 """The tree of one mesh, and the order in which its triangles lie on the GPU, so that those of a leaf are neighbours.
 
 Triangles that follow one another in a mesh mostly lie together too. Where they do, a leaf is a run of them as they are,
-and what is sorted is runs, or runs of runs: a million triangles are ordered like some ten thousand boxes.
+and what is sorted is runs, or runs of runs: a million triangles are ordered like some ten thousand boxes. Runs are
+bounded while their triangles are made ready for the upload, when their corners are at hand.
 """
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -37,8 +38,8 @@ LOOSE, MOSTLY = 3.0, 0.9
 #: Boxes of a mesh by which its instances are bounded; a power of two.
 PARTS = 32
 
-#: Leaves whose boxes are found at a time: so many stay in a processor's cache.
-PORTION = 1 << 13
+#: Triangles whose boxes are found at a time: so many stay in a processor's cache.
+PORTION = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,24 +58,63 @@ class MeshTree:
         """How many there are."""
         return len(self.starts)
 
+    @property
+    def tree(self) -> "MeshTree":
+        """This one: see Runs."""
+        return self
 
-def mesh_tree(mesh: Mesh) -> MeshTree:
-    """The tree of a mesh that has triangles."""
+
+class Runs:
+    """A large mesh whose triangles stay where they are; it has a tree when all runs of them have been bounded."""
+
+    order = None
+
+    def __init__(self, lattice: Lattice, count: int):
+        self.lattice, self.count, self.run = lattice, count, run_of(count)
+        self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.float32)
+
+    def end_of(self, triangle: int) -> int:
+        """Where the run ends that has the triangle before this one."""
+        return min(-(-triangle // self.run) * self.run, self.count)
+
+    def bound(self, first: int, corners: list[np.ndarray]) -> None:
+        """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in steps."""
+        if self.boxes is None:
+            return
+        begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
+        for side, either in enumerate((np.minimum, np.maximum)):
+            for axis in range(3):
+                along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
+                along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
+                self.boxes[side, axis, begun] = reduce(either, along.T)
+
+    @cached_property
+    def tree(self) -> MeshTree:
+        """That of all runs, which are not bounded again."""
+        boxes, self.boxes = self.boxes, None
+        return tree_of_runs(self.lattice, boxes, self.count)
+
+
+def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
+    """The tree of a mesh that has triangles, or what will have it."""
     lattice = Lattice.of(mesh)
-    steps = lattice.steps(mesh.positions, np.float32)
-    count = len(mesh.triangles)
-    if count > FEW:
-        run = run_of(count)
-        boxes, every = boxes_of_runs(steps, mesh.triangles, run), -(-count // SOME)
-        some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[::every]
-        if together(boxes[..., : count // run : every], boxes_of_runs(steps, some.reshape(-1, 3), 1)):
-            return tree_of_runs(lattice, boxes, count)
-    return tree_of_triangles(lattice, steps, mesh.triangles)
+    if len(mesh.triangles) > FEW and lie_together(mesh, lattice):
+        return Runs(lattice, len(mesh.triangles))
+    return tree_of_triangles(lattice, lattice.steps(mesh.positions, np.float32), mesh.triangles)
+
+
+def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
+    """Whether the triangles of some of a mesh's runs do."""
+    run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
+    some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SOME)]
+    steps = lattice.steps(mesh.positions[some.ravel()], np.float32)
+    around, inside = (steps.reshape(3, -1, corners) for corners in (3 * run, 3))
+    return together(*(np.stack([points.min(2), points.max(2)]) for points in (around, inside)))
 
 
 def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
     """Sorted triangle by triangle; steps are (3,V)."""
-    tree = build(boxes_of_runs(steps, triangles, 1), TRIANGLES_PER_LEAF)
+    tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
     filled = np.count_nonzero(real.reshape(tree.leaves, -1), 1)
     # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
@@ -100,25 +140,20 @@ def run_of(count: int) -> int:
     return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_RUN)))
 
 
-def boxes_of_runs(steps: np.ndarray, triangles: np.ndarray, run: int) -> np.ndarray:
-    """(2,3,R) float32: low and high corners around each `run` triangles (T,3) of steps (3,V); the last may be fewer."""
-    whole = len(triangles) // run
-    boxes = np.empty((2, 3, -(-len(triangles) // run)), np.float32)
-    corners = triangles[: whole * run].reshape(whole, 3 * run)
+def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(2,3,T) float32: low and high corners around triangles (T,3) of steps (3,V)."""
+    boxes = np.empty((2, 3, len(triangles)), np.float32)
 
     def find(first: int) -> None:
-        part = slice(first, min(first + PORTION, whole))
-        of_part = np.ascontiguousarray(corners[part].T)
+        part = slice(first, first + PORTION)
+        corners = np.ascontiguousarray(triangles[part].T)
         for axis, along in enumerate(steps):
-            places = along.take(of_part)
+            places = along.take(corners)
             np.minimum.reduce(places, 0, out=boxes[0, axis, part])
             np.maximum.reduce(places, 0, out=boxes[1, axis, part])
 
     with ThreadPoolExecutor() as cores:
-        list(cores.map(find, range(0, whole, PORTION)))
-    if whole < boxes.shape[2]:
-        rest = steps.take(triangles[whole * run :].ravel(), 1)
-        boxes[0, :, whole], boxes[1, :, whole] = rest.min(1), rest.max(1)
+        list(cores.map(find, range(0, len(triangles), PORTION)))
     return boxes
 
 

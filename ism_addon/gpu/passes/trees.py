@@ -5,6 +5,7 @@ Two levels, as in every ray tracer that moves things: a mesh keeps its tree wher
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from typing import ClassVar
 from weakref import WeakKeyDictionary
 
@@ -15,7 +16,7 @@ from ...scene import Change, Mesh
 from ..buffers import anchor_from_steps
 from ..context import Device
 from ..layout import CASTER, WIDTH, upload_joined
-from ..mesh_tree import PARTS, MeshTree, mesh_tree
+from ..mesh_tree import PARTS, MeshTree, Runs, mesh_tree
 from ..tree import NODE, build, packed, scale_of
 from . import Frame, Pass
 
@@ -24,18 +25,36 @@ FLATTEST = 1e-6
 
 
 class MeshTable:
-    """What of all meshes' trees is asked for by instance, as arrays."""
+    """The trees of all meshes, and what of them is asked for by instance, as arrays: when the meshes are uploaded."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], trees: tuple[MeshTree, ...]):
-        self.meshes, self.trees = meshes, trees
-        parts = np.array([tree.parts for tree in trees], np.float64).reshape(-1, PARTS, 2, 3)
-        self.middles, self.halves = parts.mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0  # (M,PARTS,3)
-        self.leaves = np.array([tree.leaves for tree in trees], np.int64)
-        self.per_leaf = np.array([tree.per_leaf for tree in trees], np.int64)
+    def __init__(self, meshes: tuple[Mesh, ...], made: tuple[MeshTree | Runs, ...]):
+        self.meshes, self.made = meshes, made
+
+    @cached_property
+    def trees(self) -> tuple[MeshTree, ...]:
+        """One a mesh."""
+        with ThreadPoolExecutor() as cores:
+            return tuple(cores.map(lambda each: each.tree, self.made))
+
+    @cached_property
+    def boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Middles and halves (M,PARTS,3) of the parts of each."""
+        parts = np.array([tree.parts for tree in self.trees], np.float64).reshape(-1, PARTS, 2, 3)
+        return parts.mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0
+
+    @cached_property
+    def leaves(self) -> np.ndarray:
+        """(M,) int64."""
+        return np.array([tree.leaves for tree in self.trees], np.int64)
+
+    @cached_property
+    def per_leaf(self) -> np.ndarray:
+        """(M,) int64: triangles."""
+        return np.array([tree.per_leaf for tree in self.trees], np.int64)
 
 
 class MeshTrees(Pass):
-    """A tree for each mesh; a mesh that did not change keeps its own."""
+    """A tree for each mesh, or its runs; a mesh that did not change keeps its own."""
 
     makes = ("mesh_trees",)
     depends_on = (Change.MESHES,)
@@ -102,7 +121,7 @@ class InstanceTree(Pass):
         mesh = instances.mesh[chosen]
         geometry = frame.tables["geometry"]
         linear, offsets = anchor_from_steps(geometry, instances, chosen, frame.anchor)
-        low, high = boxes_around(linear, offsets, meshes.middles[mesh], meshes.halves[mesh])
+        low, high = boxes_around(linear, offsets, *(corner[mesh] for corner in meshes.boxes))
         middle = (low.min(0) + high.max(0)) / 2.0
         scale = scale_of(np.maximum(high - middle, middle - low).max(0))
         tree = build(np.stack([((corner - middle) * scale).T for corner in (low, high)]), 1)

@@ -4,14 +4,14 @@
 from ...scene import Change
 from ..buffers import Placement, Surfaces, Texels
 from ..geometry import Coordinates, Geometry
-from ..mesh_tree import MeshTree
+from ..mesh_tree import MeshTree, Runs
 from . import Frame, Pass
 
 
-def trees_of(frame: Frame) -> tuple[MeshTree, ...]:
+def trees_of(frame: Frame) -> tuple[MeshTree | Runs, ...]:
     """Those of the scene's meshes, or none where rays have never asked for them."""
     table = frame.tables.get("mesh_trees")
-    return table.trees if table is not None and table.meshes == frame.scene.meshes else ()
+    return table.made if table is not None and table.meshes == frame.scene.meshes else ()
 
 
 class Meshes(Pass):
