@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build, packed, scale_of
+from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build, nodes_over, packed, rows_over, scale_of
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
@@ -78,6 +78,19 @@ def check_packed(tree: Tree) -> None:
 def test_trees_of_all_sizes(count, most_per_leaf):
     given = on_grid(boxes(count))
     check(build(given, most_per_leaf), given, most_per_leaf)
+
+
+@pytest.mark.parametrize("leaves", [16, 4**8])
+def test_rows_in_portions_are_those_of_all_nodes_at_once(leaves):
+    """With leaves that hold nothing: some, and all below a node."""
+    given = on_grid(boxes(leaves))
+    members = np.random.default_rng(0).integers(0, leaves + leaves // 2, leaves)
+    members = np.minimum(members, leaves)
+    members[4:12] = leaves
+    rows, nodes = rows_over(given, members)
+    expected = nodes_over(given, members)
+    assert np.array_equal(rows, packed(expected))
+    assert np.array_equal(nodes, expected[: leaves // 2])
 
 
 @settings(deadline=None, derandomize=True, max_examples=60)

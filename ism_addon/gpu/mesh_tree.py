@@ -8,13 +8,13 @@ bounded while their triangles are made ready for the upload, when their corners 
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import reduce
 
 import numpy as np
 
 from ..scene import Mesh
 from .lattice import Lattice
-from .tree import NOWHERE, build, in_leaves, leaves_for, nodes_over, packed
+from .tree import NOWHERE, build, in_leaves, leaves_for, packed, rows_over
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
 TRIANGLES_PER_LEAF = 4
@@ -72,6 +72,7 @@ class Runs:
     def __init__(self, lattice: Lattice, count: int):
         self.lattice, self.count, self.run = lattice, count, run_of(count)
         self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.float32)
+        self._tree: MeshTree | None = None
 
     def end_of(self, triangle: int) -> int:
         """Where the run ends that has the triangle before this one."""
@@ -88,11 +89,12 @@ class Runs:
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
                 self.boxes[side, axis, begun] = reduce(either, along.T)
 
-    @cached_property
+    @property
     def tree(self) -> MeshTree:
-        """That of all runs, which are not bounded again."""
-        boxes, self.boxes = self.boxes, None
-        return tree_of_runs(self.lattice, boxes, self.count)
+        """That of all runs, which are not bounded again. (Python 3.11 makes cached properties one at a time.)"""
+        if self._tree is None:
+            self._tree, self.boxes = tree_of_runs(self.lattice, self.boxes, self.count), None
+        return self._tree
 
 
 def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
@@ -130,9 +132,9 @@ def tree_of_runs(lattice: Lattice, boxes: np.ndarray, count: int) -> MeshTree:
         groups, size = larger, 4 * size
     order = in_leaves(groups, leaves_for(count, TRIANGLES_PER_RUN) // size)
     members = np.minimum((order[:, None] * size + np.arange(size)).reshape(-1), boxes.shape[2])
-    nodes = nodes_over(boxes, members)
+    rows, nodes = rows_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
-    return MeshTree(lattice, parts_of(nodes), packed(nodes), starts, run, None)
+    return MeshTree(lattice, parts_of(nodes), rows, starts, run, None)
 
 
 def run_of(count: int) -> int:

@@ -125,18 +125,44 @@ def packed(nodes: np.ndarray) -> np.ndarray:
     levels = [4**k for k in range(15) if 4**k < len(rows)]
     parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
     with ThreadPoolExecutor() as cores:
-        for _ in cores.map(lambda part: pack(boxes, rows, part), parts):
-            pass
+        list(cores.map(lambda part: pack(boxes[:, :, four_times(part)], boxes[:, :, part], rows[part]), parts))
     return rows
 
 
-def pack(boxes: np.ndarray, rows: np.ndarray, part: slice) -> None:
-    """Fill a part of the rows (N,) NODE, which look at the boxes (2,3,4 N)."""
-    inside, around = boxes[:, :, 4 * part.start : 4 * part.stop], boxes[:, :, part]
-    nowhere = inside[0, 0] == np.float32(NOWHERE)
+def rows_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What packed makes of nodes_over of these, 16 leaves or more; and the nodes, but the two lowest levels.
+
+    Those would be most of the memory: they are made and packed in portions.
+    """
+    leaves, above = len(members), len(members) // 4
+    rows, around = np.zeros(leaves // 2, NODE), np.empty((2, 3, above), np.float32)
+
+    def fill(first: int) -> None:
+        part = slice(first, min(first + PORTION, above))
+        chosen = members[four_times(part)]
+        inside = boxes.take(chosen, 2, mode="clip")
+        inside[:, :, chosen == boxes.shape[2]] = NOTHING
+        for side, either in enumerate((np.minimum, np.maximum)):
+            around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
+        pack(inside, around[:, :, part], rows[above:][part])
+
+    with ThreadPoolExecutor() as cores:
+        list(cores.map(fill, range(0, above, PORTION)))
+    nodes = nodes_over(around, np.arange(above))
+    rows[: above // 2] = packed(nodes)
+    return rows, nodes
+
+
+def four_times(part: slice) -> slice:
+    """Where the boxes two levels below some nodes are."""
+    return slice(4 * part.start, 4 * part.stop)
+
+
+def pack(inside: np.ndarray, around: np.ndarray, into: np.ndarray) -> None:
+    """Fill rows (N,) NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
+    nowhere = inside[0, 0] >= NOWHERE
     (begin, end), (low, high) = planes(around), planes(inside)
     powers = np.frexp(((np.maximum(end - begin, 1) - 1) // 255).astype(np.float32))[1]
-    into = rows[part]
     into["begin"], into["unit"] = begin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
     origin, powers = np.repeat(begin, 4, 1), np.repeat(powers, 4, 1)
     low, high = (low - origin) >> powers, -((origin - high) >> powers)
@@ -147,7 +173,7 @@ def pack(boxes: np.ndarray, rows: np.ndarray, part: slice) -> None:
 
 def planes(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(3,N) int32 each: where boxes (2,3,N) begin and end with their slack; those of nothing somewhere."""
-    boxes = np.where(boxes[:, :1] == np.float32(NOWHERE), np.float32(0.0), boxes)
+    boxes = np.where(np.abs(boxes[:, :1]) >= NOWHERE, np.float32(0.0), boxes)
     low, high = (boxes[0] - np.float32(SLACK)) / np.float32(PLANE), (boxes[1] + np.float32(SLACK)) / np.float32(PLANE)
     return np.floor(low, out=low).astype(np.int32), np.ceil(high, out=high).astype(np.int32)
 
