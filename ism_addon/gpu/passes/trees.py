@@ -101,7 +101,7 @@ def texels(nodes: np.ndarray) -> np.ndarray:
 
 
 class InstanceTree(Pass):
-    """The tree over the instances that cast shadows; moving one uploads nothing of the meshes."""
+    """The tree over the instances that cast shadows, when all meshes have theirs; moving one uploads no mesh."""
 
     reads = ("mesh_trees", "geometry", "placement")
     makes = ("casters",)
