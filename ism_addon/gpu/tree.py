@@ -8,10 +8,12 @@ fetch for that is 32 bytes, corners in bytes within the box around all four (Yli
 are in steps of a grid, see scale_of and lattice.
 """
 
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 from itertools import repeat
+from typing import Any
 
 import numpy as np
 
@@ -59,6 +61,14 @@ class Tree:
         return len(self.order) // self.leaves
 
 
+def side_by_side(work: Callable[[Any], Any], parts: Iterable[Any], size: int) -> list:
+    """What work makes of each part, on all cores: but to start them takes longer than a small tree does."""
+    if size <= LARGE:
+        return [work(part) for part in parts]
+    with ThreadPoolExecutor() as cores:
+        return list(cores.map(work, parts))
+
+
 def build(boxes: np.ndarray, most_per_leaf: int) -> Tree:
     """A tree over N > 0 boxes (2,3,N) float32."""
     leaves = leaves_for(boxes.shape[2], most_per_leaf)
@@ -84,8 +94,7 @@ def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
         middles, both = split(*halves[0])
         halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
-    with ThreadPoolExecutor() as cores:
-        return np.concatenate(list(cores.map(lambda half: sort(*half, most), halves)))
+    return np.concatenate(side_by_side(lambda half: sort(*half, most), halves, count))
 
 
 def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
@@ -105,8 +114,7 @@ def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
         along[0] = nothing
         np.copyto(along, np.float32(NOWHERE), where=along == nothing)
 
-    with ThreadPoolExecutor() as cores:
-        list(cores.map(fill, *zip(*np.ndindex(2, 3), strict=True)))
+    side_by_side(lambda each: fill(*each), np.ndindex(2, 3), leaves)
     return nodes.transpose(2, 0, 1)
 
 
@@ -124,8 +132,7 @@ def packed(nodes: np.ndarray) -> np.ndarray:
     rows = np.zeros(len(nodes) // 4, NODE)
     levels = [4**k for k in range(15) if 4**k < len(rows)]
     parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
-    with ThreadPoolExecutor() as cores:
-        list(cores.map(lambda part: pack(boxes[:, :, four_times(part)], boxes[:, :, part], rows[part]), parts))
+    side_by_side(lambda part: pack(boxes[:, :, four_times(part)], boxes[:, :, part], rows[part]), parts, len(rows))
     return rows
 
 
@@ -146,8 +153,7 @@ def rows_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.nd
             around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
         pack(inside, around[:, :, part], rows[above:][part])
 
-    with ThreadPoolExecutor() as cores:
-        list(cores.map(fill, range(0, above, PORTION)))
+    side_by_side(fill, range(0, above, PORTION), leaves)
     nodes = nodes_over(around, np.arange(above))
     rows[: above // 2] = packed(nodes)
     return rows, nodes
