@@ -88,6 +88,12 @@ def test_lights_that_reach_nothing_have_no_points(device, why):
     assert set(everything.renderer.tables["points_per_light"]) == set(range(45))
 
 
+def test_lights_that_reach_nothing_have_no_surface_points(device):
+    """Their light points would be all that looks at them."""
+    alone, among_others = (drawn_rooms(device, idle).renderer.tables for idle in ({}, {"turned away": 40}))
+    assert among_others["surface_points"][1].size == alone["surface_points"][1].size > 0
+
+
 def test_hidden_lights_keep_one_point_each_for_maps_alone_tell_that_they_are_hidden(device):
     counts = drawn_rooms(device, {"hidden": 40}).renderer.tables["points_per_light"]
     assert set(counts) > set(HERE)

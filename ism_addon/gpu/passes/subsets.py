@@ -80,6 +80,7 @@ class Subsets(Pass):
     """A vertex buffer of all subsets, and where each light's lie in it."""
 
     reads = ("cloud",)
+    compares = ("reaching",)
     makes = ("surface_points",)
     settings = ("shadow.method", "quality.surface_points", "shadow.splat_size")
     depends_on = (Change.LIGHTS,)
@@ -92,7 +93,7 @@ class Subsets(Pass):
         count, size = frame.settings.quality.surface_points, frame.settings.shadow.splat_size
 
         def of_light(light: int) -> list[np.ndarray]:
-            if not lights.casts_shadow[light]:
+            if not lights.casts_shadow[light] or light not in frame.tables["reaching"]:
                 return [np.zeros(0, POINT)] * TURNS
             return choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size)
 
