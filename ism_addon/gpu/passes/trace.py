@@ -5,7 +5,8 @@ With E the irradiance that nothing hides, exact, and p the predicted part of it,
 would send w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is
 right about a light all seen or all hidden, none on average elsewhere (a control variate). It is the ratio estimator of
 Heitz, Hill & McGuire 2018 in another form, whose samples can be added up. Rays are traced with a chance in proportion
-to how much they may change the picture, and weigh more the rarer they are.
+to how much they may change the picture, and weigh more the rarer they are. Where nothing is in doubt, rare ones only
+tell whether there should be doubt.
 """
 
 import moderngl
