@@ -3,11 +3,11 @@
 
 import numpy as np
 
-from ism_addon.gpu import mesh_tree as mesh_trees
-from ism_addon.gpu.geometry import Geometry
+from ism_addon.gpu.geometry import Geometry, Order
 from ism_addon.gpu.layout import PORTION
 from ism_addon.gpu.mesh_tree import FEW, Runs, mesh_tree
 from ism_addon.gpu.passes.trees import MeshTrees
+from ism_addon.gpu.tree import in_planes
 
 from .rays import compare, occluded, rays
 from .scenes.small import grid_triangles, mesh
@@ -43,34 +43,28 @@ def test_a_large_mesh_in_no_order_is_sorted(device):
     compare(device, stage([shuffled], light()), *rays(100))
 
 
-def test_runs_of_runs_are_taken_together(device, monkeypatch):
-    """As with ten million triangles: what is sorted is few, and rays find the same."""
-    monkeypatch.setattr(mesh_trees, "MANY", 64)
-    sheet = bumps(MANY)
-    scene, (starts, ends) = stage([sheet], light()), rays(200)
-    grouped, tree = occluded(device, scene, starts, ends), MeshTrees.kept[sheet].tree
-    neighbours = np.diff(tree.starts.astype(int)) == tree.per_leaf
-    assert neighbours.sum() > 0.7 * len(np.unique(tree.starts)), "runs of four runs"
-    monkeypatch.undo()
-    MeshTrees.kept.clear()
-    assert np.array_equal(occluded(device, scene, starts, ends), grouped)
-    neighbours = np.diff(MeshTrees.kept[sheet].tree.starts.astype(int)) == tree.per_leaf
-    assert neighbours.sum() < 0.7 * len(np.unique(tree.starts))
-
-
-def test_runs_are_bounded_wherever_portions_of_them_end(device):
+def test_runs_are_bounded_wherever_portions_of_them_end():
     """Two meshes share a portion, and no run ends with one: each box is around its triangles."""
     sheet = bumps(MANY)
     meshes = (rubble(5), sheet)
     trees = tuple(map(mesh_tree, meshes))
-    Geometry(device.gl, meshes, trees)
+    order = Order(meshes, trees)
+    list(order.made(lambda pieces: [order.places(piece) for piece in pieces], with_vertices=True))
     runs, steps = trees[1], trees[1].lattice.steps(sheet.positions)
     assert isinstance(runs, Runs)
     assert (PORTION - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0
     corners = steps[:, sheet.triangles]
     for number, first in enumerate(range(0, len(sheet.triangles), runs.run)):
-        of_run = corners[:, first : first + runs.run].reshape(3, -1)
-        assert np.array_equal(runs.boxes[..., number], [of_run.min(1), of_run.max(1)])
+        of_run = corners[:, first : first + runs.run].reshape(3, -1, 1)
+        assert np.array_equal(runs.boxes[..., [number]], in_planes(np.stack([of_run.min(1), of_run.max(1)])))
+
+
+def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
+    """It need not be asked for: it is made beside the pass that draws them."""
+    runs = mesh_tree(sheet := bumps(MANY))
+    Geometry(device.gl, (sheet,), (runs,))
+    assert runs.boxes is None
+    assert runs.making.result(timeout=60.0) is runs.tree
 
 
 def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):

@@ -6,7 +6,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.tree import LARGE, NOWHERE, PLANE, REACH, SLACK, Tree, build, nodes_over, packed, rows_over, scale_of
+from ism_addon.gpu.tree import (
+    LARGE,
+    NOTHING,
+    PLANE,
+    REACH,
+    SLACK,
+    Tree,
+    build,
+    in_planes,
+    nodes_over,
+    packed,
+    rows_over,
+    scale_of,
+)
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
@@ -18,59 +31,64 @@ def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
 
 
 def on_grid(found: np.ndarray) -> np.ndarray:
-    """Boxes (2,3,N) in steps."""
-    return found * scale_of(np.abs(found).max((0, 2)))[:, None]
+    """Boxes (2,3,N) in planes."""
+    return in_planes(found * scale_of(np.abs(found).max((0, 2)))[:, None])
 
 
 def check(tree: Tree, given: np.ndarray, most_per_leaf: int) -> None:
     """All that a ray relies on, of a tree over boxes (2,3,N)."""
     (low, high), leaves = given.transpose(0, 2, 1), tree.leaves
-    count = len(low)
+    count, nodes = len(low), tree.nodes.transpose(2, 0, 1)
     assert leaves == 4 ** round(np.log(leaves) / np.log(4))
     assert tree.per_leaf * leaves == len(tree.order)
     assert 1 <= tree.per_leaf <= most_per_leaf
     assert (np.bincount(tree.order, minlength=count)[:count] == 1).all(), "every box is in one leaf once"
-    nowhere = tree.nodes[:, 0, 0] == np.float32(NOWHERE)
-    assert np.isfinite(tree.nodes).all()
+    nothing = np.tile(NOTHING[..., 0], (len(nodes), 1, 1))
+    nowhere = (nodes == nothing).all((1, 2))
+    assert (nodes[~nowhere, 0] < nodes[~nowhere, 1]).all()
     assert nowhere[0]
     assert not nowhere[1]
-    assert (tree.nodes[nowhere] == np.float32(NOWHERE)).all()
     for leaf, row in enumerate(tree.order.reshape(leaves, -1)):
-        node, real = tree.nodes[leaves + leaf], row[row < count]
+        node, real = nodes[leaves + leaf], row[row < count]
         assert nowhere[leaves + leaf] == (not len(real))
         if len(real):
             assert np.array_equal(node, [low[real].min(0), high[real].max(0)])
-    children = tree.nodes[2:].reshape(leaves - 1, 2, 2, 3)
-    gone = nowhere[2:].reshape(leaves - 1, 2)
-    expected_low = np.where(gone[..., None], np.inf, children[:, :, 0]).min(1)
-    expected_high = np.where(gone[..., None], -np.inf, children[:, :, 1]).max(1)
-    inner = ~nowhere[1:leaves]
-    assert np.array_equal(tree.nodes[1:leaves, 0][inner], expected_low[inner])
-    assert np.array_equal(tree.nodes[1:leaves, 1][inner], expected_high[inner])
-    assert np.array_equal(inner, ~gone.all(1))
-    assert np.array_equal(tree.nodes[1], [low.min(0), high.max(0)])
+    children = nodes[2:].reshape(leaves - 1, 2, 2, 3)
+    assert np.array_equal(nodes[1:leaves, 0], children[:, :, 0].min(1))
+    assert np.array_equal(nodes[1:leaves, 1], children[:, :, 1].max(1))
+    assert np.array_equal(nodes[1], [low.min(0), high.max(0)])
     check_packed(tree)
 
 
 def check_packed(tree: Tree) -> None:
-    """As bytes, boxes are around those they stand for and the slack, and no more than a unit wider; or hold nothing."""
-    rows = packed(tree.nodes)
+    """As bytes, boxes are around those they stand for, and less than a unit wider; or hold nothing."""
+    rows, nodes = packed(tree.nodes), tree.nodes.transpose(2, 0, 1).astype(int)
     assert rows.dtype.itemsize == 32
     assert len(rows) == tree.leaves // 2
     levels = np.arange(1, len(rows))
     read = levels[np.log2(levels).astype(int) % 2 == 0]
-    row, inside = rows[read], tree.nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)[read - 1]
-    unit = 2.0 ** (row["unit"][:, None] >> np.array([0, 4, 8]) & 15)[:, None]
+    row, inside = rows[read], nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)[read - 1]
+    unit = 2 ** (row["unit"][:, None].astype(int) >> np.array([0, 4, 8]) & 15)[:, None]
     low, high = (row["begin"][:, None] + row[side].swapaxes(1, 2) * unit for side in ("low", "high"))
-    nothing = inside[:, :, 0, 0] == np.float32(NOWHERE)
+    nothing = inside[:, :, 0, 0] > inside[:, :, 1, 0]
     assert (low > high)[nothing].all()
-    true_low, true_high = (inside[:, :, k] / PLANE for k in (0, 1))
-    around = tree.nodes[read] / PLANE
-    for packed_too_far in (true_low - low, high - true_high):
-        assert (packed_too_far >= (SLACK - 2.0) / PLANE)[~nothing].all()
-        assert (packed_too_far < unit + 1.0 + SLACK / PLANE)[~nothing].all()
+    for packed_too_far in (inside[:, :, 0] - low, high - inside[:, :, 1]):
+        assert (packed_too_far >= 0)[~nothing].all()
+        assert (packed_too_far < unit)[~nothing].all()
+    around = nodes[read]
     extent = (around[:, 1] - around[:, 0])[:, None]
-    assert (unit <= np.maximum(1.0, (extent + 2.0) / 127.5))[~nothing.all(1)].all()
+    assert (unit <= np.maximum(1, extent / 127.5))[~nothing.all(1)].all()
+
+
+@pytest.mark.parametrize("size", [0.0, 1.0, 1e3, REACH])
+def test_planes_leave_slack_around_a_box(size):
+    """And no more than it and a plane."""
+    random = np.random.default_rng(0)
+    found = np.sort(random.uniform(-size, size, (2, 3, 1000)).astype(np.float32), 0)
+    low, high = in_planes(found).astype(np.float64) * PLANE
+    for distance in (found[0] - low, high - found[1]):
+        assert (distance >= SLACK - 2.0).all()
+        assert (distance <= SLACK + PLANE + 2.0).all()
 
 
 @pytest.mark.parametrize("most_per_leaf", [1, 4])
@@ -90,7 +108,7 @@ def test_rows_in_portions_are_those_of_all_nodes_at_once(leaves):
     rows, nodes = rows_over(given, members)
     expected = nodes_over(given, members)
     assert np.array_equal(rows, packed(expected))
-    assert np.array_equal(nodes, expected[: leaves // 2])
+    assert np.array_equal(nodes, expected[..., : leaves // 2])
 
 
 @settings(deadline=None, derandomize=True, max_examples=60)
@@ -136,30 +154,30 @@ def test_the_outermost_boxes_end_in_the_last_planes():
 
 
 def test_the_same_boxes_make_the_same_tree():
-    given = boxes(2 * LARGE)
+    given = on_grid(boxes(2 * LARGE))
     one, two = build(given, 4), build(given.copy(), 4)
     assert np.array_equal(one.order, two.order)
     assert np.array_equal(one.nodes, two.nodes)
 
 
 def area(nodes: np.ndarray) -> np.ndarray:
-    """Half the surface of boxes (N,2,3): in proportion to it rays meet them."""
-    x, y, z = (nodes[:, 1] - nodes[:, 0]).astype(float).T
+    """Half the surface of boxes (2,3,N): in proportion to it rays meet them."""
+    x, y, z = np.subtract(*nodes[::-1], dtype=float)
     return x * y + y * z + z * x
 
 
 @pytest.mark.parametrize("stretch", [(1, 1, 1), (1, 50, 1), (1, 1, 50)])
 def test_leaves_are_small(stretch):
     """Cut along the longest side, 4096 boxes spread evenly end up in leaves as compact as can be, however they lie."""
-    random = np.random.default_rng(1)
-    middle = (random.random((4096, 3)) * stretch).astype(np.float32).T
+    random, planes = np.random.default_rng(1), 600.0
+    middle = (planes * random.random((4096, 3)) * stretch).astype(np.int16).T
     tree = build(np.stack([middle, middle]), 4)
-    volume = np.prod(np.array(stretch, float)) / tree.leaves
-    assert np.median(area(tree.nodes[tree.leaves :])) < 3.0 * volume ** (2.0 / 3.0)
+    volume = planes**3 * np.prod(np.array(stretch, float)) / tree.leaves
+    assert np.median(area(tree.nodes[..., tree.leaves :])) < 3.0 * volume ** (2.0 / 3.0)
 
 
 def test_halves_of_a_large_tree_are_cut_like_a_small_one():
     """Two threads split what is larger than LARGE: its leaves are no worse than what one thread makes."""
-    small, large = (build(boxes(count, size=0.0), 4) for count in (LARGE, 8 * LARGE))
-    of_small, of_large = (np.median(area(tree.nodes[tree.leaves :])) for tree in (small, large))
+    small, large = (build(on_grid(boxes(count, size=0.0)), 4) for count in (LARGE, 8 * LARGE))
+    of_small, of_large = (np.median(area(tree.nodes[..., tree.leaves :])) for tree in (small, large))
     assert of_large < of_small

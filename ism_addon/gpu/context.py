@@ -43,6 +43,9 @@ class Device:
     #: what was asked before that: two portions are on their way at most. Software drivers have room for no more, and
     #: would wait for it in the middle of a draw.
     hand_over: Callable[[], None]
+    #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
+    #: interpreter's lock either: software drivers are done with all vertices before they return.
+    draw: Callable[[moderngl.VertexArray, int, int, int], None]
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
@@ -71,7 +74,8 @@ def open_device() -> Device:
     gl.gc_mode = "context_gc"  # what is let go of is freed by gl.gc(), in this thread
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
-    return Device(gl, gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"], finish, portion_by_portion(load))
+    limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
+    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load))
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
@@ -91,3 +95,17 @@ def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
             delete(earlier)
 
     return hand_over
+
+
+def unlocked(load: Callable[[str], int]) -> Callable[[moderngl.VertexArray, int, int, int], None]:
+    """What Device.draw is."""
+    use_program = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glUseProgram"))
+    bind_vertex_array = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glBindVertexArray"))
+    draw_arrays = ctypes.CFUNCTYPE(None, ctypes.c_uint, *[ctypes.c_int] * 3)(load("glDrawArraysInstanced"))
+
+    def draw(vertex_array: moderngl.VertexArray, first: int, count: int, instances: int) -> None:
+        use_program(vertex_array.program.glo)
+        bind_vertex_array(vertex_array.glo)
+        draw_arrays(moderngl.TRIANGLES, 3 * first, 3 * count, instances)
+
+    return draw

@@ -131,6 +131,8 @@ class Geometry:
         for first, (corners, normals) in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
             write_array(self.textures["corners"], corners, 2 * first)
             write_array(self.textures["normals"], normals, 3 * first)
+        for runs in order.runs.values():
+            runs.begin()
 
 
 def arrays_of(order: Order, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:

@@ -2,11 +2,11 @@
 """The tree of one mesh, and the order in which its triangles lie on the GPU, so that those of a leaf are neighbours.
 
 Triangles that follow one another in a mesh mostly lie together too. Where they do, a leaf is a run of them as they are,
-and what is sorted is runs, or runs of runs: a million triangles are ordered like some ten thousand boxes. Runs are
-bounded while their triangles are made ready for the upload, when their corners are at hand.
+and what is sorted is runs. They are bounded while their triangles are made ready for the upload, when their corners are
+at hand, and sorted while the camera's pass draws them.
 """
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from ..scene import Mesh
 from .lattice import Lattice
-from .tree import NOWHERE, build, in_leaves, leaves_for, packed, rows_over
+from .tree import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
 TRIANGLES_PER_LEAF = 4
@@ -27,9 +27,6 @@ TRIANGLES_PER_RUN = 6
 
 #: Triangles that are looked at to see whether neighbours in a mesh lie together.
 SOME = 1 << 14
-
-#: Runs, or runs of runs, that are sorted: more of them are taken together, as long as they are no LOOSE ones.
-MANY = 1 << 16
 
 #: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at
 #: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
@@ -65,14 +62,14 @@ class MeshTree:
 
 
 class Runs:
-    """A large mesh whose triangles stay where they are; it has a tree when all runs of them have been bounded."""
+    """A large mesh whose triangles stay where they are; its tree is begun when all runs of them have been bounded."""
 
     order = None
 
     def __init__(self, lattice: Lattice, count: int):
         self.lattice, self.count, self.run = lattice, count, run_of(count)
-        self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.float32)
-        self._tree: MeshTree | None = None
+        self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
+        self.making: Future[MeshTree] | None = None
 
     def end_of(self, triangle: int) -> int:
         """Where the run ends that has the triangle before this one."""
@@ -83,18 +80,25 @@ class Runs:
         if self.boxes is None:
             return
         begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
+        found = np.empty((2, 3, begun.stop - begun.start), np.float32)
         for side, either in enumerate((np.minimum, np.maximum)):
             for axis in range(3):
                 along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
-                self.boxes[side, axis, begun] = reduce(either, along.T)
+                found[side, axis] = reduce(either, along.T)
+        self.boxes[:, :, begun] = in_planes(found)
+
+    def begin(self) -> None:
+        """Make the tree, beside whatever else is done."""
+        if self.making is None:
+            core = ThreadPoolExecutor(1)
+            self.making, self.boxes = core.submit(tree_of_runs, self.lattice, self.boxes, self.count), None
+            core.shutdown(wait=False)
 
     @property
     def tree(self) -> MeshTree:
-        """That of all runs, which are not bounded again. (Python 3.11 makes cached properties one at a time.)"""
-        if self._tree is None:
-            self._tree, self.boxes = tree_of_runs(self.lattice, self.boxes, self.count), None
-        return self._tree
+        """When it is made."""
+        return self.making.result()
 
 
 def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
@@ -109,9 +113,10 @@ def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
     """Whether the triangles of some of a mesh's runs do."""
     run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
     some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SOME)]
-    steps = lattice.steps(mesh.positions[some.ravel()], np.float32)
-    around, inside = (steps.reshape(3, -1, corners) for corners in (3 * run, 3))
-    return together(*(np.stack([points.min(2), points.max(2)]) for points in (around, inside)))
+    corners = lattice.steps(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
+    inside = surfaces(corners.min(2), corners.max(2)).reshape(-1, run).sum(1)
+    of_runs = corners.reshape(3, -1, 3 * run)
+    return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= LOOSE * inside) >= MOSTLY)
 
 
 def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
@@ -127,11 +132,7 @@ def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray
 
 def tree_of_runs(lattice: Lattice, boxes: np.ndarray, count: int) -> MeshTree:
     """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
-    run, groups, size = run_of(count), boxes, 1
-    while groups.shape[2] > MANY and together(larger := fours(groups), groups):
-        groups, size = larger, 4 * size
-    order = in_leaves(groups, leaves_for(count, TRIANGLES_PER_RUN) // size)
-    members = np.minimum((order[:, None] * size + np.arange(size)).reshape(-1), boxes.shape[2])
+    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_RUN))
     rows, nodes = rows_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
     return MeshTree(lattice, parts_of(nodes), rows, starts, run, None)
@@ -143,46 +144,28 @@ def run_of(count: int) -> int:
 
 
 def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(2,3,T) float32: low and high corners around triangles (T,3) of steps (3,V)."""
-    boxes = np.empty((2, 3, len(triangles)), np.float32)
+    """(2,3,T) int16: boxes around triangles (T,3) of steps (3,V), in planes."""
+    boxes = np.empty((2, 3, len(triangles)), np.int16)
 
     def find(first: int) -> None:
         part = slice(first, first + PORTION)
-        corners = np.ascontiguousarray(triangles[part].T)
-        for axis, along in enumerate(steps):
-            places = along.take(corners)
-            np.minimum.reduce(places, 0, out=boxes[0, axis, part])
-            np.maximum.reduce(places, 0, out=boxes[1, axis, part])
+        places = steps.take(np.ascontiguousarray(triangles[part].T), 1)
+        boxes[:, :, part] = in_planes(np.stack([places.min(1), places.max(1)]))
 
     with ThreadPoolExecutor() as cores:
         list(cores.map(find, range(0, len(triangles), PORTION)))
     return boxes
 
 
-def fours(boxes: np.ndarray) -> np.ndarray:
-    """Boxes (2,3,R) around four after four."""
-    boxes = np.pad(boxes, ((0, 0), (0, 0), (0, -boxes.shape[2] % 4)), mode="edge")
-    four = [boxes[..., k::4] for k in range(4)]
-    return np.stack([reduce(np.minimum, (box[0] for box in four)), reduce(np.maximum, (box[1] for box in four))])
-
-
-def together(around: np.ndarray, inside: np.ndarray) -> bool:
-    """Whether neighbours do, by boxes (2,3,N) and those inside them one after the other; the last may hold fewer."""
-    of_all = -(-inside.shape[2] // around.shape[2])
-    whole = inside.shape[2] // of_all
-    inner = surfaces(inside[..., : whole * of_all]).reshape(whole, of_all).sum(1)
-    return bool(np.mean(surfaces(around[..., :whole]) <= LOOSE * inner) >= MOSTLY)
-
-
-def surfaces(boxes: np.ndarray) -> np.ndarray:
-    """(N,) half the surface of boxes (2,3,N): in proportion to it rays meet them."""
-    x, y, z = boxes[1] - boxes[0]
+def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(N,) half the surface of boxes from (3,N) to (3,N): in proportion to it rays meet them."""
+    x, y, z = high - low
     return x * y + y * z + z * x
 
 
 def parts_of(nodes: np.ndarray) -> np.ndarray:
     """MeshTree.parts of Tree.nodes."""
-    level = min(PARTS, len(nodes) // 2)
-    boxes = nodes[level : 2 * level]
-    boxes = boxes[boxes[:, 0, 0] < NOWHERE]
+    level = min(PARTS, nodes.shape[2] // 2)
+    boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
+    boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(PLANE)
     return boxes[np.arange(PARTS) % len(boxes)]

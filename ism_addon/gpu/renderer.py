@@ -48,9 +48,10 @@ from .profile import Profile
 from .targets import DEPTH, Targets
 
 #: The scene, in the order that suits shadow rays;
-SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours, InstanceTree)
-#: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights that reach it;
-BEFORE = (*SCENE, Sift, GBuffer, Lights, Reach)
+SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours)
+#: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights that reach it
+#: (the trees of large meshes are made while the camera looks);
+BEFORE = (*SCENE, Sift, GBuffer, Lights, InstanceTree, Reach)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
 FITTED = (Scout, Check, Predict, Trace)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,

@@ -124,9 +124,7 @@ class GBuffer(Pass):
             for name, (_, offset) in INSTANCE.dtype.fields.items():
                 place = self.triangles[name].location, "f", placement.rows_by_instance, "4f"
                 mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
-            mesh.render(
-                moderngl.TRIANGLES, vertices=3 * draw.triangles, first=3 * draw.first_triangle, instances=draw.instances
-            )
+            self.device.draw(mesh, draw.first_triangle, draw.triangles, draw.instances)
             waiting += count
             if waiting >= PORTION:
                 self.device.hand_over()

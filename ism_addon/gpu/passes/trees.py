@@ -17,7 +17,7 @@ from ..buffers import anchor_from_steps
 from ..context import Device
 from ..layout import CASTER, WIDTH, upload_joined
 from ..mesh_tree import PARTS, MeshTree, Runs, mesh_tree
-from ..tree import NODE, build, packed, scale_of
+from ..tree import NODE, build, in_planes, packed, scale_of
 from . import Frame, Pass
 
 #: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
@@ -33,8 +33,7 @@ class MeshTable:
     @cached_property
     def trees(self) -> tuple[MeshTree, ...]:
         """One a mesh."""
-        with ThreadPoolExecutor() as cores:
-            return tuple(cores.map(lambda each: each.tree, self.made))
+        return tuple(each.tree for each in self.made)
 
     @cached_property
     def boxes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -124,7 +123,7 @@ class InstanceTree(Pass):
         low, high = boxes_around(linear, offsets, *(corner[mesh] for corner in meshes.boxes))
         middle = (low.min(0) + high.max(0)) / 2.0
         scale = scale_of(np.maximum(high - middle, middle - low).max(0))
-        tree = build(np.stack([((corner - middle) * scale).T for corner in (low, high)]), 1)
+        tree = build(in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)])), 1)
         if self.textures is None or self.meshes is not meshes or tree.leaves > self.textures.lines * WIDTH:
             self.meshes, self.textures = meshes, MeshTextures(self.device.gl, meshes.trees, tree.leaves)
             frame.counts["bytes_uploaded"] += self.textures.bytes
