@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points on triangles, on lights and in pixels: low-discrepancy, and the same for the same input."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from .cores import side_by_side
 from .scene import Lights, LightShape
 
-#: Points are made in blocks of this many, so that several cores share them (numpy lets go of the GIL).
+#: Points are made in blocks of this many, so that several cores share them.
 BLOCK = 1 << 17
 
 
@@ -66,8 +66,7 @@ def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tupl
         chosen = np.minimum(chosen, len(corners) - 1)
         return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
 
-    with ThreadPoolExecutor() as cores:
-        blocks = list(cores.map(block, range(0, count, BLOCK)))
+    blocks = side_by_side(block, range(0, count, BLOCK), count)
     return np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
 
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ism_addon.cores import LARGE
 from ism_addon.gpu.tree import (
-    LARGE,
     NOTHING,
     PLANE,
     REACH,

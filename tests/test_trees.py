@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.cores import LARGE
 from ism_addon.gpu.geometry import packed_corners
 from ism_addon.gpu.layout import WIDTH
 from ism_addon.gpu.mesh_tree import mesh_tree
-from ism_addon.gpu.tree import LARGE, REACH
+from ism_addon.gpu.tree import REACH
 
 from . import reference
 from .rays import compare, occluded, rays, truth

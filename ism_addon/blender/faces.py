@@ -3,11 +3,12 @@
 they are made here."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
+
+from ..cores import side_by_side
 
 #: Faces at a time: so many stay in a processor's cache.
 PORTION = 1 << 15
@@ -81,8 +82,7 @@ def in_portions(given: np.ndarray, each: int, make: Callable[[np.ndarray], Trian
             made = make(given[first : first + PORTION])
         found.corners[part], found.vertices[part], found.has_area[part] = made.corners, made.vertices, made.has_area
 
-    with ThreadPoolExecutor() as cores:
-        list(cores.map(fill, range(0, len(given), PORTION)))
+    side_by_side(fill, range(0, len(given), PORTION), len(given))
     return found
 
 

@@ -12,6 +12,7 @@ from functools import reduce
 
 import numpy as np
 
+from ..cores import side_by_side
 from ..scene import Mesh
 from .lattice import Lattice
 from .tree import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
@@ -152,8 +153,7 @@ def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
         places = steps.take(np.ascontiguousarray(triangles[part].T), 1)
         boxes[:, :, part] = in_planes(np.stack([places.min(1), places.max(1)]))
 
-    with ThreadPoolExecutor() as cores:
-        list(cores.map(find, range(0, len(triangles), PORTION)))
+    side_by_side(find, range(0, len(triangles), PORTION), len(triangles))
     return boxes
 
 

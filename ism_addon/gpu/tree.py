@@ -8,17 +8,13 @@ fetch for that is 32 bytes, corners in bytes within the box around all four (Yli
 in steps of a grid, see scale_of and lattice; boxes begin and end in planes of it, whose numbers take 16 bits.
 """
 
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 from itertools import repeat
-from typing import Any
 
 import numpy as np
 
-#: Trees of more boxes than this are split by two threads (numpy lets go of the interpreter's lock).
-LARGE = 1 << 14
+from ..cores import LARGE, side_by_side
 
 #: Rows of so many boxes are short: numpy is slow along them.
 SHORT = 1 << 8
@@ -63,14 +59,6 @@ class Tree:
     def per_leaf(self) -> int:
         """Boxes a leaf, at most."""
         return len(self.order) // self.leaves
-
-
-def side_by_side(work: Callable[[Any], Any], parts: Iterable[Any], size: int) -> list:
-    """What work makes of each part, on all cores: but to start them takes longer than a small tree does."""
-    if size <= LARGE:
-        return [work(part) for part in parts]
-    with ThreadPoolExecutor() as cores:
-        return list(cores.map(work, parts))
 
 
 def in_planes(boxes: np.ndarray) -> np.ndarray:
