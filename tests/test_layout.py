@@ -10,6 +10,7 @@ from ism_addon.gpu.layout import (
     WIDTH,
     Record,
     directions_from_octahedron,
+    lines_for,
     octahedron_from_directions,
     upload_array,
 )
@@ -57,7 +58,17 @@ def test_every_member_of_every_row_arrives(device, record):
 
 
 def test_a_table_may_be_empty(device):
-    assert LIGHT.upload(device.gl, np.zeros(0, LIGHT.dtype)).size[1] == 1
+    assert LIGHT.upload(device.gl, np.zeros(0, LIGHT.dtype)).size[1] > 0
+
+
+@pytest.mark.parametrize("of_line", [1, 1000, WIDTH])
+def test_lines_hold_all_and_are_never_a_power_of_two(of_line):
+    """Else scenes of other sizes are other shaders to Mesa's software driver."""
+    for count in (*range(20), *range(WIDTH - 2, WIDTH + 3), 10**7):
+        lines = lines_for(count, of_line)
+        assert count <= lines * of_line
+        assert lines <= max(count / of_line + 2.0, 3)
+        assert lines & (lines - 1)
 
 
 @pytest.mark.parametrize("count", [0, 1, WIDTH, WIDTH + 1, 3 * WIDTH - 1])

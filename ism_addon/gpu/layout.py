@@ -20,6 +20,12 @@ WIDTH = 4096
 PORTION = 8 * WIDTH
 
 
+def lines_for(count: int, of_line: int) -> int:
+    """Lines of a texture that holds so many: never a power of two, for which Mesa's software driver would compile every
+    shader once more."""
+    return max(3, -(-count // of_line) | 1)
+
+
 class Record:
     """A named row of members, each a kind of SIZES."""
 
@@ -50,7 +56,7 @@ class Record:
 
     def upload(self, gl: moderngl.Context, table: np.ndarray) -> moderngl.Texture:
         """A table (N,) of this record's dtype as a texture."""
-        lines = max(1, -(-len(table) // self.rows))
+        lines = lines_for(len(table), self.rows)
         floats = np.zeros((lines, WIDTH // self.texels, self.texels * 4), np.float32)
         packed = table.view(np.float32).reshape(len(table), self.dtype.itemsize // 4)
         floats.reshape(-1, self.texels * 4)[: len(table), : packed.shape[1]] = packed
@@ -64,7 +70,7 @@ def array_texture(
     gl: moderngl.Context, count: int, components: int, dtype: str, internal_format: int | None = None
 ) -> moderngl.Texture:
     """Room for an array (count, components 1…4) in a texture of WIDTH columns."""
-    size = WIDTH, max(1, -(-count // WIDTH))
+    size = WIDTH, lines_for(count, WIDTH)
     texture = gl.texture(size, components, dtype=dtype, internal_format=internal_format)
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     return texture
