@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 import moderngl
 import numpy as np
 
+from ...cores import side_by_side
 from ...scene import Change, Mesh
 from ..buffers import anchor_from_steps
 from ..context import Device
@@ -22,6 +23,12 @@ from . import Frame, Pass
 
 #: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
 FLATTEST = 1e-6
+
+#: What fills less than this of its longest axis cubed is looked at for such axes.
+FLAT = 1e-4
+
+#: Instances that are bounded at a time: their boxes stay in a processor's cache.
+PORTION = 1 << 9
 
 
 class MeshTable:
@@ -37,9 +44,10 @@ class MeshTable:
 
     @cached_property
     def boxes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Middles and halves (M,PARTS,3) of the parts of each."""
+        """Middles and halves (3,M,PARTS) of the parts of each."""
         parts = np.array([tree.parts for tree in self.trees], np.float64).reshape(-1, PARTS, 2, 3)
-        return parts.mean(2), (parts[:, :, 1] - parts[:, :, 0]) / 2.0
+        low, high = parts.transpose(2, 3, 0, 1)
+        return (low + high) / 2.0, (high - low) / 2.0
 
     @cached_property
     def leaves(self) -> np.ndarray:
@@ -120,7 +128,7 @@ class InstanceTree(Pass):
         mesh = instances.mesh[chosen]
         geometry = frame.tables["geometry"]
         linear, offsets = anchor_from_steps(geometry, instances, chosen, frame.anchor)
-        low, high = boxes_around(linear, offsets, *(corner[mesh] for corner in meshes.boxes))
+        low, high = boxes_around(linear, offsets, mesh, *meshes.boxes)
         middle = (low.min(0) + high.max(0)) / 2.0
         scale = scale_of(np.maximum(high - middle, middle - low).max(0))
         tree = build(in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)])), 1)
@@ -153,20 +161,46 @@ class InstanceTree(Pass):
 
 
 def boxes_around(
-    linear: np.ndarray, offsets: np.ndarray, middles: np.ndarray, halves: np.ndarray
+    linear: np.ndarray, offsets: np.ndarray, mesh: np.ndarray, middles: np.ndarray, halves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high corners (I,3) float32 of boxes of middles and halves (I,B,3), moved by (I,3,3) and (I,3)."""
-    turned = linear.swapaxes(1, 2)
-    middles = middles @ turned + offsets[:, None]
-    halves = halves @ np.abs(turned)
-    low, high = (middles - halves).min(1), (middles + halves).max(1)
+    """Low and high corners (I,3) float32 of instances, whose mesh (I,) has boxes of middles and halves (3,M,B).
+
+    They are moved by (I,3,3) and (I,3). Boxes lie side by side: numpy is slow along short axes.
+    """
+    low, high = (np.empty((len(mesh), 3)) for _ in range(2))
+
+    def fill(first: int) -> None:
+        part = slice(first, first + PORTION)
+        own_middles, own_halves = (of_meshes[:, mesh[part]] for of_meshes in (middles, halves))
+        for axis in range(3):
+            row = linear[part, axis, :, None]
+            middle = sum(row[:, k] * own_middles[k] for k in range(3)) + offsets[part, axis, None]
+            half = sum(np.abs(row[:, k]) * own_halves[k] for k in range(3))
+            low[part, axis], high[part, axis] = (middle - half).min(1), (middle + half).max(1)
+
+    side_by_side(fill, range(0, len(mesh), PORTION), middles.shape[2] * len(mesh))
     slack = 1e-6 * (np.abs(low) + np.abs(high))
     return (low - slack).astype(np.float32), (high + slack).astype(np.float32)
 
 
 def inverse_of(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     """(I,3,4): the inverses of matrices (I,3,3) and offsets (I,3); those that flatten leave a little thickness."""
+    a, b, c = np.ascontiguousarray(linear.transpose(1, 2, 0))
+    columns = np.stack([cross(b, c), cross(c, a), cross(a, b)])
+    volume = (a * columns[0]).sum(0)
+    flat = np.abs(volume) <= FLAT * (linear * linear).sum((1, 2)) ** 1.5
+    inverse = (columns / np.where(flat, 1.0, volume)).transpose(2, 1, 0)
+    inverse[flat] = inverse_of_flat(linear[flat])
+    return np.concatenate([inverse, -np.einsum("nij,nj->ni", inverse, offsets)[:, :, None]], 2)
+
+
+def inverse_of_flat(linear: np.ndarray) -> np.ndarray:
+    """(I,3,3): the inverses of (I,3,3), whose shortest axes count as longer."""
     u, scales, v = np.linalg.svd(linear)
     scales = np.maximum(scales, np.maximum(FLATTEST * scales[:, :1], np.finfo(np.float32).tiny))
-    inverse = np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)
-    return np.concatenate([inverse, -np.einsum("nij,nj->ni", inverse, offsets)[:, :, None]], 2)
+    return np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of vectors (3,N)."""
+    return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
