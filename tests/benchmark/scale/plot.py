@@ -1,47 +1,55 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Time and memory against what grows, log–log: a row of two panels for each series."""
+"""Time and memory against what grows, log–log: a panel for each series."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from .report import COLUMNS, Results
 from .series import SERIES
 
-#: Columns of the report in seconds, and how they are drawn.
+#: Columns of the report that are times, and how they are drawn.
 TIMES = {
-    "first sync s": ("#4477aa", "s", 1.0),
-    "shadows ms": ("#ee6677", "o", 1e-3),
-    "trees kept: shadows ms": ("#ccbb44", "v", 1e-3),
-    "first sample s": ("#228833", "^", 1.0),
-    "further sample s": ("#66ccee", "D", 1.0),
-    "a frame s": ("#999999", "x", 1.0),
+    "first sync s": ("#4477aa", "s"),
+    "shadows ms": ("#ee6677", "o"),
+    "trees kept: shadows ms": ("#ccbb44", "v"),
+    "first sample s": ("#228833", "^"),
+    "further sample s": ("#66ccee", "D"),
+    "a frame s": ("#999999", "x"),
 }
+SECONDS = {"s": 1.0, "ms": 1e-3}
+MEMORY = "peak MB"
+
+#: Panels side by side.
+ACROSS = 2
 
 
 def draw(results: Mapping[str, Results], folder: Path) -> Path:
     """Write scale.png: its path."""
-    figure = Figure(figsize=(9.0, 2.9 * len(results)), layout="constrained")
-    axes = figure.subplots(len(results), 2, squeeze=False)
-    for (left, right), (name, points) in zip(axes, results.items(), strict=True):
-        for heading, (color, marker, unit) in TIMES.items():
-            values = {value: COLUMNS[heading](told) for value, told in points.items()}
-            known = {value: unit * found for value, found in values.items() if found}
-            left.loglog(list(known), list(known.values()), color=color, marker=marker, markersize=4, label=heading[:-3])
-        right.loglog(list(points), [COLUMNS["peak MB"](told) for told in points.values()], "o-", color="#aa3377")
-        label(left, name, "seconds")
-        label(right, name, "peak MB")
-        left.legend(fontsize=7)
+    rows = -(-len(results) // ACROSS)
+    figure = Figure(figsize=(10.0, 3.0 * rows + 0.5), layout="constrained")
+    panels = figure.subplots(rows, ACROSS, squeeze=False).ravel()
+    drawn = {}
+    for axis, (name, points) in zip(panels, results.items(), strict=False):
+        values = list(points)
+        for heading, (color, marker) in TIMES.items():
+            found = [COLUMNS[heading](told) for told in points.values()]
+            if any(found):
+                label, unit = heading.rsplit(" ", 1)
+                seconds = [SECONDS[unit] * time for time in found]
+                drawn[label], *_ = axis.plot(values, seconds, color=color, marker=marker, markersize=4)
+        memory = axis.twinx()
+        peak = [COLUMNS[MEMORY](told) for told in points.values()]
+        drawn["memory at most"], *_ = memory.plot(values, peak, ":", color="#aa3377")
+        memory.set(yscale="log", ylim=(100.0, 10_000.0), ylabel="MB")
+        axis.set(xscale="log", yscale="log", xlabel=SERIES[name].unit, ylabel="seconds")
+        axis.xaxis.set(major_locator=FixedLocator(values), minor_locator=NullLocator(), major_formatter="{x:,.0f}")
+        axis.grid(True, which="major", color="0.85", linewidth=0.6)
+    for axis in panels[len(results) :]:
+        axis.set_axis_off()
+    figure.legend(drawn.values(), drawn.keys(), loc="outside upper center", ncols=len(drawn), fontsize=8)
     path = folder / "scale.png"
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=90)
     return path
-
-
-def label(axis: Axes, name: str, what: str) -> None:
-    """What the axes are, and a grid."""
-    axis.set_xlabel(SERIES[name].unit, fontsize=8)
-    axis.set_ylabel(what, fontsize=8)
-    axis.tick_params(labelsize=8)
-    axis.grid(True, which="major", color="0.85", linewidth=0.6)
