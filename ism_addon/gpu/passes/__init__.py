@@ -42,8 +42,8 @@ BLOCKS = np.dtype(
     [("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4"), ("light", "f4")]
 )
 
-#: Samples before which predictions are made: when there are a few rays, and as often as their number has doubled since.
-RENEWED = {0, 4, *(2**k for k in range(4, 32))}
+#: Samples before which predictions are made: as often as the number of samples has doubled.
+RENEWED = {0, *(2**k for k in range(1, 32))}
 
 #: What a close look found of a light: rays that arrived, and rays.
 SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
