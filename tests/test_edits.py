@@ -69,6 +69,7 @@ def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, metho
     before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
     renderer = draw(device, before, view, with_quality(SETTINGS[Method.FITTED], samples=SEVERAL)).renderer
     assert renderer.tables["spotted"]
+    monkeypatch.undo()
     after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)
     expected = draw(device, after, view, settings).color
     assert np.array_equal(draw(device, after, view, settings, renderer).color, expected)
