@@ -15,6 +15,10 @@ from .studio import MAPS, both, draw, light, look, quad, rubble, stage, with_qua
 ORIGIN = np.zeros(3)
 
 
+#: The corners of a light, by its halves.
+FOUR = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
+
+
 @pytest.mark.parametrize("spread", [0.1, 1.0, 3.0])
 @pytest.mark.parametrize("part", [0.01, 0.3, 0.9])
 def test_chances_sum_to_the_count(spread, part):
@@ -103,6 +107,25 @@ def test_behind_the_light_there_are_none():
     assert behind.any()
     assert not weights[behind].any()
     assert weights[cloud.positions[:, 2] < 0.0].all()
+
+
+@pytest.mark.parametrize("degrees", [20.0, 60.0, 120.0])
+def test_none_where_a_spread_sends_no_light(degrees):
+    """Of points that it can reach all may be chosen; of the others, but a margin about the cone, none."""
+    lamp = light(position=(0.0, 0.0, 2.0), spread=np.radians(degrees))
+    scene = stage([rubble(2000, reach=6.0)], lamp)
+    cloud = make_cloud(scene, ORIGIN, 4_000)
+    weights = solid_angles(cloud, lamp, 0, ORIGIN)
+    corners = lamp.position[0] + 0.5 * np.array([u * lamp.axis_u[0] + v * lamp.axis_v[0] for u, v in FOUR])
+    to = cloud.positions.astype(float) - corners[:, None]
+    angle = np.degrees(np.arccos((to @ lamp.normal[0]) / np.linalg.norm(to, axis=2))).min(0)
+    reached = angle < degrees / 2.0
+    assert 10 < reached.sum() < len(cloud) - 10
+    assert (weights[reached] > 0.0).all()
+    size = np.linalg.norm(lamp.axis_u[0] + lamp.axis_v[0]) + 2.0 * np.sqrt(cloud.area)
+    far = np.linalg.norm(to, axis=2).min(0) * np.sin(np.radians(np.clip(angle - degrees / 2.0, 0.0, 90.0))) > size
+    assert far.sum() > 100
+    assert not weights[far].any()
 
 
 def test_a_light_that_casts_none_may_be_the_only_one(device):

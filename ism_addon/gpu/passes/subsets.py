@@ -36,8 +36,9 @@ class Subset:
 
 
 def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
-    """(P,) float32, in proportion to the sr that points fill, seen from about a light; 0 behind it and if not linked.
+    """(P,) float32, in proportion to the sr that points fill, seen from about a light.
 
+    0 behind it, outside of where its spread sends light, and if not linked: nothing there hides any of its light.
     A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
     """
     to = cloud.positions - (lights.position[light] - anchor).astype(np.float32)
@@ -46,7 +47,11 @@ def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -
     facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
     reach = np.sqrt(cloud.area)
     blockers = lights.blockers[light]
-    counts = (to @ normal > -reach) & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
+    ahead, half_angle = to @ normal, lights.spread[light] / 2.0
+    beside = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
+    radius = max(np.linalg.norm(lights.axis_u[light] + side * lights.axis_v[light]) for side in (-1.0, 1.0)) / 2.0
+    outside = beside * np.cos(half_angle) - ahead * np.sin(half_angle) > radius + reach
+    counts = (ahead > -reach) & ~outside & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
     return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
 
