@@ -19,6 +19,9 @@ from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
 
+#: Discs handed over at a time: or memory would be taken for those of all maps.
+PORTION = 1 << 18
+
 
 class Splat(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
@@ -50,6 +53,7 @@ class Splat(Pass):
         gl.blend_equation = moderngl.MIN
         bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
+        waiting = 0
         for index in range(batch.count):
             point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
             turns = subsets[point["light"]]
@@ -60,5 +64,9 @@ class Splat(Pass):
                 axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
                 bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
                 discs.render(moderngl.POINTS, vertices=subset.count, first=subset.first)
+                waiting += subset.count
+            if waiting >= PORTION:
+                self.device.hand_over()
+                waiting = 0
         atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
         gl.blend_equation = moderngl.FUNC_ADD
