@@ -19,7 +19,7 @@ BY_MAPS = replace(MAPS, ssao=SSAO())
 METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, BY_MAPS), strict=True)}
 TREES = {"MeshTrees", "InstanceTree"}
 BEFORE = {kind.__name__ for kind in renderer.BEFORE} - TREES - {"Unwrap"}
-LIGHT = {kind.__name__ for kind in renderer.FITTED} - {"Check"}  # which the first sample has no use for
+LIGHT = {kind.__name__ for kind in renderer.FITTED} - {"Check", "Dim"}  # nothing to check yet, and no light is dim
 RAYS = TREES | LIGHT
 SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
 ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS

@@ -23,6 +23,7 @@ from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
 from .passes.blur import Blur
 from .passes.check import Check
+from .passes.dim import Dim
 from .passes.gather import Gather
 from .passes.gbuffer import GBuffer
 from .passes.halves import Halves, is_due
@@ -53,7 +54,7 @@ SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours)
 #: (the trees of large meshes are made while the camera looks);
 BEFORE = (*SCENE, Sift, GBuffer, Lights, InstanceTree, Reach)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
-FITTED = (Scout, Check, Predict, Trace)
+FITTED = (Scout, Check, Predict, Trace, Dim)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
 CLASSIC = (SurfacePoints, Shares, LightPoints, Subsets)

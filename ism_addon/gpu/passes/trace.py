@@ -9,24 +9,22 @@ to how much they may change the picture, and weigh more the rarer they are. Wher
 tell whether there should be doubt.
 """
 
+from dataclasses import asdict
+
 import moderngl
 import numpy as np
 
-from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS, additive_sequence
-from ...scene import Change, LightShape
+from ...sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence
+from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
+from ..refine import TRUST, Kind, count_used, enough
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
-#: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
-ENOUGH = 0.1
-
-#: Doubt in a prediction that all rays of a neighbourhood agree on, and the least chance of a ray.
-TRUST = 0.03
+#: The least chance of a ray.
 LEAST_CHANCE = 0.1
-DIM_CHANCE = 0.05
 
 #: The chance of a block in which nothing is in doubt, for a light that could be all there is.
 SURE_CHANCE = 0.0625
@@ -41,6 +39,7 @@ class Trace(Pass):
         *("casters", "reach", "predictions", "foreseen"),
     )
     writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
+    makes = ("used",)  # lights that anything was drawn of
     settings = ("shadow.enabled",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
@@ -49,11 +48,10 @@ class Trace(Pass):
         self.all_seen = Target(2, "f1").create(device.gl, (1, 1))
         self.all_seen.write(bytes([255, 0]))
 
-    def program(self, rectangle: bool, spread: bool, rays: int, places: int, part: str = "") -> moderngl.Program:
-        """For one kind of light: what the others would need, many drivers would walk through too."""
-        kind = {"rectangles": int(rectangle), "ellipses": int(not rectangle), "spreads": int(spread), "rays": rays}
-        chances = {"trust": TRUST, "least_chance": DIM_CHANCE if part else LEAST_CHANCE}
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, part=part, places_in_pixel=places, **chances, **kind)
+    def program(self, kind: Kind, rays: int, places: int) -> moderngl.Program:
+        """For one kind of light."""
+        constants = {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": LEAST_CHANCE}
+        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, **constants, **asdict(kind))
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -64,14 +62,14 @@ class Trace(Pass):
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         shifts = additive_sequence(0, len(lights.shape), 3)
-        used: set[int] = set()
+        frame.tables["used"] = used = set()
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
             traced, shown = self.chosen(frame, light, shift[2])
             if not len(traced) + len(shown):
                 continue
             used.add(light)
-            kind = lights.shape[light] == LightShape.RECTANGLE, lights.spread[light] < np.pi
+            kind = Kind.of(lights, light)
             shared = {
                 **frame.receivers,
                 "lights": frame.tables["lights"],
@@ -81,7 +79,7 @@ class Trace(Pass):
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
             }
-            program = self.program(*kind, 0, 1)
+            program = self.program(kind, 0, 1)
             bind(program, **shared)
             self.draw_blocks(frame, predicted, program, shown)
             frame.counts["pixels_refined"] += len(traced) * BLOCK**2
@@ -89,52 +87,11 @@ class Trace(Pass):
                 places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
         for kind, uniforms, seen, traced in with_rays:
-            program = self.program(*kind, 1, len(frame.grid.places))
-            bind(program, **uniforms, enough=self.enough(frame), **frame.tables["casters"])
+            program = self.program(kind, 1, len(frame.grid.places))
+            bind(program, **uniforms, enough=enough(frame), **frame.tables["casters"])
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)
-        used.update(self.draw_dim(frame))
-        frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
-
-    @staticmethod
-    def enough(frame: Frame) -> float:
-        """The change of a pixel's luminance that a ray is traced for in any case."""
-        return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
-
-    def draw_dim(self, frame: Frame) -> list[int]:
-        """Lights that are a small part of a block's light: all at once, predicted for whole blocks. Which they are."""
-        lights, rays = frame.scene.lights, int(frame.traces and frame.sample > 0)
-        target = frame.targets.into("predicted", "correction")
-        blocks = self.dim_ones(frame)
-        frame.counts["pixels_refined"] += rays * len(blocks) * BLOCK**2
-        number = blocks["light"].astype(np.int64)
-        kinds = (lights.shape == LightShape.RECTANGLE) + 2 * (lights.spread < np.pi)
-        for kind in np.unique(kinds[number]):
-            program = self.program(bool(kind & 1), kind >= 2, rays, len(frame.grid.places), part="dim")
-            bind(
-                program,
-                **frame.receivers,
-                lights=frame.tables["lights"],
-                pixel_steps=PIXEL_STEPS,
-                light_steps=LIGHT_STEPS,
-                ray_steps=RAY_STEPS,
-                enough=self.enough(frame) if rays else 0.0,
-                **frame.tables.get("casters", {}),
-            )
-            self.draw_blocks(frame, target, program, blocks[kinds[number] == kind])
-        return np.unique(number).tolist()
-
-    def dim_ones(self, frame: Frame) -> np.ndarray:
-        """Rows of BLOCKS for each light that is dim there; the part that is thought to be seen of it is `sure`."""
-        blocks = frame.tables["blocks"]
-        column, row = blocks["block"].astype(np.int64).T
-        found = [blocks[:0]]
-        for light, reach in frame.tables["reach"].items():
-            seen = np.where(reach.dim, reach.seen, 0.0)[row, column]
-            if seen.any():
-                found.append(blocks[seen > 0.0])
-                found[-1]["light"], found[-1]["sure"] = light, seen[seen > 0.0]
-        return np.concatenate(found)
+        count_used(frame, used)
 
     @staticmethod
     def casts(frame: Frame, light: int) -> bool:

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the passes have in common that refine a prediction by rays: Trace, and Dim for lights that are faint."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from ..scene import Lights, LightShape
+from .passes import Frame
+
+#: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
+ENOUGH = 0.1
+
+#: Doubt in a prediction that all rays of a neighbourhood agree on.
+TRUST = 0.03
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Of a light: what the others would need, many drivers would walk through too. Each is 0 or 1."""
+
+    rectangles: int
+    ellipses: int
+    spreads: int
+
+    @classmethod
+    def of(cls, lights: Lights, light: int) -> Self:
+        """A light's."""
+        rectangle = lights.shape[light] == LightShape.RECTANGLE
+        return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
+
+
+def enough(frame: Frame) -> float:
+    """The change of a pixel's luminance that a ray is traced for in any case."""
+    return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
+
+
+def count_used(frame: Frame, lights: set[int]) -> None:
+    """Of all samples, the most lights that one was drawn with."""
+    frame.counts["lights_used"] = max(frame.counts["lights_used"], len(lights))
