@@ -108,6 +108,8 @@ def main() -> int:
     options.output.mkdir(parents=True, exist_ok=True)
     device = open_device()
     chosen = [case for case in cases(*map(int, options.size.split("x"))) if options.only in case.name]
+    if not chosen:
+        parser.error(f"no case's name holds {options.only}")
     measured(device, chosen[0], True)  # shaders are compiled by then
     heads = ("case", *COLUMNS, *(name.replace("_", " ") for name in COUNTED))
     lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]

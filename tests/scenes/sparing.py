@@ -19,7 +19,6 @@ from .changes import (
     WITHOUT_OCCLUSION,
     WITHOUT_SHADOWS,
     Edit,
-    light_moved,
     tiny_radius,
 )
 from .rooms import IDLE, rooms
@@ -83,6 +82,5 @@ def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
 def edited(edit: Edit, scene: Scene, view: View, method: Method) -> Case:
     """A first sample after the same one before an edit."""
     one = settings(method, 1)
-    faint = {"Dim"} if (edit, method) == (light_moved, Method.FITTED) else set()  # the lamp, where it is by then
-    drawn = frozenset(SHARED[method][edit] | FIRST[method][edit] | faint)
+    drawn = frozenset(SHARED[method][edit] | FIRST[method][edit])
     return Case(f"{words(edit)}, {method.label}", (*edit(scene, view), one), (scene, view, one), drawn)
