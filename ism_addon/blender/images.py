@@ -18,6 +18,13 @@ def is_known_space(image: bpy.types.Image) -> bool:
     return image.is_float or image.colorspace_settings.name in ("sRGB", *LINEAR)
 
 
+def origin(image: bpy.types.Image) -> tuple | None:
+    """What makes an image's texels, where that is at hand: a packed file that nobody has painted on since."""
+    if image.source != "FILE" or image.packed_file is None or image.is_dirty:
+        return None
+    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode
+
+
 def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     """(H,W,4) uint8, sRGB-encoded, bottom row first; None where there is nothing to read.
 

@@ -37,6 +37,8 @@ class MaterialTable:
         self._met: set[int] = set()
         self._read_images: dict[tuple[int, bool, bool], tuple[int, Findings]] = {}
         self._images: list[Image] = []
+        #: By the same keys: those that need not be read again as long as their origin is the same.
+        self._of_origin: dict[tuple[int, bool, bool], tuple[tuple, Image]] = {}
 
     def begin(self) -> None:
         """Before all materials of the scene are asked for anew."""
@@ -62,6 +64,8 @@ class MaterialTable:
     def forget_images(self) -> None:
         """Some image has changed: all materials are to be read anew when they are next met."""
         self._rows = [None] * len(self._rows)
+        if self._read_images:  # else nothing was read since the last time
+            self._of_origin = {key: kept for key, kept in self._of_origin.items() if key in self._read_images}
         self._read_images.clear()
         self._images.clear()
 
@@ -123,13 +127,13 @@ class MaterialTable:
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
         key = (image.original.session_uid, repeat, on_black)
         if key not in self._read_images:
-            self._read_images[key] = self._read_image(image, repeat, on_black)
+            self._read_images[key] = self._read_image(key, image)
         return self._read_images[key]
 
-    def _read_image(self, image: bpy.types.Image, repeat: bool, on_black: bool) -> tuple[int, Findings]:
+    def _read_image(self, key: tuple[int, bool, bool], image: bpy.types.Image) -> tuple[int, Findings]:
         findings = Findings()
-        texels = images.texels(image, on_black)
-        if texels is None:
+        found = self._texels(key, image)
+        if found is None:
             findings.note(
                 "Images that are missing or cannot be read are left out, and the base colour is drawn", image.name
             )
@@ -138,8 +142,21 @@ class MaterialTable:
             findings.note("Images in a colour space that is not known are taken for sRGB", image.name)
         if image.source in ("TILED", "SEQUENCE", "MOVIE"):
             findings.note("Of image sequences, movies and tiled images one picture is drawn", image.name)
-        self._images.append(Image(texels, repeat))
+        self._images.append(found)
         return len(self._images) - 1, findings
+
+    def _texels(self, key: tuple[int, bool, bool], image: bpy.types.Image) -> Image | None:
+        """Those of an image; that of the time before, where it has the same origin."""
+        _, repeat, on_black = key
+        origin, kept = images.origin(image.original), self._of_origin.pop(key, None)
+        if kept is None or origin is None or kept[0] != origin:
+            texels = images.texels(image, on_black)
+            if texels is None:
+                return None
+            kept = origin, Image(texels, repeat)
+        if origin is not None:
+            self._of_origin[key] = kept
+        return kept[1]
 
 
 def _note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings) -> None:

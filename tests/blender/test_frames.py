@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import engine, frames, meshes
+from ism_addon.blender import engine, frames, images, meshes
 from tests.blender import exr
 from tests.blender.test_engine import prepare
 
@@ -120,6 +120,17 @@ def edit_image(scene):
         image.update_tag()  # or Blender does not tell of it
 
 
+def paint_and_pack(scene):
+    edit_image(scene)
+    bpy.data.images["Texels"].pack()
+
+
+def change_color_space(scene):
+    bpy.data.images["Texels"].colorspace_settings.name = "Non-Color"
+    if scene.render.use_persistent_data:
+        bpy.data.images["Texels"].update_tag()
+
+
 def edit_material(scene):
     tree = bpy.data.materials["Textured"].node_tree
     tree.links.clear()
@@ -149,6 +160,22 @@ def test_edits_between_renders_are_seen(scene, animated, tmp_path, persistent):
         scene.render.use_persistent_data = persistent
         seen = animated()[0]
         assert same(seen[1], alone(scene, 2, tmp_path)), edit.__name__
+
+
+@pytest.mark.parametrize("edit", [None, edit_image, paint_and_pack, change_color_space])
+def test_a_packed_image_is_read_again_when_it_is_another(scene, animated, tmp_path, monkeypatch, edit):
+    """Not from frame to frame, though Blender does not say that it is as it was; and edits are seen all the same."""
+    image = bpy.data.images["Texels"]
+    image.pack()
+    image.reload()
+    assert image.source == "FILE"
+    read = []
+    monkeypatch.setattr(images, "texels", lambda *what, kept=images.texels: read.append(what) or kept(*what))
+    seen = animated(lambda scene, *_more: edit and scene.frame_current == 2 and edit(scene))[0]
+    times = len(read)
+    assert same(seen[1], alone(scene, 2, tmp_path))
+    assert same(seen[2], alone(scene, 3, tmp_path))
+    assert times == {None: 1, edit_image: 3, paint_and_pack: 2, change_color_space: 2}[edit]
 
 
 def test_nothing_is_kept_after_the_job_but_with_persistent_data(scene, animated):
