@@ -72,8 +72,9 @@ class Dim(Pass):
         column, row = blocks["block"].astype(np.int64).T
         found = [blocks[:0]]
         for light, reach in frame.tables["reach"].items():
-            seen = np.where(reach.dim, reach.seen, 0.0)[row, column]
+            seen = reach.dim * reach.seen
             if seen.any():
+                seen = seen[row, column]
                 found.append(blocks[seen > 0.0])
                 found[-1]["light"], found[-1]["sure"] = light, seen[seen > 0.0]
         return np.concatenate(found)
