@@ -128,6 +128,14 @@ def test_none_where_a_spread_sends_no_light(degrees):
     assert not weights[far].any()
 
 
+def test_behind_a_sheared_light_is_behind_the_plane_of_its_shape():
+    """Its maps look away from that plane, wherever its object points."""
+    lamp = light(position=(0.0, 0.0, 0.0))
+    sheared = replace(lamp, normal=np.array([[0.8, 0.0, -0.6]]))
+    cloud = make_cloud(stage([rubble(reach=3.0)], lamp), ORIGIN, 4_000)
+    assert np.array_equal(solid_angles(cloud, sheared, 0, ORIGIN), solid_angles(cloud, lamp, 0, ORIGIN))
+
+
 def test_a_light_that_casts_none_may_be_the_only_one(device):
     scene = stage([rubble()], replace(light(), casts_shadow=np.array([False])))
     assert draw(device, scene, look((3, -3, 2))).profile.rows["Subsets"].drawn == 0

@@ -106,6 +106,10 @@ class Lamps:
         """(K,1): what a spread makes of the radiance straight ahead, which it makes more of."""
         return np.where(self.scale == 0.0, np.float32(1.0), self.tangent * self.scale)
 
+    def outside(self, ahead: np.ndarray, across: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """(K,N) bool: whether places, so far (m) from the centre, are more than `slack` beyond the spread's cone."""
+        return across * np.cos(self.half_angle) - ahead * np.sin(self.half_angle) > slack
+
     def __getitem__(self, some: slice) -> Self:
         return type(self)(*(getattr(self, member.name)[..., some, :] for member in fields(self)))
 
@@ -126,8 +130,7 @@ def light_on(bounds: Bounds, lamps: Lamps) -> tuple[np.ndarray, np.ndarray]:
     )
     height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
     across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
-    outside = across * np.cos(lamps.half_angle) - ahead * np.sin(lamps.half_angle) > slack
-    lit = bounds.seen & (height > 0.0) & (above > 0.0) & ~outside
+    lit = bounds.seen & (height > 0.0) & (above > 0.0) & ~lamps.outside(ahead, across, slack)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch
         solid = lamps.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)
         spread = np.maximum(lamps.tangent - across / ahead, 0.0) * lamps.scale

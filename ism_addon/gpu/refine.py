@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the passes have in common that refine a prediction by rays: Trace, and Dim for lights that are faint."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Self
 
 import numpy as np
 
 from ..scene import Lights, LightShape
+from .layout import CASTER, LIGHT, MEMBERSHIP
 from .passes import Frame
 
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
@@ -14,6 +15,9 @@ ENOUGH = 0.1
 
 #: Doubt in a prediction that all rays of a neighbourhood agree on.
 TRUST = 0.03
+
+#: What their shaders fetch.
+RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,11 @@ class Kind:
         """A light's."""
         rectangle = lights.shape[light] == LightShape.RECTANGLE
         return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
+
+
+def constants_of(kind: Kind, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
+    """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
+    return {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": least_chance, **asdict(kind)}
 
 
 def enough(frame: Frame) -> float:

@@ -4,16 +4,13 @@
 As many as there may be, they need no predictions of their own: see Reach for the part, and Trace for the rays.
 """
 
-from dataclasses import asdict
-
 import moderngl
 import numpy as np
 
 from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS
 from ...scene import Change
-from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
-from ..refine import TRUST, Kind, count_used, enough
+from ..refine import RECORDS, Kind, constants_of, count_used, enough
 from . import BLOCK, Frame, Pass
 
 #: The least chance of a ray.
@@ -44,7 +41,7 @@ class Dim(Pass):
         frame.counts["pixels_refined"] += rays * len(blocks) * BLOCK**2
         kind_of = {light: Kind.of(lights, light) for light in np.unique(blocks["light"]).astype(int)}
         for kind in dict.fromkeys(kind_of.values()):
-            program = self.program(kind, rays, len(frame.grid.places))
+            program = self.in_blocks(*RECORDS, **constants_of(kind, rays, len(frame.grid.places), LEAST_CHANCE))
             bind(
                 program,
                 **frame.receivers,
@@ -59,11 +56,6 @@ class Dim(Pass):
             self.draw_blocks(frame, target, program, blocks[np.isin(blocks["light"], alike)])
         frame.tables["used"].update(kind_of)
         count_used(frame, frame.tables["used"])
-
-    def program(self, kind: Kind, rays: int, places: int) -> moderngl.Program:
-        """For one kind of light."""
-        constants = {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": LEAST_CHANCE}
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, **constants, **asdict(kind))
 
     @staticmethod
     def chosen(frame: Frame) -> np.ndarray:

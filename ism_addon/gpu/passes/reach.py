@@ -7,12 +7,12 @@ part of the light is looked for by Scout, and the rest by Check now and then. Wh
 arrives, all such lights together, is left out for good.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
+from ...cores import side_by_side
 from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
 from ..bounds import Bounds, Lamps, light_on
@@ -126,8 +126,7 @@ class Reach(Pass):
             near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = light_on(some, all_lamps[lights])
             found[:, lights] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
-        with ThreadPoolExecutor() as cores:
-            list(cores.map(fill, range(0, count, step)))
+        side_by_side(fill, range(0, count, step), count * len(which))
         return list(found)
 
     def look(self, frame: Frame) -> Bounds:

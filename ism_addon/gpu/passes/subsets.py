@@ -9,15 +9,15 @@ view-adaptive maps of Ritschel et al. 2011). A point's chance is its own and fix
 the light's view of them does. Light points take turns with several such subsets.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
-from ...radiometry import light_areas
+from ...cores import side_by_side
 from ...sampling import additive_sequence
 from ...scene import Change, Lights
+from ..bounds import Lamps
 from ..cloud import Cloud
 from . import Frame, Pass
 
@@ -41,17 +41,16 @@ def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -
     0 behind it, outside of where its spread sends light, and if not linked: nothing there hides any of its light.
     A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
     """
-    to = cloud.positions - (lights.position[light] - anchor).astype(np.float32)
-    normal = lights.normal[light].astype(np.float32)
-    square = np.einsum("nk,nk->n", to, to) + np.float32(light_areas(lights)[light] / 12.0 + 1e-12)
+    lamp = Lamps.of(lights, anchor)[light : light + 1]
+    to = cloud.positions - lamp.position.ravel()
+    square = np.einsum("nk,nk->n", to, to) + (lamp.area.ravel() / np.float32(12.0) + np.float32(1e-12))
     facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
     reach = np.sqrt(cloud.area)
     blockers = lights.blockers[light]
-    ahead, half_angle = to @ normal, lights.spread[light] / 2.0
-    beside = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
-    radius = max(np.linalg.norm(lights.axis_u[light] + side * lights.axis_v[light]) for side in (-1.0, 1.0)) / 2.0
-    outside = beside * np.cos(half_angle) - ahead * np.sin(half_angle) > radius + reach
-    counts = (ahead > -reach) & ~outside & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
+    ahead = to @ lamp.normal.ravel()
+    across = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
+    lit = (ahead > -reach) & ~lamp.outside(ahead, across, lamp.radius + reach)[0]
+    counts = lit & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
     return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
 
@@ -102,8 +101,7 @@ class Subsets(Pass):
                 return [np.zeros(0, POINT)] * TURNS
             return choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size)
 
-        with ThreadPoolExecutor() as cores:
-            chosen = list(cores.map(of_light, range(len(lights.shape))))
+        chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
         points = np.concatenate([subset for subsets in chosen for subset in subsets])
         ends = np.cumsum([len(subset) for subsets in chosen for subset in subsets]).reshape(-1, TURNS)
         table = [

@@ -9,17 +9,14 @@ to how much they may change the picture, and weigh more the rarer they are. Wher
 tell whether there should be doubt.
 """
 
-from dataclasses import asdict
-
 import moderngl
 import numpy as np
 
 from ...sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence
 from ...scene import Change
 from ..context import Device
-from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
-from ..refine import TRUST, Kind, count_used, enough
+from ..refine import RECORDS, Kind, constants_of, count_used, enough
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
@@ -48,11 +45,6 @@ class Trace(Pass):
         self.all_seen = Target(2, "f1").create(device.gl, (1, 1))
         self.all_seen.write(bytes([255, 0]))
 
-    def program(self, kind: Kind, rays: int, places: int) -> moderngl.Program:
-        """For one kind of light."""
-        constants = {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": LEAST_CHANCE}
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, **constants, **asdict(kind))
-
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
 
@@ -79,7 +71,7 @@ class Trace(Pass):
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
             }
-            program = self.program(kind, 0, 1)
+            program = self.in_blocks(*RECORDS, **constants_of(kind, 0, 1, LEAST_CHANCE))
             bind(program, **shared)
             self.draw_blocks(frame, predicted, program, shown)
             frame.counts["pixels_refined"] += len(traced) * BLOCK**2
@@ -87,7 +79,7 @@ class Trace(Pass):
                 places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
         for kind, uniforms, seen, traced in with_rays:
-            program = self.program(kind, 1, len(frame.grid.places))
+            program = self.in_blocks(*RECORDS, **constants_of(kind, 1, len(frame.grid.places), LEAST_CHANCE))
             bind(program, **uniforms, enough=enough(frame), **frame.tables["casters"])
             target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
             self.draw_blocks(frame, target, program, traced)

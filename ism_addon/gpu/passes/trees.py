@@ -4,7 +4,6 @@
 Two levels, as in every ray tracer that moves things: a mesh keeps its tree wherever its instances go.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from typing import ClassVar
 from weakref import WeakKeyDictionary
@@ -77,8 +76,8 @@ class MeshTrees(Pass):
     def draw(self, frame: Frame) -> None:
         meshes = frame.scene.meshes
         new = [mesh for mesh in meshes if mesh not in self.kept]
-        with ThreadPoolExecutor() as cores:
-            self.kept.update(zip(new, cores.map(mesh_tree, new), strict=True))
+        made = side_by_side(mesh_tree, new, sum(len(mesh.triangles) for mesh in new))
+        self.kept.update(zip(new, made, strict=True))
         frame.tables["mesh_trees"] = MeshTable(meshes, tuple(self.kept[mesh] for mesh in meshes))
 
 
@@ -186,7 +185,7 @@ def boxes_around(
 def inverse_of(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     """(I,3,4): the inverses of matrices (I,3,3) and offsets (I,3); those that flatten leave a little thickness."""
     a, b, c = np.ascontiguousarray(linear.transpose(1, 2, 0))
-    columns = np.stack([cross(b, c), cross(c, a), cross(a, b)])
+    columns = np.stack([np.cross(*pair, axis=0) for pair in ((b, c), (c, a), (a, b))])
     volume = (a * columns[0]).sum(0)
     flat = np.abs(volume) <= FLAT * (linear * linear).sum((1, 2)) ** 1.5
     inverse = (columns / np.where(flat, 1.0, volume)).transpose(2, 1, 0)
@@ -199,8 +198,3 @@ def inverse_of_flat(linear: np.ndarray) -> np.ndarray:
     u, scales, v = np.linalg.svd(linear)
     scales = np.maximum(scales, np.maximum(FLATTEST * scales[:, :1], np.finfo(np.float32).tiny))
     return np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of vectors (3,N)."""
-    return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
