@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which parts of the picture a sample is spent on: those that samples still change, and as much as they do.
 
-After the first few samples, blocks of pixels take part with a chance in proportion to the standard deviation of their
-samples: for a given number of pixels drawn that leaves the least error (Neyman 1934). A block is averaged over the
-samples that it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
+After the first few samples, blocks of pixels take part with a chance by the standard deviation of their samples, so
+that for a given number of pixels drawn the least error is left (Neyman 1934). A block is averaged over the samples that
+it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
 """
 
 import moderngl
@@ -23,6 +23,13 @@ SAMPLES_FOR_ALL = 2
 #: The least chance of a block after them, and the part of the blocks that still take part for sure.
 LEAST_CHANCE = 0.06
 FOR_SURE = 0.1
+
+#: The variance of a mean of n samples falls like this power of 1 / n: they are spread evenly, and edges are the more of
+#: it (Mitchell 1996).
+FALL = 1.5
+
+#: So the least sum of noise² / n^FALL for a sum of n is where n is in proportion to this power of the noise.
+POWER = 2.0 / (1.0 + FALL)
 
 #: The least chance of a block beside another, as a part of the other's: its samples count for that one's pixels too, by
 #: as much more as it takes part less often, and a few that count for many make borders that show.
@@ -74,11 +81,11 @@ class Sift(Pass):
 
     def share_out(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
         """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
-        noise = np.where(unsettled, noise, 0.0)
-        noise = np.maximum(noise, BESIDE * most_around(noise))
-        rounding = ROUNDING * brightness / LEAST_CHANCE
+        rounding = ROUNDING * brightness / LEAST_CHANCE ** (1.0 / POWER)
         enough = max(float(np.quantile(noise[unsettled], 1.0 - FOR_SURE)), rounding, TINY)
-        self.chance = np.clip(noise / enough, LEAST_CHANCE, 1.0).astype(np.float32)
+        chance = np.where(unsettled, noise / enough, 0.0) ** POWER
+        chance = np.maximum(chance, BESIDE * most_around(chance))
+        self.chance = np.clip(chance, LEAST_CHANCE, 1.0).astype(np.float32)
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
