@@ -23,7 +23,7 @@ def device(opened_device):
         assert gl.error == "GL_NO_ERROR", "an earlier use of this context left an error behind"
         yield opened_device
         assert gl.error == "GL_NO_ERROR"
-        gl.gc()
+        opened_device.collect()
 
 
 @pytest.fixture

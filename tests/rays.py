@@ -4,7 +4,7 @@
 import moderngl
 import numpy as np
 
-from ism_addon.gpu.layout import CASTER, upload_array
+from ism_addon.gpu.layout import CASTER
 from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
 from ism_addon.gpu.passes.upload import Meshes, Place
 from ism_addon.gpu.profile import Profile
@@ -15,14 +15,13 @@ from . import reference
 from .studio import SMALL_SETTINGS, look
 
 ASK = """
-uniform sampler2D starts;
-uniform sampler2D ends;
-uniform sampler2D owners;
+uniform samplerBuffer starts;
+uniform samplerBuffer ends;
+uniform samplerBuffer owners;
 out float told;
 void main() {
-    ivec2 at = ivec2(gl_VertexID % WIDTH, gl_VertexID / WIDTH);
-    vec2 own = texelFetch(owners, at, 0).xy;
-    vec3 from = texelFetch(starts, at, 0).xyz, to = texelFetch(ends, at, 0).xyz;
+    vec2 own = texelFetch(owners, gl_VertexID).xy;
+    vec3 from = texelFetch(starts, gl_VertexID).xyz, to = texelFetch(ends, gl_VertexID).xyz;
     told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
 }
 """
@@ -38,8 +37,8 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
     program = device.gl.program(vertex_shader=shader, varyings=["told"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
-    textures = {name: upload_array(device.gl, rows.astype(np.float32), "f4") for name, rows in rays.items()}
-    bind(program, **textures, **frame.tables["casters"])
+    padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}
+    bind(program, **{name: device.array(rows) for name, rows in padded.items()}, **frame.tables["casters"])
     device.gl.simple_framebuffer((1, 1)).use()
     buffer = device.gl.buffer(reserve=4 * len(starts))
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import Geometry, Order
-from ism_addon.gpu.layout import PORTION, directions_from_octahedron, portions
+from ism_addon.gpu.geometry import PORTION, Geometry, Order, portions
+from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.scene import Image
 
@@ -17,13 +17,13 @@ from .studio import draw, from_above, light, quad, rubble, stage
 
 
 def uploaded(made: Geometry) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the textures."""
+    """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the arrays."""
     count = made.first_triangle[-1]
-    words = np.frombuffer(made.textures["corners"].read(), np.uint32)[: 8 * count].reshape(-1, 8)
+    words = np.frombuffer(made.arrays["corners"].buffer.read(), np.uint32)[: 8 * count].reshape(-1, 8)
     last = ((words[:, :4] & 127).astype(np.int64) << np.array([0, 7, 14, 21])).sum(1)
     last = (last ^ 1 << 27) - (1 << 27)
     corners = np.column_stack([words.view(np.int32) >> 7, last]).reshape(-1, 3, 3)
-    points = np.frombuffer(made.textures["normals"].read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
+    points = np.frombuffer(made.arrays["normals"].buffer.read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
     return corners, directions_from_octahedron(points / 32767.0)
 
 
@@ -35,7 +35,7 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees):
     smooth[ball.triangles] = ball.normals
     meshes = (rubble(5), rubble(PORTION + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
     trees = tuple(map(mesh_tree, meshes)) if sorted_by_trees else ()
-    made = Geometry(device.gl, meshes, trees)
+    made = Geometry(device, meshes, trees)
     corners, normals = uploaded(made)
     for k, mesh in enumerate(meshes):
         own = slice(*made.first_triangle[k : k + 2])
@@ -64,5 +64,5 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
 def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
     monkeypatch.setattr(geometry, "MOST_TRIANGLES", 100)
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
-        Geometry(device.gl, (rubble(60), rubble(41)), ())
+        Geometry(device, (rubble(60), rubble(41)), ())
     assert Order((rubble(60), rubble(40)), ()).count == 100

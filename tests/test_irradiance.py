@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ism_addon.gpu.layout import LIGHT
 from ism_addon.gpu.passes.lights import light_table
-from ism_addon.gpu.program import FOLDER, expand, head
+from ism_addon.gpu.program import FOLDER, bind, expand, head
 from ism_addon.radiometry import MIN_SPREAD
 from ism_addon.scene import Lights, LightShape
 
@@ -20,12 +20,12 @@ from .studio import light
 
 RECEIVERS = 8
 MAIN = """
-uniform sampler2D points, normals, lights;
+uniform samplerBuffer points, normals, lights;
 out vec4 result;
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    result = vec4(unshadowed_irradiance(fetch_Light(lights, 0), texelFetch(points, at, 0).xyz,
-                                        texelFetch(normals, at, 0).xyz));
+    int at = int(gl_FragCoord.x);
+    vec3 point = texelFetch(points, at).xyz, normal = texelFetch(normals, at).xyz;
+    result = vec4(unshadowed_irradiance(fetch_Light(lights, 0), point, normal));
 }
 """
 
@@ -44,21 +44,16 @@ def shader(opened_device):
         frame = gl.framebuffer([target])
 
     def run(lights: Lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        count = len(points)
+        places = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
         with opened_device.gl as gl:
-            size = (len(points), 1)
-            tables = {
-                name: gl.texture(size, 3, np.ascontiguousarray(rows, np.float32), dtype="f4")
-                for name, rows in (("points", points), ("normals", normals))
-            }
-            tables["lights"] = LIGHT.upload(gl, light_table(lights, np.zeros(3)))
+            points, normals = map(opened_device.array, places)
+            table = LIGHT.upload(opened_device, light_table(lights, np.zeros(3)))
             gl.enable_only(moderngl.NOTHING)
             frame.use()
-            for unit, (name, texture) in enumerate(tables.items()):
-                texture.filter = moderngl.NEAREST, moderngl.NEAREST
-                texture.use(unit)
-                program[name].value = unit
+            bind(program, points=points, normals=normals, lights=table)
             triangle.render(moderngl.TRIANGLES, vertices=3)
-            found = np.frombuffer(target.read(), "f4").reshape(-1, 4)[: len(points), 0].astype(float)
+            found = np.frombuffer(target.read(), "f4").reshape(-1, 4)[:count, 0].astype(float)
         assert np.isfinite(found).all() and (found >= 0.0).all()
         return found
 

@@ -8,7 +8,7 @@ import pytest
 
 from ism_addon.gpu import renderer
 from ism_addon.gpu.block import clip_from_anchor
-from ism_addon.gpu.layout import WIDTH, lines_for
+from ism_addon.gpu.buffers import lines_for
 from ism_addon.settings import SSAO, Method
 
 from .scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
@@ -75,7 +75,7 @@ def test_without_images_no_texel_and_no_shader_for_them(device):
     assert not scene.images
     before = set(device.programs)
     drawn = draw(device, scene, view, SETTINGS[Method.FITTED])
-    assert drawn.renderer.tables["surfaces"].texels.texture.height == lines_for(0, WIDTH)
+    assert drawn.renderer.tables["surfaces"].texels.texture.height == lines_for(0)
     assert not [key for key in device.programs.keys() - before if ("images", 1) in key[-1]]
 
 

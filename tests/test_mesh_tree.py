@@ -3,8 +3,7 @@
 
 import numpy as np
 
-from ism_addon.gpu.geometry import Geometry, Order
-from ism_addon.gpu.layout import PORTION
+from ism_addon.gpu.geometry import PORTION, Geometry, Order
 from ism_addon.gpu.mesh_tree import FEW, Runs, mesh_tree
 from ism_addon.gpu.passes.trees import MeshTrees
 from ism_addon.gpu.tree import in_planes
@@ -62,7 +61,7 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
 def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
     """It need not be asked for: it is made beside the pass that draws them."""
     runs = mesh_tree(sheet := bumps(MANY))
-    Geometry(device.gl, (sheet,), (runs,))
+    Geometry(device, (sheet,), (runs,))
     assert runs.boxes is None
     assert runs.making.result(timeout=60.0) is runs.tree
 

@@ -9,11 +9,15 @@ import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
 from ..scene import Image, Instances, Materials
+from .context import Device
 from .cull import in_view, runs
 from .geometry import Geometry
-from .layout import INSTANCE, MATERIAL, MEMBERSHIP, WIDTH, upload_array
+from .layout import INSTANCE, MATERIAL, MEMBERSHIP
 
 SRGB8_ALPHA8 = 0x8C43
+
+#: Texels along a line of the texture that holds images.
+WIDTH = 4096
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ def portions(draws: Iterator[Draw], most: int) -> Iterator[Draw]:
 class Placement:
     """Where the instances stand in anchor space, those of a mesh one behind the other."""
 
-    def __init__(self, gl: moderngl.Context, geometry: Geometry, instances: Instances, anchor: np.ndarray):
+    def __init__(self, device: Device, geometry: Geometry, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
         order = shown[np.argsort(instances.mesh[shown], kind="stable")]
         #: Where in the table an instance is; -1 for one that is not seen.
@@ -50,12 +54,11 @@ class Placement:
         table = np.zeros(len(order), INSTANCE.dtype)
         for k in range(3):
             table[f"row{k}"] = self.matrices[:, k]
-        self.table = INSTANCE.upload(gl, table)
+        self.table = INSTANCE.upload(device, table)
         groups = np.zeros(len(order), MEMBERSHIP.dtype)
         groups["groups"] = instances.groups[order]
-        self.memberships = MEMBERSHIP.upload(gl, groups)
-        self.rows_by_instance = gl.buffer(table) if len(table) else None
-        self.bytes = 2 * table.nbytes + groups.nbytes
+        self.memberships = MEMBERSHIP.upload(device, groups)
+        self.bytes = table.nbytes + groups.nbytes
         kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
         spans = np.diff(geometry.first_triangle)
         self.meshes = [
@@ -78,21 +81,25 @@ class Placement:
 class Texels:
     """All images, with their halved copies, in one texture of texels."""
 
-    def __init__(self, gl: moderngl.Context, images: tuple[Image, ...]):
+    def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
         chains = [mip_chain(image.texels) for image in images]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
         self.first_lines = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
         self.levels = [len(chain) for chain in chains]
-        texels = joined(blocks, (0, 4), "u1")
-        self.texture = upload_array(gl, texels, "f1", internal_format=SRGB8_ALPHA8)
-        self.bytes = texels.nbytes
+        # A texture, as arrays know no sRGB.
+        size = WIDTH, lines_for(int(self.first_lines[-1]))
+        self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
+        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        for block, line in zip(blocks, self.first_lines[:-1], strict=True):
+            self.texture.write(block, viewport=(0, int(line), WIDTH, len(block) // WIDTH))
+        self.bytes = sum(block.nbytes for block in blocks)
 
 
 class Surfaces:
     """Materials as a table that leads into the images' texels."""
 
-    def __init__(self, gl: moderngl.Context, materials: Materials, texels: Texels):
+    def __init__(self, device: Device, materials: Materials, texels: Texels):
         table = np.zeros(len(materials.base_color), MATERIAL.dtype)
         table["color"] = materials.base_color
         for row in np.flatnonzero(materials.image >= 0):
@@ -101,7 +108,7 @@ class Surfaces:
             table[row]["first_line"], table[row]["levels"] = texels.first_lines[number], texels.levels[number]
             table[row]["height"], table[row]["width"] = image.texels.shape[:2]
             table[row]["repeat"] = image.repeat
-        self.table = MATERIAL.upload(gl, table)
+        self.table = MATERIAL.upload(device, table)
         self.texels = texels
         self.bytes = table.nbytes
 
@@ -116,9 +123,9 @@ def anchor_from_steps(
     return linear / geometry.scales[mesh, None, None], offsets
 
 
-def joined(parts: list[np.ndarray], shape: tuple[int, ...], dtype: str) -> np.ndarray:
-    """The parts one behind the other, or an empty array."""
-    return np.concatenate(parts, dtype=dtype, casting="unsafe") if parts else np.zeros(shape, dtype)
+def lines_for(lines: int) -> int:
+    """As many or more: never a power of two, for which Mesa's software driver would compile every shader once more."""
+    return max(3, lines | 1)
 
 
 def padded(texels: np.ndarray) -> np.ndarray:

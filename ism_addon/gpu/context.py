@@ -14,6 +14,9 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import moderngl
+import numpy as np
+
+from .array import Array, BufferTextures
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
@@ -46,10 +49,29 @@ class Device:
     #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
     #: interpreter's lock either: software drivers are done with all vertices before they return.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
+    buffer_textures: BufferTextures
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
+
+    def room(self, count: int, components: int, dtype: str) -> Array:
+        """For rows that shaders fetch by number. Raises ValueError if they are more than it can have."""
+        most = self.buffer_textures.most
+        if count > most:
+            raise ValueError(f"{count:,} rows are more than the {most:,} that this OpenGL can fetch from")
+        return Array(self.gl, self.buffer_textures, count, components, dtype)
+
+    def array(self, rows: np.ndarray) -> Array:
+        """The same with rows (count, components) in it."""
+        made = self.room(*rows.shape, rows.dtype.str[1:])
+        made.write(rows)
+        return made
+
+    def collect(self) -> None:
+        """Free what was let go of. In the thread that opened it."""
+        self.gl.gc()
+        self.buffer_textures.collect()
 
     def close(self) -> None:
         """Free the context and all that is in it. In the thread that opened it."""
@@ -71,11 +93,12 @@ def open_device() -> Device:
             f"OpenGL {FLOOR // 100}.{FLOOR // 10 % 10} could not be opened ({reason}): "
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
-    gl.gc_mode = "context_gc"  # what is let go of is freed by gl.gc(), in this thread
+    gl.gc_mode = "context_gc"  # what is let go of is freed by collect(), in this thread
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
-    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load))
+    arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
+    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load), arrays)
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:

@@ -6,19 +6,22 @@ uploaded in portions: what the processor holds of it at a time is small.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeVar
 
-import moderngl
 import numpy as np
 
 from ..scene import Mesh
+from .context import Device
 from .lattice import Lattice
-from .layout import PORTION, array_texture, octahedron_from_directions, portions, write_array
+from .layout import octahedron_from_directions
 from .memory import give_back
 from .mesh_tree import MeshTree, Runs
+
+#: Triangles that are made ready and uploaded at a time: little enough for a processor's cache.
+PORTION = 1 << 15
 
 #: Portions that are made ready while one is uploaded.
 AHEAD = 3
@@ -107,9 +110,9 @@ class Order:
 
 
 class Geometry:
-    """Meshes as textures that shaders read by triangle."""
+    """Meshes as arrays that shaders read by triangle."""
 
-    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
+    def __init__(self, device: Device, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
         """Without trees triangles lie as in their meshes. Raises ValueError if they are too many."""
         order = Order(meshes, trees)
         if order.count > MOST_TRIANGLES:
@@ -122,15 +125,15 @@ class Geometry:
         self.scales = np.array([lattice.scale for lattice in order.lattices])
         halves = [np.subtract(*mesh.box[::-1]) / 2.0 for mesh in meshes]
         self.half_sizes = np.array(halves).reshape(-1, 3) * self.scales[:, None] + 1.0  # steps are rounded
-        self.textures = {
-            "corners": array_texture(gl, 2 * order.count, 4, "u4"),
-            "normals": array_texture(gl, 3 * order.count, 2, "i2"),
+        self.arrays = {
+            "corners": device.room(2 * order.count, 4, "u4"),
+            "normals": device.room(3 * order.count, 2, "i2"),
         }
         self.bytes = (32 + 12) * order.count
         give_back()  # from reading and the trees: this is where most is in memory
         for first, (corners, normals) in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
-            write_array(self.textures["corners"], corners, 2 * first)
-            write_array(self.textures["normals"], normals, 3 * first)
+            self.arrays["corners"].write(corners, 2 * first)
+            self.arrays["normals"].write(normals, 3 * first)
         for runs in order.runs.values():
             runs.begin()
 
@@ -159,13 +162,13 @@ def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
 class Coordinates:
     """Texture coordinates by corner, zero where a mesh has none."""
 
-    def __init__(self, gl: moderngl.Context, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
+    def __init__(self, device: Device, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
         order = Order(meshes, trees)
-        self.texture = array_texture(gl, 3 * order.count, 2, "f4")
+        self.array = device.room(3 * order.count, 2, "f4")
         self.bytes = 24 * order.count
         made = order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False)
         for first, uvs in made:
-            write_array(self.texture, uvs, 3 * first)
+            self.array.write(uvs, 3 * first)
 
 
 def uvs_of(order: Order, pieces: list[Piece]) -> np.ndarray:
@@ -174,6 +177,23 @@ def uvs_of(order: Order, pieces: list[Piece]) -> np.ndarray:
     every = ((order.meshes[piece.mesh].uvs, piece) for piece in pieces)
     found = [uvs[piece.chosen] if len(uvs) else nothing[: len(order.triangles(piece))] for uvs, piece in every]
     return np.concatenate(found).reshape(-1, 2)
+
+
+def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
+    """Arrays of these lengths, one behind the other, in portions of `size`: the pieces of each, by array and slice."""
+    pieces, room = [], size
+    for index, length in enumerate(lengths):
+        first = 0
+        while first < length:
+            end = min(first + room, length)
+            pieces.append((index, slice(first, end)))
+            room -= end - first
+            first = end
+            if not room:
+                yield pieces
+                pieces, room = [], size
+    if pieces:
+        yield pieces
 
 
 def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarray:

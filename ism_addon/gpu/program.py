@@ -11,8 +11,9 @@ from pathlib import Path
 import moderngl
 
 from . import block
+from .array import Array
 from .context import Device
-from .layout import WIDTH, Record
+from .layout import Record
 
 FOLDER = Path(__file__).parent / "shaders"
 STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
@@ -44,7 +45,7 @@ def expand(path: Path, files: list[Path]) -> str:
 
 def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
     """What stands before every shader's own text."""
-    lines = ["#version 410 core", f"#define WIDTH {WIDTH}"]
+    lines = ["#version 410 core"]
     lines += [f"#define {name.upper()} {value}" for name, value in constants.items()]
     lines += [(FOLDER / "lib" / "fetch.glsl").read_text(), block.GLSL, *(record.glsl() for record in records), ""]
     return "\n".join(lines)
@@ -92,7 +93,10 @@ def bind(program: moderngl.Program, **values: object) -> None:
     for unit, (name, value) in enumerate(values.items()):
         if name not in program:
             continue
-        if isinstance(value, moderngl.Texture):
+        if isinstance(value, Array):
+            value.use(unit, program, name)
+        elif isinstance(value, moderngl.Texture):
             value.use(unit)
-            value = unit
-        program[name].value = value
+            program[name].value = unit
+        else:
+            program[name].value = value

@@ -113,7 +113,7 @@ class Renderer:
             yield self.run(kind, frame, profile)
         profile.counts["bytes_of_targets"] = self.targets.bytes
         self.last = frame, profile
-        self.device.gl.gc()
+        self.device.collect()
 
     def frame(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Frame:
         """What the passes are told about this sample. Raises ValueError if there is no such target to show."""
@@ -219,7 +219,7 @@ class Renderer:
         """Free the GPU's memory."""
         self.targets.release()
         self.tables.clear()
-        self.device.gl.gc()
+        self.device.collect()
 
 
 def setting(settings: Settings, path: str) -> object:

@@ -45,7 +45,7 @@ class Studio:
             self.edition = edition
             self.device.programs.clear()
             self.renderers.clear()
-            self.device.gl.gc()
+            self.device.collect()
 
     def step(self, client: Hashable, job: Job) -> None:
         """Draw one pass of a job; whatever goes wrong is the job's own error."""

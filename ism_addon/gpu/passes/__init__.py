@@ -128,11 +128,11 @@ class Frame:
         return {**textures, "memberships": self.tables["placement"].memberships}
 
     def shared(self, make: type, *parts: Any) -> Any:
-        """`make(gl, *parts)`: one object for all renderers that use it with the same parts at a time."""
+        """`make(device, *parts)`: one object for all renderers that use it with the same parts at a time."""
         key = make, *parts
         made = self.device.shared.get(key)
         if made is None:
-            made = self.device.shared[key] = make(self.device.gl, *parts)
+            made = self.device.shared[key] = make(self.device, *parts)
             self.counts["bytes_uploaded"] += made.bytes
         return made
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...scene import Change
 from ..block import clip_from_anchor
-from ..buffers import portions
+from ..buffers import WIDTH, portions
 from ..context import Device
 from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
@@ -76,7 +76,7 @@ class GBuffer(Pass):
         frame.device.gl.enable_only(moderngl.NOTHING)
         # Without images no shader is ready for them: many processors would walk through that too.
         images = len(frame.scene.images) > 0
-        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(images))
+        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(images), width=WIDTH)
         bind(
             surface,
             triangles_seen=frame.targets["triangles"],
@@ -85,8 +85,8 @@ class GBuffer(Pass):
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels.texture,
-            **frame.tables["geometry"].textures,
-            **({"uvs": frame.tables["coordinates"].texture} if images else {}),
+            **frame.tables["geometry"].arrays,
+            **({"uvs": frame.tables["coordinates"].array} if images else {}),
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
         self.draw_blocks(frame, target, surface)
@@ -111,7 +111,7 @@ class GBuffer(Pass):
             turn=tuple(turn.T.ravel()),
             shift=tuple(shift),
             logarithm=logarithm,
-            corners=geometry.textures["corners"],
+            corners=geometry.arrays["corners"],
         )
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
@@ -122,7 +122,7 @@ class GBuffer(Pass):
             frame.counts["triangles_drawn"] += count
             bind(self.triangles, first_instance=draw.first_instance)
             for name, (_, offset) in INSTANCE.dtype.fields.items():
-                place = self.triangles[name].location, "f", placement.rows_by_instance, "4f"
+                place = self.triangles[name].location, "f", placement.table.buffer, "4f"
                 mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
             self.device.draw(mesh, draw.first_triangle, draw.triangles, draw.instances)
             waiting += count

@@ -70,8 +70,8 @@ class LightPoints(Pass):
             counts |= points_per_light(wanting, frame.tables["deviations"], frame.settings.quality.light_points)
         of_lights, points, maps = point_tables(lights, counts, frame.sample, frame.anchor)
         frame.tables["points_per_light"] = counts
-        frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device.gl, of_lights)
-        frame.tables["light_points"] = LIGHT_POINT.upload(self.device.gl, points)
+        frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device, of_lights)
+        frame.tables["light_points"] = LIGHT_POINT.upload(self.device, points)
         frame.tables["maps"] = maps
         frame.counts["light_points"] = len(points)
         frame.counts["bytes_uploaded"] += of_lights.nbytes + points.nbytes

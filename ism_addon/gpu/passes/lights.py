@@ -33,5 +33,5 @@ class Lights(Pass):
 
     def draw(self, frame: Frame) -> None:
         table = light_table(frame.scene.lights, frame.anchor)
-        frame.tables["lights"] = LIGHT.upload(self.device.gl, table)
+        frame.tables["lights"] = LIGHT.upload(self.device, table)
         frame.counts["bytes_uploaded"] += table.nbytes

@@ -8,16 +8,15 @@ from functools import cached_property
 from typing import ClassVar
 from weakref import WeakKeyDictionary
 
-import moderngl
 import numpy as np
 
 from ...cores import side_by_side
 from ...scene import Change, Mesh
 from ..buffers import anchor_from_steps
 from ..context import Device
-from ..layout import CASTER, WIDTH, upload_joined
+from ..layout import CASTER
 from ..mesh_tree import PARTS, MeshTree, Runs, mesh_tree
-from ..tree import NODE, build, in_planes, packed, scale_of
+from ..tree import build, in_planes, packed, scale_of
 from . import Frame, Pass
 
 #: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
@@ -81,28 +80,22 @@ class MeshTrees(Pass):
         frame.tables["mesh_trees"] = MeshTable(meshes, tuple(self.kept[mesh] for mesh in meshes))
 
 
-class MeshTextures:
-    """The trees of all meshes one behind the other, and before them room for the tree over the instances."""
+class MeshArrays:
+    """The trees of all meshes one behind the other."""
 
-    def __init__(self, gl: moderngl.Context, trees: tuple[MeshTree, ...], leaves: int):
-        self.lines = -(-leaves // WIDTH)
-        room = np.zeros(self.lines * WIDTH // 2, NODE)
-        nodes = [room, *(tree.nodes for tree in trees)]
-        self.nodes = upload_joined(gl, [texels(each) for each in nodes], "u4")
-        self.first_nodes = np.cumsum([len(each) for each in nodes])[:-1]
-        self.starts = upload_joined(gl, [tree.starts[:, None] for tree in trees], "u4")
-        self.first_starts = np.cumsum([0] + [tree.leaves for tree in trees])[:-1]
-        self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees) + room.nbytes
-
-    def write_instances(self, nodes: np.ndarray) -> None:
-        """The tree over the instances: nodes (leaves // 2,) NODE."""
-        room = np.zeros(self.lines * WIDTH // 2, NODE)
-        room[: len(nodes)] = nodes
-        self.nodes.write(texels(room), viewport=(0, 0, WIDTH, self.lines))
+    def __init__(self, device: Device, trees: tuple[MeshTree, ...]):
+        self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
+        self.first_starts = np.cumsum([0] + [tree.leaves for tree in trees])
+        self.nodes = device.room(2 * int(self.first_nodes[-1]), 4, "u4")
+        self.starts = device.room(int(self.first_starts[-1]), 1, "u4")
+        for number, tree in enumerate(trees):
+            self.nodes.write(rows_of(tree.nodes), 2 * int(self.first_nodes[number]))
+            self.starts.write(tree.starts, int(self.first_starts[number]))
+        self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees)
 
 
-def texels(nodes: np.ndarray) -> np.ndarray:
-    """(2 N,4) uint32: rows of NODE as a texture holds them."""
+def rows_of(nodes: np.ndarray) -> np.ndarray:
+    """(2 N,4) uint32: NODEs as an array holds them, two rows each."""
     return nodes.view(np.uint32).reshape(-1, 4)
 
 
@@ -116,7 +109,7 @@ class InstanceTree(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.meshes: MeshTable | None = None
-        self.textures: MeshTextures | None = None
+        self.arrays: MeshArrays | None = None
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -131,27 +124,27 @@ class InstanceTree(Pass):
         middle = (low.min(0) + high.max(0)) / 2.0
         scale = scale_of(np.maximum(high - middle, middle - low).max(0))
         tree = build(in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)])), 1)
-        if self.textures is None or self.meshes is not meshes or tree.leaves > self.textures.lines * WIDTH:
-            self.meshes, self.textures = meshes, MeshTextures(self.device.gl, meshes.trees, tree.leaves)
-            frame.counts["bytes_uploaded"] += self.textures.bytes
-        nodes = packed(tree.nodes)
-        self.textures.write_instances(nodes)
+        if self.arrays is None or self.meshes is not meshes:
+            self.meshes, self.arrays = meshes, MeshArrays(self.device, meshes.trees)
+            frame.counts["bytes_uploaded"] += self.arrays.bytes
+        nodes = rows_of(packed(tree.nodes))
         table = np.zeros(len(chosen), CASTER.dtype)
         rows = inverse_of(linear, offsets)
         for k in range(3):
             table[f"row{k}"] = rows[:, k]
-        table["first_node"] = self.textures.first_nodes[mesh]
-        table["first_start"] = self.textures.first_starts[mesh]
+        table["first_node"] = self.arrays.first_nodes[mesh]
+        table["first_start"] = self.arrays.first_starts[mesh]
         table["leaves"] = meshes.leaves[mesh]
         table["per_leaf"] = meshes.per_leaf[mesh]
         table["first_triangle"] = geometry.first_triangle[mesh]
         table["instance"] = frame.tables["placement"].rows[chosen]
         table["groups"] = instances.groups[chosen]
         frame.tables["casters"] = {
-            "tree_nodes": self.textures.nodes,
-            "tree_starts": self.textures.starts,
-            "corners": geometry.textures["corners"],
-            "casters": CASTER.upload(self.device.gl, table[np.minimum(tree.order, len(table) - 1)]),
+            "tree_nodes": self.arrays.nodes,
+            "tree_starts": self.arrays.starts,
+            "corners": geometry.arrays["corners"],
+            "caster_nodes": self.device.array(nodes),
+            "casters": CASTER.upload(self.device, table[np.minimum(tree.order, len(table) - 1)]),
             "caster_leaves": tree.leaves,
             "casters_middle": tuple(middle),
             "casters_scale": tuple(scale),

@@ -47,7 +47,7 @@ class Place(Pass):
     depends_on = (Change.INSTANCES,)
 
     def draw(self, frame: Frame) -> None:
-        placement = Placement(self.device.gl, frame.tables["geometry"], frame.scene.instances, frame.anchor)
+        placement = Placement(self.device, frame.tables["geometry"], frame.scene.instances, frame.anchor)
         frame.tables["placement"] = placement
         frame.counts["bytes_uploaded"] += placement.bytes
 

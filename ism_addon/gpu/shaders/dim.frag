@@ -2,7 +2,7 @@
 #include "lib/luminance.glsl"
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
-uniform sampler2D lights;
+uniform samplerBuffer lights;
 uniform vec2 light_steps;
 uniform vec2 ray_steps;
 uniform float enough; // change of luminance that is worth a ray

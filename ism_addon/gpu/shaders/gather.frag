@@ -6,10 +6,10 @@
 uniform sampler2D position;
 uniform sampler2D normals;
 uniform usampler2D triangles;
-uniform sampler2D memberships;
-uniform sampler2D lights;
-uniform sampler2D points_of_lights;
-uniform sampler2D light_points;
+uniform samplerBuffer memberships;
+uniform samplerBuffer lights;
+uniform samplerBuffer points_of_lights;
+uniform samplerBuffer light_points;
 uniform sampler2D maps;
 uniform int light_count; // of those that count
 uniform ivec2 batch; // first light point, number of light points

@@ -1,5 +1,4 @@
 // From a triangle's number to all that the other passes ask about a pixel.
-#include "lib/array.glsl"
 #include "lib/corners.glsl"
 #include "lib/octahedron.glsl"
 #include "lib/packed_normal.glsl"
@@ -7,9 +6,9 @@
 #include "lib/rise.glsl"
 #if IMAGES
 #include "lib/image.glsl"
-uniform sampler2D uvs;
+uniform samplerBuffer uvs;
 
-vec2 uv_at(int corner) { return fetch(uvs, element(corner)).xy; }
+vec2 uv_at(int corner) { return texelFetch(uvs, corner).xy; }
 #endif
 
 uniform usampler2D triangles_seen;
@@ -17,9 +16,9 @@ uniform mat2 fine_from_pixel;
 uniform vec2 first; // fine pixel of the first pixel
 flat in vec4 place;
 flat in float own_number;
-uniform sampler2D instances;
-uniform sampler2D material_table;
-uniform isampler2D normals;
+uniform samplerBuffer instances;
+uniform samplerBuffer material_table;
+uniform isamplerBuffer normals;
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
 layout(location = 2) out vec4 normal;
@@ -49,7 +48,7 @@ void main() {
     mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
     vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
 
-    Corners corner = corners_of(triangle, texel_size(corners));
+    Corners corner = corners_of(triangle);
     vec3 a = linear * corner.first + offset, u = linear * corner.u, v = linear * corner.v;
     vec3 facet = cross(u, v);
 
@@ -66,7 +65,7 @@ void main() {
     vec3 smooth_normal = vec3(0.0);
     vec3 corner_normals[3];
     for (int k = 0; k < 3; ++k) {
-        vec2 octahedra = vec2(fetch(normals, element(3 * triangle + k)).xy) / 32767.0;
+        vec2 octahedra = vec2(texelFetch(normals, 3 * triangle + k).xy) / 32767.0;
         corner_normals[k] = direction_from_octahedron(octahedra);
         smooth_normal += b[k] * corner_normals[k];
     }

@@ -12,7 +12,7 @@ flat out uvec2 numbers; // of the triangle and the instance
 void main() {
     int triangle = gl_VertexID / 3, corner = gl_VertexID - 3 * triangle;
     numbers = uvec2(triangle + 1, first_instance + gl_InstanceID);
-    Corners corners_here = corners_of(triangle, texel_size(corners));
+    Corners corners_here = corners_of(triangle);
     vec4 p = vec4(corners_here.first + (corner == 0 ? vec3(0.0) : corner == 1 ? corners_here.u : corners_here.v), 1.0);
     gl_Position = clip_from_anchor * vec4(dot(row0, p), dot(row1, p), dot(row2, p), 1.0);
     gl_Position.xy = turn * gl_Position.xy + shift * gl_Position.w;

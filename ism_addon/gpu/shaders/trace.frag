@@ -3,7 +3,7 @@
 #include "lib/luminance.glsl"
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
-uniform sampler2D lights;
+uniform samplerBuffer lights;
 uniform int light_index;
 uniform sampler2D prediction;
 uniform sampler2D foreseen; // positions and normals of what was predicted

@@ -38,7 +38,7 @@ def measure(picture: Picture) -> dict:
     empty = memory.resident()
     device = open_device()
     drawn(device, depsgraph, small)
-    device.gl.gc()
+    device.collect()
     opengl = memory.resident() - empty
     depsgraph = opened(picture)
     before = memory.resident()

@@ -2,11 +2,9 @@
 // all the rest. No texture of ours has levels, and none is filtered. Loops take the texel's size from outside.
 vec2 texel_size(sampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
 vec2 texel_size(usampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
-vec2 texel_size(isampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
 
 vec4 fetch(sampler2D from, ivec2 at, vec2 texel) { return textureLod(from, (vec2(at) + 0.5) * texel, 0.0); }
 uvec4 fetch(usampler2D from, ivec2 at, vec2 texel) { return textureLod(from, (vec2(at) + 0.5) * texel, 0.0); }
 
 vec4 fetch(sampler2D from, ivec2 at) { return fetch(from, at, texel_size(from)); }
 uvec4 fetch(usampler2D from, ivec2 at) { return fetch(from, at, texel_size(from)); }
-ivec4 fetch(isampler2D from, ivec2 at) { return textureLod(from, (vec2(at) + 0.5) * texel_size(from), 0.0); }

@@ -1,10 +1,10 @@
 // Filtered look-up in an image whose texels, and those of its halved copies, lie one behind the other.
-#include "lib/array.glsl"
-uniform sampler2D texels;
+uniform sampler2D texels; // WIDTH to a line
 
 vec3 texel(Material image, int first, ivec2 size, ivec2 at) {
     at = image.repeat != 0 ? at - size * ivec2(floor(vec2(at) / vec2(size))) : clamp(at, ivec2(0), size - 1);
-    return fetch(texels, element(first + at.y * size.x + at.x) + ivec2(0, image.first_line)).rgb;
+    int number = first + at.y * size.x + at.x;
+    return fetch(texels, ivec2(number % WIDTH, image.first_line + number / WIDTH)).rgb;
 }
 
 vec3 bilinear(Material image, int level, vec2 uv) {

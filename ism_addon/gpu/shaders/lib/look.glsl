@@ -1,7 +1,7 @@
 // One ray to a light from one of the pixels that a coarser pixel stands for.
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
-uniform sampler2D lights;
+uniform samplerBuffer lights;
 uniform vec2 place;   // on the light
 uniform ivec2 offset; // of the pixel
 

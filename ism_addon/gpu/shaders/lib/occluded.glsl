@@ -5,9 +5,10 @@
 // that walk through both sides of every "if".
 #include "lib/corners.glsl"
 #include "lib/linked.glsl"
-uniform usampler2D tree_nodes;
-uniform usampler2D tree_starts;
-uniform sampler2D casters;
+uniform usamplerBuffer tree_nodes;
+uniform usamplerBuffer tree_starts;
+uniform usamplerBuffer caster_nodes;
+uniform samplerBuffer casters;
 uniform int caster_leaves;
 uniform vec3 casters_middle;
 uniform vec3 casters_scale;
@@ -29,9 +30,9 @@ vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-
 vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
 // On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
-Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 texel) {
-    vec2 at = place_of(2 * (first_node + here.node), texel);
-    uvec4 one = textureLod(tree_nodes, at, 0.0), other = textureLod(tree_nodes, at + vec2(texel.x, 0.0), 0.0);
+Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec3 inverse_ray) {
+    int at = 2 * (first_node + here.node);
+    uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
     vec3 first = (begin - origin) * inverse_ray, step = unit * inverse_ray;
@@ -48,8 +49,8 @@ Place descend(int first_node, Place here, vec3 origin, vec3 inverse_ray, vec2 te
     return all > 0u ? Place(4 * here.node + findLSB(all), trail) : next_place(here);
 }
 
-bool crosses(int triangle, vec3 origin, vec3 ray, vec2 texel) {
-    Corners corners = corners_of(triangle, texel);
+bool crosses(int triangle, vec3 origin, vec3 ray) {
+    Corners corners = corners_of(triangle);
     vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Möller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
     float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
@@ -60,13 +61,11 @@ bool crosses(int triangle, vec3 origin, vec3 ray, vec2 texel) {
 bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
     vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
     vec3 whole_origin = (from - casters_middle) * casters_scale;
-    vec2 node_texel = texel_size(tree_nodes), start_texel = texel_size(tree_starts);
-    vec2 corner_texel = texel_size(corners); // out of the loops
     Place outside = Place(1, uvec2(0u));
     bool hit = false;
     while (outside.node > 0) {
         while (outside.node > 0 && outside.node < caster_leaves)
-            outside = descend(0, outside, whole_origin, whole_inverse, node_texel);
+            outside = descend(caster_nodes, 0, outside, whole_origin, whole_inverse);
         if (outside.node == 0) break;
         Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
@@ -75,11 +74,11 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
         Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
         while (here.node > 0) {
             while (here.node > 0 && here.node < caster.leaves)
-                here = descend(caster.first_node, here, origin, inverse_ray, node_texel);
+                here = descend(tree_nodes, caster.first_node, here, origin, inverse_ray);
             int start = caster.first_start + here.node - caster.leaves;
-            int first = caster.first_triangle + int(textureLod(tree_starts, place_of(start, start_texel), 0.0).x);
+            int first = caster.first_triangle + int(texelFetch(tree_starts, start).x);
             int last = here.node > 0 ? first + caster.per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || (crosses(k, origin, ray, corner_texel) && k != own);
+            for (int k = first; k < last; ++k) hit = hit || (crosses(k, origin, ray) && k != own);
             here = hit ? Place(0, uvec2(0u)) : next_place(here);
         }
         outside = hit ? Place(0, uvec2(0u)) : next_place(outside);

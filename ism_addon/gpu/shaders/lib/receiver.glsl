@@ -6,7 +6,7 @@ uniform sampler2D normals;
 uniform sampler2D albedo; // in alpha, how far the curved surface stands out
 uniform usampler2D triangles;
 
-uniform sampler2D memberships; // by instance
+uniform samplerBuffer memberships; // by instance
 
 struct Receiver { vec3 position; vec3 normal; vec3 facet; vec3 albedo; float rise; int triangle; int instance; bool seen; };
 

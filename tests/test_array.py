@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays on the GPU: what is written anywhere is fetched by number; what nobody has any more is freed."""
+
+import ctypes
+from threading import Thread
+
+import moderngl
+import numpy as np
+import pytest
+
+from ism_addon.gpu.array import FORMATS
+from ism_addon.gpu.program import bind
+
+SAMPLERS = {"f": "samplerBuffer", "u": "usamplerBuffer", "i": "isamplerBuffer"}
+
+
+def fetched(device, array, dtype: str, count: int) -> np.ndarray:
+    """(count,4) as a shader finds it, in another unit than it was made in."""
+    program = device.gl.program(
+        vertex_shader=f"#version 410 core\nuniform {SAMPLERS[dtype[0]]} table;\nout vec4 told;\n"
+        "void main() { told = vec4(texelFetch(table, gl_VertexID)); }",
+        varyings=["told"],
+    )
+    bind(program, nothing=0.0, table=array)
+    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
+    buffer = device.gl.buffer(reserve=16 * count)
+    device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)
+    return np.frombuffer(buffer.read(), "f4").reshape(count, 4)
+
+
+@pytest.mark.parametrize("dtype, components", FORMATS)
+@pytest.mark.parametrize("count", [1, 2, 1000])
+def test_rows_arrive(device, dtype, components, count):
+    rows = np.random.default_rng(count).integers(0, 1 << 15, (count, components)).astype(dtype)
+    assert np.array_equal(fetched(device, device.array(rows), dtype, count)[:, :components], rows)
+
+
+def test_rows_are_written_anywhere(device):
+    rows = np.arange(4 * 50, dtype=np.float32).reshape(50, 4)
+    array = device.room(50, 4, "f4")
+    for part in (slice(17, 50), slice(0, 3), slice(3, 17), slice(5, 5)):
+        array.write(rows[part], part.start)
+    assert np.array_equal(fetched(device, array, "f4", 50), rows)
+
+
+@pytest.mark.parametrize("row", [4, 16])
+def test_no_array_is_a_power_of_two_of_bytes(device, row):
+    """Else scenes of other sizes are other shaders to Mesa's software driver."""
+    for count in (*range(20), 255, 256, 257, 4096):
+        size = device.room(count, row // 4, "f4").bytes
+        assert row * count <= size <= row * max(count + 1, 3)
+        assert size & (size - 1)
+
+
+def test_more_rows_than_can_be_fetched_are_refused_with_a_sentence(device):
+    most = device.buffer_textures.most
+    with pytest.raises(ValueError, match=f"{most + 1:,} rows are more than the {most:,} that this OpenGL can fetch"):
+        device.room(most + 1, 1, "f4")
+
+
+def test_what_is_let_go_of_in_another_thread_is_freed_in_this_one(device):
+    is_texture = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(device.gl.mglo._context.load("glIsTexture"))
+    kept = [device.room(10, 4, "f4")]
+    number = kept[0]._texture
+    thread = Thread(target=kept.clear)
+    thread.start()
+    thread.join()
+    assert is_texture(number)
+    device.collect()
+    assert not is_texture(number)
