@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shadow rays through the trees, and against every triangle in float64."""
 
+from dataclasses import replace
+
 import moderngl
 import numpy as np
 
 from ism_addon.gpu.layout import CASTER
 from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
 from ism_addon.gpu.passes.upload import Meshes, Place
+from ism_addon.gpu.passes.wanted import Wanted
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.program import FOLDER, bind, expand, head
 from ism_addon.gpu.renderer import Renderer
@@ -30,8 +33,8 @@ void main() {
 def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
-    frame = renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
-    for kind in (MeshTrees, Meshes, Place, InstanceTree):
+    frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, skip=False), 0, Profile())
+    for kind in (Wanted, MeshTrees, Meshes, Place, InstanceTree):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])

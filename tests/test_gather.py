@@ -15,6 +15,7 @@ from ism_addon.gpu.passes.lights import Lights
 from ism_addon.gpu.passes.pull_push import PullPush
 from ism_addon.gpu.passes.splat import Splat
 from ism_addon.gpu.passes.upload import Meshes, Place
+from ism_addon.gpu.passes.wanted import Wanted
 from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
@@ -31,7 +32,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     size = (len(points), 1)
     renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
     frame.tables["reaching"] = tuple(range(len(lights.shape)))
-    for kind in (Meshes, Place, Lights, LightPoints):
+    for kind in (Wanted, Meshes, Place, Lights, LightPoints):
         renderer.run(kind, frame, Profile())
     frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import PORTION, Geometry, Order, portions
+from ism_addon.gpu.geometry import PORTION, Geometry, portions
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.scene import Image
@@ -18,7 +18,7 @@ from .studio import draw, from_above, light, quad, rubble, stage
 
 def uploaded(made: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the arrays."""
-    count = made.first_triangle[-1]
+    count = made.count
     words = np.frombuffer(made.arrays["corners"].buffer.read(), np.uint32)[: 8 * count].reshape(-1, 8)
     last = ((words[:, :4] & 127).astype(np.int64) << np.array([0, 7, 14, 21])).sum(1)
     last = (last ^ 1 << 27) - (1 << 27)
@@ -27,18 +27,21 @@ def uploaded(made: Geometry) -> tuple[np.ndarray, np.ndarray]:
     return corners, directions_from_octahedron(points / 32767.0)
 
 
+@pytest.mark.parametrize("wanted", [[(0, 1, 2, 3)], [(2,), (), (1, 2), (0, 1, 3)]], ids=["at once", "by and by"])
 @pytest.mark.parametrize("sorted_by_trees", [False, True])
-def test_every_triangle_is_where_its_number_says(device, sorted_by_trees):
+def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted):
     """Several meshes to a portion, and a mesh over several; normals of vertices, and of corners."""
     ball = sphere((0.3, 0.0, 1.0), 0.5, 16, 8)
     smooth = np.zeros_like(ball.positions)
     smooth[ball.triangles] = ball.normals
     meshes = (rubble(5), rubble(PORTION + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
-    trees = tuple(map(mesh_tree, meshes)) if sorted_by_trees else ()
-    made = Geometry(device, meshes, trees)
+    trees = dict(enumerate(map(mesh_tree, meshes))) if sorted_by_trees else {}
+    made = Geometry(device, meshes, sorted_by_trees)
+    for some in wanted:
+        made.add(some, trees)
     corners, normals = uploaded(made)
     for k, mesh in enumerate(meshes):
-        own = slice(*made.first_triangle[k : k + 2])
+        own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
         order = trees[k].order if trees else np.arange(len(mesh.triangles))
         positions = corners[own] / made.scales[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles[order]]).max() < 1e-6
@@ -64,5 +67,5 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
 def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
     monkeypatch.setattr(geometry, "MOST_TRIANGLES", 100)
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
-        Geometry(device, (rubble(60), rubble(41)), ())
-    assert Order((rubble(60), rubble(40)), ()).count == 100
+        Geometry(device, (rubble(60), rubble(41)), in_trees=False)
+    assert Geometry(device, (rubble(60), rubble(40)), in_trees=False).add((0, 1), {}) == 44 * 100

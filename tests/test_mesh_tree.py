@@ -61,7 +61,7 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
 def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
     """It need not be asked for: it is made beside the pass that draws them."""
     runs = mesh_tree(sheet := bumps(MANY))
-    Geometry(device, (sheet,), (runs,))
+    Geometry(device, (sheet,), in_trees=True).add((0,), {0: runs})
     assert runs.boxes is None
     assert runs.making.result(timeout=60.0) is runs.tree
 

@@ -24,6 +24,7 @@ RAYS = TREES | LIGHT
 SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
 ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS
 OCCLUSION = {"SSAO", "Blur"}
+WANTED = {"Wanted"}
 AFTER = {"Shade", "Accumulate", "Resolve", "Halves"}
 
 
@@ -112,7 +113,12 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
         ("shadow", {"fill_threshold": 0.1}, set(), {"PullPush", "Gather"} | AFTER),
         ("shadow", {"fill_holes": False}, set(), {"Gather"} | AFTER),
         ("shadow", {"splat_size": 2.0}, set(), {"Subsets"} | SHADOWS | AFTER),
-        ("shadow", {"enabled": False}, {"Reach", "Trace"} | AFTER, {"LightPoints", "Gather"} | AFTER),
+        (
+            "shadow",
+            {"enabled": False},
+            {"Wanted", "Reach", "Trace"} | AFTER,
+            {"Wanted", "LightPoints", "Gather"} | AFTER,
+        ),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
         ("quality", {"surface_points": 1000}, set(), ALL_MAPS | AFTER),
         ("quality", {"light_points": 5}, set(), {"LightPoints"} | SHADOWS | AFTER),

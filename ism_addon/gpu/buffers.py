@@ -60,10 +60,11 @@ class Placement:
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
         kinds, first, count = np.unique(mesh, return_index=True, return_counts=True)
-        spans = np.diff(geometry.first_triangle)
+        #: Of the meshes that are there.
         self.meshes = [
-            Draw(int(geometry.first_triangle[k]), int(spans[k]), int(f), int(c))
+            Draw(int(geometry.first_triangle[k]), len(geometry.meshes[k].triangles), int(f), int(c))
             for k, f, c in zip(kinds, first, count, strict=True)
+            if k in geometry.trees
         ]
         self.half_sizes = geometry.half_sizes[mesh]
 

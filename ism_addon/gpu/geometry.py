@@ -6,7 +6,7 @@ uploaded in portions: what the processor holds of it at a time is small.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeVar
@@ -50,12 +50,12 @@ class Piece:
 
 
 class Order:
-    """The triangles of all meshes one behind the other, those of a mesh as its tree wants them if there are trees."""
+    """The triangles of some meshes one behind the other, those of a mesh as its tree wants them if there are trees."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
+    def __init__(self, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]):
         self.meshes = meshes
-        self.lattices = [tree.lattice for tree in trees] if trees else [Lattice.of(mesh) for mesh in meshes]
-        self.orders = [tree.order for tree in trees] if trees else [None] * len(meshes)
+        self.lattices = [Lattice.of(mesh) for mesh in meshes]
+        self.orders = [tree.order if tree else None for tree in trees]
         self.runs = {number: tree for number, tree in enumerate(trees) if isinstance(tree, Runs)}
         self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
 
@@ -110,32 +110,48 @@ class Order:
 
 
 class Geometry:
-    """Meshes as arrays that shaders read by triangle."""
+    """Meshes as arrays that shaders read by triangle: room for all, and those that have been wanted so far."""
 
-    def __init__(self, device: Device, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
-        """Without trees triangles lie as in their meshes. Raises ValueError if they are too many."""
-        order = Order(meshes, trees)
-        if order.count > MOST_TRIANGLES:
+    def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
+        """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
+        count = sum(len(mesh.triangles) for mesh in meshes)
+        if count > MOST_TRIANGLES:
             raise ValueError(
-                f"the meshes have {order.count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "
+                f"the meshes have {count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "
                 "(instances of a mesh count once)"
             )
-        self.first_triangle = order.first_triangle
-        self.centres = np.array([lattice.centre for lattice in order.lattices]).reshape(-1, 3)
-        self.scales = np.array([lattice.scale for lattice in order.lattices])
+        self.meshes, self.in_trees = meshes, in_trees
+        #: Of those that are there, in the order in which they came: their numbers, and their trees.
+        self.trees: dict[int, MeshTree | Runs | None] = {}
+        #: Of each mesh; -1 before it is there.
+        self.first_triangle = np.full(len(meshes), -1)
+        self.count = self.bytes = 0
+        lattices = [Lattice.of(mesh) for mesh in meshes]
+        self.centres = np.array([lattice.centre for lattice in lattices]).reshape(-1, 3)
+        self.scales = np.array([lattice.scale for lattice in lattices])
         halves = [np.subtract(*mesh.box[::-1]) / 2.0 for mesh in meshes]
         self.half_sizes = np.array(halves).reshape(-1, 3) * self.scales[:, None] + 1.0  # steps are rounded
-        self.arrays = {
-            "corners": device.room(2 * order.count, 4, "u4"),
-            "normals": device.room(3 * order.count, 2, "i2"),
-        }
-        self.bytes = (32 + 12) * order.count
+        self.arrays = {"corners": device.room(2 * count, 4, "u4"), "normals": device.room(3 * count, 2, "i2")}
+
+    def add(self, wanted: Iterable[int], trees: Mapping[int, MeshTree | Runs]) -> int:
+        """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
+        new = [number for number in wanted if number not in self.trees]
+        self.trees |= {number: trees[number] if self.in_trees else None for number in new}
+        order = self.order(new)
+        self.first_triangle[new] = self.count + order.first_triangle[:-1]
         give_back()  # from reading and the trees: this is where most is in memory
         for first, (corners, normals) in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
-            self.arrays["corners"].write(corners, 2 * first)
-            self.arrays["normals"].write(normals, 3 * first)
+            self.arrays["corners"].write(corners, 2 * (self.count + first))
+            self.arrays["normals"].write(normals, 3 * (self.count + first))
         for runs in order.runs.values():
             runs.begin()
+        self.count += order.count
+        self.bytes += (32 + 12) * order.count
+        return (32 + 12) * order.count
+
+    def order(self, numbers: Sequence[int]) -> Order:
+        """Where the triangles of some meshes that are there lie."""
+        return Order([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
 
 
 def arrays_of(order: Order, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
@@ -162,13 +178,19 @@ def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
 class Coordinates:
     """Texture coordinates by corner, zero where a mesh has none."""
 
-    def __init__(self, device: Device, meshes: tuple[Mesh, ...], trees: tuple[MeshTree | Runs, ...]):
-        order = Order(meshes, trees)
-        self.array = device.room(3 * order.count, 2, "f4")
-        self.bytes = 24 * order.count
-        made = order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False)
-        for first, uvs in made:
-            self.array.write(uvs, 3 * first)
+    def __init__(self, device: Device, geometry: Geometry):
+        self.geometry, self.meshes, self.count, self.bytes = geometry, 0, 0, 0
+        self.array = device.room(3 * sum(len(mesh.triangles) for mesh in geometry.meshes), 2, "f4")
+
+    def follow(self) -> int:
+        """Upload those of the meshes that have come: bytes."""
+        order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
+        for first, uvs in order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False):
+            self.array.write(uvs, 3 * (self.count + first))
+        self.meshes += len(order.meshes)
+        self.count += order.count
+        self.bytes += 24 * order.count
+        return 24 * order.count
 
 
 def uvs_of(order: Order, pieces: list[Piece]) -> np.ndarray:

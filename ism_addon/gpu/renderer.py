@@ -45,11 +45,12 @@ from .passes.surface_points import SurfacePoints
 from .passes.trace import Trace
 from .passes.trees import InstanceTree, MeshTrees
 from .passes.upload import Colours, Meshes, Place, Unwrap
+from .passes.wanted import Wanted
 from .profile import Profile
 from .targets import DEPTH, Targets
 
 #: The scene, in the order that suits shadow rays;
-SCENE = (MeshTrees, Meshes, Unwrap, Place, Colours)
+SCENE = (Wanted, MeshTrees, Meshes, Unwrap, Place, Colours)
 #: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights that reach it
 #: (the trees of large meshes are made while the camera looks);
 BEFORE = (*SCENE, Sift, GBuffer, Lights, InstanceTree, Reach)

@@ -59,17 +59,17 @@ EACH_SAMPLE = {
 SHARED = {
     Method.FITTED: {
         nothing_changed: set(),
-        view_turned: {"Scout"},
-        light_moved: {"Lights", "Scout"},
+        view_turned: {"Wanted", "Scout"},
+        light_moved: {"Wanted", "Lights", "Scout"},
         colour_changed: {"Colours"},
-        object_moved: {"Place", "InstanceTree", "Scout"},
+        object_moved: {"Wanted", "Place", "InstanceTree", "Scout"},
     },
     Method.CLASSIC: {
         nothing_changed: set(),
-        view_turned: set(),
-        light_moved: {"Lights", "Shares", "Subsets"},
+        view_turned: {"Wanted"},
+        light_moved: {"Wanted", "Lights", "Shares", "Subsets"},
         colour_changed: {"Colours"},
-        object_moved: {"Place", "SurfacePoints", "Shares", "Subsets"},
+        object_moved: {"Wanted", "Place", "SurfacePoints", "Shares", "Subsets"},
     },
 }
 

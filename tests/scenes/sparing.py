@@ -7,6 +7,8 @@ Each has the counts that must hold; tests assert them on small pictures, the ben
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from ism_addon.scene import Scene, View
 from ism_addon.settings import Method, Quality, Settings
 
@@ -21,12 +23,20 @@ from .changes import (
     Edit,
     tiny_radius,
 )
-from .rooms import IDLE, rooms
+from .rooms import IDLE, SEEN, SIZE, corner_of, rooms
+from .small import sphere
 from .small import view as looking
 
 Picture = tuple[Scene, View, Settings]
 SAMPLES = 16
 IDLE_LIGHTS = 195
+
+#: A room beyond the wall behind the camera.
+NEXT_DOOR = (SEEN[0] - 1, *SEEN[1:])
+
+#: What may be uploaded for each triangle, its part of a tree included; and for instances, lights and materials.
+BYTES_A_TRIANGLE = 64
+OTHER_BYTES = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -71,12 +81,32 @@ def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
         lacking, without = lack(scene, settings())
         if lack is not tiny_radius:  # in a room, a camera may be as close as it likes to what it sees
             yield Case(words(lack), (lacking, view, without), never=frozenset(OCCLUSION))
+    beside, triangles = with_ball_next_door(scene)
+    at_most = {"bytes_uploaded": BYTES_A_TRIANGLE * (triangles - len(beside.meshes[-1].triangles)) + OTHER_BYTES}
+    yield Case("a dense ball next door", (beside, view, settings()), at_most=at_most)
     for why in IDLE:
         lit, _ = rooms({why: IDLE_LIGHTS}, width, height)
         looked_for = {"hidden": 4 * pixels, "faint": pixels}.get(why, 0)
         used = 5 + (IDLE_LIGHTS // 10 if why == "faint" else 0)  # here and there in the dark they may count
         at_most = {"pixels_checked": looked_for, "lights_used": used}
         yield Case(f"{IDLE_LIGHTS} lights {why}", (lit, view, settings()), at_most=at_most)
+
+
+def with_ball_next_door(scene: Scene) -> tuple[Scene, int]:
+    """A ball of many triangles in the room behind the camera's, into which no light of ours shines; and all meshes'."""
+    ball, instances = sphere((0.0, 0.0, 0.0), 0.8, 300, 200), scene.instances
+    matrix = np.eye(4)
+    matrix[:3, 3] = corner_of(NEXT_DOOR) + SIZE / 2.0
+    added = replace(
+        instances,
+        mesh=np.append(instances.mesh, np.int32(len(scene.meshes))),
+        world_from_object=np.concatenate([instances.world_from_object, matrix[None]]),
+        visible=np.append(instances.visible, True),
+        casts_shadow=np.append(instances.casts_shadow, True),
+        groups=np.append(instances.groups, np.uint32(0)),
+    )
+    meshes = (*scene.meshes, ball)
+    return replace(scene, meshes=meshes, instances=added), sum(len(mesh.triangles) for mesh in meshes)
 
 
 def edited(edit: Edit, scene: Scene, view: View, method: Method) -> Case:

@@ -16,7 +16,7 @@ from ..buffers import anchor_from_steps
 from ..context import Device
 from ..layout import CASTER
 from ..mesh_tree import PARTS, MeshTree, Runs, mesh_tree
-from ..tree import build, in_planes, packed, scale_of
+from ..tree import NOTHING, build, in_planes, packed, scale_of
 from . import Frame, Pass
 
 #: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
@@ -30,37 +30,41 @@ PORTION = 1 << 9
 
 
 class MeshTable:
-    """The trees of all meshes, and what of them is asked for by instance, as arrays: when the meshes are uploaded."""
+    """The trees of the wanted meshes, and what of them is asked for by instance, as arrays: when they are uploaded."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], made: tuple[MeshTree | Runs, ...]):
+    def __init__(self, meshes: tuple[Mesh, ...], made: dict[int, MeshTree | Runs]):
         self.meshes, self.made = meshes, made
+        #: (M,): where in the arrays below a mesh of the scene is; -1 for those that are not.
+        self.rows = np.full(len(meshes), -1)
+        self.rows[list(made)] = np.arange(len(made))
 
     @cached_property
     def trees(self) -> tuple[MeshTree, ...]:
-        """One a mesh."""
-        return tuple(each.tree for each in self.made)
+        """One a wanted mesh."""
+        return tuple(each.tree for each in self.made.values())
 
     @cached_property
     def boxes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Middles and halves (3,M,PARTS) of the parts of each."""
+        """Middles and halves (3,W,PARTS) of the parts of each."""
         parts = np.array([tree.parts for tree in self.trees], np.float64).reshape(-1, PARTS, 2, 3)
         low, high = parts.transpose(2, 3, 0, 1)
         return (low + high) / 2.0, (high - low) / 2.0
 
     @cached_property
     def leaves(self) -> np.ndarray:
-        """(M,) int64."""
+        """(W,) int64."""
         return np.array([tree.leaves for tree in self.trees], np.int64)
 
     @cached_property
     def per_leaf(self) -> np.ndarray:
-        """(M,) int64: triangles."""
+        """(W,) int64: triangles."""
         return np.array([tree.per_leaf for tree in self.trees], np.int64)
 
 
 class MeshTrees(Pass):
-    """A tree for each mesh, or its runs; a mesh that did not change keeps its own."""
+    """A tree for each wanted mesh, or its runs; a mesh that did not change keeps its own."""
 
+    compares = ("wanted",)
     makes = ("mesh_trees",)
     depends_on = (Change.MESHES,)
 
@@ -74,14 +78,15 @@ class MeshTrees(Pass):
 
     def draw(self, frame: Frame) -> None:
         meshes = frame.scene.meshes
-        new = [mesh for mesh in meshes if mesh not in self.kept]
+        wanted = {number: meshes[number] for number in frame.tables["wanted"]}
+        new = [mesh for mesh in wanted.values() if mesh not in self.kept]
         made = side_by_side(mesh_tree, new, sum(len(mesh.triangles) for mesh in new))
         self.kept.update(zip(new, made, strict=True))
-        frame.tables["mesh_trees"] = MeshTable(meshes, tuple(self.kept[mesh] for mesh in meshes))
+        frame.tables["mesh_trees"] = MeshTable(meshes, {number: self.kept[mesh] for number, mesh in wanted.items()})
 
 
 class MeshArrays:
-    """The trees of all meshes one behind the other."""
+    """Trees of meshes one behind the other."""
 
     def __init__(self, device: Device, trees: tuple[MeshTree, ...]):
         self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
@@ -116,26 +121,25 @@ class InstanceTree(Pass):
 
     def draw(self, frame: Frame) -> None:
         meshes, instances = frame.tables["mesh_trees"], frame.scene.instances
-        chosen = np.flatnonzero(instances.casts_shadow)
+        chosen = np.flatnonzero(instances.casts_shadow & (meshes.rows[instances.mesh] >= 0))
         mesh = instances.mesh[chosen]
-        geometry = frame.tables["geometry"]
+        row, geometry = meshes.rows[mesh], frame.tables["geometry"]
         linear, offsets = anchor_from_steps(geometry, instances, chosen, frame.anchor)
-        low, high = boxes_around(linear, offsets, mesh, *meshes.boxes)
-        middle = (low.min(0) + high.max(0)) / 2.0
-        scale = scale_of(np.maximum(high - middle, middle - low).max(0))
-        tree = build(in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)])), 1)
+        low, high = boxes_around(linear, offsets, row, *meshes.boxes)
+        middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), NOTHING)
+        tree = build(boxes, 1)
         if self.arrays is None or self.meshes is not meshes:
             self.meshes, self.arrays = meshes, MeshArrays(self.device, meshes.trees)
             frame.counts["bytes_uploaded"] += self.arrays.bytes
         nodes = rows_of(packed(tree.nodes))
         table = np.zeros(len(chosen), CASTER.dtype)
-        rows = inverse_of(linear, offsets)
+        inverse = inverse_of(linear, offsets)
         for k in range(3):
-            table[f"row{k}"] = rows[:, k]
-        table["first_node"] = self.arrays.first_nodes[mesh]
-        table["first_start"] = self.arrays.first_starts[mesh]
-        table["leaves"] = meshes.leaves[mesh]
-        table["per_leaf"] = meshes.per_leaf[mesh]
+            table[f"row{k}"] = inverse[:, k]
+        table["first_node"] = self.arrays.first_nodes[row]
+        table["first_start"] = self.arrays.first_starts[row]
+        table["leaves"] = meshes.leaves[row]
+        table["per_leaf"] = meshes.per_leaf[row]
         table["first_triangle"] = geometry.first_triangle[mesh]
         table["instance"] = frame.tables["placement"].rows[chosen]
         table["groups"] = instances.groups[chosen]
@@ -144,12 +148,19 @@ class InstanceTree(Pass):
             "tree_starts": self.arrays.starts,
             "corners": geometry.arrays["corners"],
             "caster_nodes": self.device.array(nodes),
-            "casters": CASTER.upload(self.device, table[np.minimum(tree.order, len(table) - 1)]),
+            "casters": CASTER.upload(self.device, np.append(table, np.zeros(1, CASTER.dtype))[tree.order]),
             "caster_leaves": tree.leaves,
             "casters_middle": tuple(middle),
             "casters_scale": tuple(scale),
         }
         frame.counts["bytes_uploaded"] += table.nbytes + nodes.nbytes
+
+
+def on_grid(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The middle (3,) and the scale (3,) of the grid that just holds boxes (N,3), and them on it (2,3,N) in planes."""
+    middle = (low.min(0) + high.max(0)) / 2.0
+    scale = scale_of(np.maximum(high - middle, middle - low).max(0))
+    return middle, scale, in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)]))
 
 
 def boxes_around(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each only when it changed."""
+"""The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
 
 from ...scene import Change
 from ..buffers import Placement, Surfaces, Texels
@@ -8,35 +8,40 @@ from ..mesh_tree import MeshTree, Runs
 from . import Frame, Pass
 
 
-def trees_of(frame: Frame) -> tuple[MeshTree | Runs, ...]:
-    """Those of the scene's meshes, or none where rays have never asked for them."""
+def trees_of(frame: Frame) -> dict[int, MeshTree | Runs] | None:
+    """Those of the wanted meshes, or None where rays have never asked for them."""
     table = frame.tables.get("mesh_trees")
-    return table.made if table is not None and table.meshes == frame.scene.meshes else ()
+    return table.made if table is not None and table.meshes == frame.scene.meshes else None
 
 
 class Meshes(Pass):
-    """Vertices and triangles of all meshes."""
+    """Vertices and triangles of the wanted meshes."""
 
     reads = ("mesh_trees",)
+    compares = ("wanted",)
     makes = ("geometry",)
     depends_on = (Change.MESHES,)
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["geometry"] = frame.shared(Geometry, frame.scene.meshes, trees_of(frame))
+        trees = trees_of(frame)
+        geometry = frame.shared(Geometry, frame.scene.meshes, trees is not None)
+        frame.counts["bytes_uploaded"] += geometry.add(frame.tables["wanted"], trees or {})
+        frame.tables["geometry"] = geometry
 
 
 class Unwrap(Pass):
-    """Texture coordinates of all meshes."""
+    """Texture coordinates of the wanted meshes."""
 
-    reads = ("mesh_trees",)
+    reads = ("geometry",)
     makes = ("coordinates",)
-    depends_on = (Change.MESHES,)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.images) > 0
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["coordinates"] = frame.shared(Coordinates, frame.scene.meshes, trees_of(frame))
+        coordinates = frame.shared(Coordinates, frame.tables["geometry"])
+        frame.counts["bytes_uploaded"] += coordinates.follow()
+        frame.tables["coordinates"] = coordinates
 
 
 class Place(Pass):
