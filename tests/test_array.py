@@ -68,3 +68,16 @@ def test_what_is_let_go_of_in_another_thread_is_freed_in_this_one(device):
     assert is_texture(number)
     device.collect()
     assert not is_texture(number)
+
+
+def test_rows_that_come_by_and_by(device):
+    """In one array while there is room; then in a larger one, and the one before still has what it had."""
+    rows, growing, arrays = np.arange(4 * 100, dtype=np.float32).reshape(100, 4), device.growing(4, "f4"), []
+    for first, end in ((0, 40), (40, 41), (41, 60), (60, 60), (60, 100)):
+        growing.reserve(end - first)
+        growing.append(rows[first:end])
+        arrays.append(growing.array)
+        assert np.array_equal(fetched(device, growing.array, "f4", end), rows[:end])
+    assert arrays[1] is arrays[2] is arrays[3]
+    assert len(set(map(id, arrays))) == 3
+    assert np.array_equal(fetched(device, arrays[0], "f4", 40), rows[:40])

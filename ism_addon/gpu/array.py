@@ -73,7 +73,7 @@ class Array:
         row = np.dtype(dtype).itemsize * components
         # Never a power of two of bytes, for which Mesa's software driver would compile every shader once more.
         self.bytes = row * max(3, count | 1)
-        self.row = row
+        self.row, self.count = row, count
         self.buffer = gl.buffer(reserve=self.bytes)
         self._textures = textures
         self._texture = textures.create(self, self.buffer, FORMATS[dtype, components])
@@ -87,3 +87,26 @@ class Array:
         """Let a sampler of a program read it, by way of a texture unit."""
         self._textures.use(self._texture, unit)
         self._textures.tell(program, name, unit)
+
+
+class Growing:
+    """An array to whose end rows are written: a larger one takes its place when it is full."""
+
+    def __init__(self, gl: moderngl.Context, room: Callable[[int], Array]):
+        """`room` makes an array for so many rows."""
+        self._gl, self._room = gl, room
+        self.array, self.count = room(0), 0
+
+    def reserve(self, more: int) -> None:
+        """Make room for more rows: for just so many at first, then for some to come."""
+        needed = self.count + more
+        if needed > self.array.count:
+            larger = self._room(max(needed, self.count + self.count // 2))
+            if self.count:
+                self._gl.copy_buffer(larger.buffer, self.array.buffer, self.count * self.array.row)
+            self.array = larger
+
+    def append(self, rows: np.ndarray) -> None:
+        """Write rows that there is room for."""
+        self.array.write(rows, self.count)
+        self.count += len(rows)

@@ -16,7 +16,7 @@ from weakref import WeakValueDictionary
 import moderngl
 import numpy as np
 
-from .array import Array, BufferTextures
+from .array import Array, BufferTextures, Growing
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
@@ -67,6 +67,10 @@ class Device:
         made = self.room(*rows.shape, rows.dtype.str[1:])
         made.write(rows)
         return made
+
+    def growing(self, components: int, dtype: str) -> Growing:
+        """The same for rows that come by and by."""
+        return Growing(self.gl, lambda count: self.room(count, components, dtype))
 
     def collect(self) -> None:
         """Free what was let go of. In the thread that opened it."""

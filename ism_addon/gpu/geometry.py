@@ -14,6 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..scene import Mesh
+from .array import Array
 from .context import Device
 from .lattice import Lattice
 from .layout import octahedron_from_directions
@@ -82,17 +83,16 @@ class Order:
         octahedra = snorm(source.normals) if source.normals.ndim == 2 else None
         return Vertices(self.lattices[mesh].steps(source.positions), octahedra)
 
-    def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[tuple[int, Made]]:
-        """What `make` makes of each portion, by all cores: the number of its first triangle, and that."""
-        waiting: deque[tuple[int, Future[Made]]] = deque()
+    def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[Made]:
+        """What `make` makes of each portion, by all cores, in their order."""
+        waiting: deque[Future[Made]] = deque()
         with ThreadPoolExecutor() as cores:
-            for number, pieces in enumerate(self.portions(with_vertices)):
-                waiting.append((number * PORTION, cores.submit(make, pieces)))
+            for pieces in self.portions(with_vertices):
+                waiting.append(cores.submit(make, pieces))
                 if len(waiting) > AHEAD:
-                    first, ready = waiting.popleft()
-                    yield first, ready.result()
-            for first, ready in waiting:
-                yield first, ready.result()
+                    yield waiting.popleft().result()
+            for ready in waiting:
+                yield ready.result()
 
     def triangles(self, piece: Piece) -> np.ndarray:
         """(N,3) uint32 into the positions of its mesh."""
@@ -110,7 +110,7 @@ class Order:
 
 
 class Geometry:
-    """Meshes as arrays that shaders read by triangle: room for all, and those that have been wanted so far."""
+    """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
         """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
@@ -131,7 +131,12 @@ class Geometry:
         self.scales = np.array([lattice.scale for lattice in lattices])
         halves = [np.subtract(*mesh.box[::-1]) / 2.0 for mesh in meshes]
         self.half_sizes = np.array(halves).reshape(-1, 3) * self.scales[:, None] + 1.0  # steps are rounded
-        self.arrays = {"corners": device.room(2 * count, 4, "u4"), "normals": device.room(3 * count, 2, "i2")}
+        self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
+        return {"corners": self.corners.array, "normals": self.normals.array}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, MeshTree | Runs]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
@@ -140,9 +145,11 @@ class Geometry:
         order = self.order(new)
         self.first_triangle[new] = self.count + order.first_triangle[:-1]
         give_back()  # from reading and the trees: this is where most is in memory
-        for first, (corners, normals) in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
-            self.arrays["corners"].write(corners, 2 * (self.count + first))
-            self.arrays["normals"].write(normals, 3 * (self.count + first))
+        self.corners.reserve(2 * order.count)
+        self.normals.reserve(3 * order.count)
+        for corners, normals in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
+            self.corners.append(corners)
+            self.normals.append(normals)
         for runs in order.runs.values():
             runs.begin()
         self.count += order.count
@@ -179,16 +186,16 @@ class Coordinates:
     """Texture coordinates by corner, zero where a mesh has none."""
 
     def __init__(self, device: Device, geometry: Geometry):
-        self.geometry, self.meshes, self.count, self.bytes = geometry, 0, 0, 0
-        self.array = device.room(3 * sum(len(mesh.triangles) for mesh in geometry.meshes), 2, "f4")
+        self.geometry, self.meshes, self.bytes = geometry, 0, 0
+        self.uvs = device.growing(2, "f4")
 
     def follow(self) -> int:
         """Upload those of the meshes that have come: bytes."""
         order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
-        for first, uvs in order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False):
-            self.array.write(uvs, 3 * (self.count + first))
+        self.uvs.reserve(3 * order.count)
+        for uvs in order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False):
+            self.uvs.append(uvs)
         self.meshes += len(order.meshes)
-        self.count += order.count
         self.bytes += 24 * order.count
         return 24 * order.count
 

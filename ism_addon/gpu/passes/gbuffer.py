@@ -86,7 +86,7 @@ class GBuffer(Pass):
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels.texture,
             **frame.tables["geometry"].arrays,
-            **({"uvs": frame.tables["coordinates"].array} if images else {}),
+            **({"uvs": frame.tables["coordinates"].uvs.array} if images else {}),
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
         self.draw_blocks(frame, target, surface)
