@@ -16,6 +16,7 @@ from weakref import WeakValueDictionary
 import moderngl
 import numpy as np
 
+from . import depth
 from .array import Array, BufferTextures, Growing
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
@@ -50,6 +51,8 @@ class Device:
     #: interpreter's lock either: software drivers are done with all vertices before they return.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
     buffer_textures: BufferTextures
+    #: Whether depth is nearness, see depth.py.
+    by_nearness: bool
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
@@ -102,7 +105,7 @@ def open_device() -> Device:
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
-    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load), arrays)
+    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load), arrays, depth.prepare(gl))
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from .depth import float_depth
+
 #: What a depth buffer's Target has for a dtype.
 DEPTH = "depth"
 
@@ -26,7 +28,7 @@ class Target:
     def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
         """A texture of this kind, never filtered."""
         if self.dtype == DEPTH:
-            return gl.depth_texture(size)
+            return float_depth(gl, size)
         texture = gl.texture(size, self.components, dtype=self.dtype)
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         texture.repeat_x = texture.repeat_y = False

@@ -6,12 +6,12 @@ is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3, store depth, no
 """
 
 import moderngl
-import numpy as np
 
 from ...scene import Change
 from ..block import clip_from_anchor
 from ..buffers import WIDTH, portions
 from ..context import Device
+from ..depth import logarithm, nearness
 from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
@@ -20,22 +20,6 @@ from . import FAR_AWAY, Frame, Pass
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
 #: memory for all of them.
 PORTION = 1 << 15
-
-#: Far planes at which projections have none, in near planes' distances.
-ENDLESS = 2.0**40
-
-
-def logarithm_of_depth(clip_from_view: np.ndarray) -> tuple[float, float]:
-    """(x, y) so that (log2(w) - x) y is 0 at the near plane and 1 at the far one, w being clip space's.
-
-    (0, 0) for an orthographic view, whose depth is linear. Logarithms are as exact, in parts, near and far.
-    """
-    (a, b), p = clip_from_view[2, 2:], clip_from_view[3, 2]
-    if p == 0.0:
-        return 0.0, 0.0
-    near, over_far = p * b / -(a + p), (p - a) / (p * b)
-    nearest, farthest = np.log2(near), -np.log2(max(over_far, 1.0 / (ENDLESS * near)))
-    return float(nearest), float(1.0 / (farthest - nearest))
 
 
 class GBuffer(Pass):
@@ -58,7 +42,9 @@ class GBuffer(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.triangles = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag")
+        self.triangles = compile_program(
+            device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", by_nearness=int(device.by_nearness)
+        )
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
@@ -99,18 +85,18 @@ class GBuffer(Pass):
             frame.targets.reserve(name, self.writes[name], room)
         target = frame.targets.into("triangles", "z")
         target.viewport = 0, 0, *size
-        target.clear(depth=1.0, viewport=target.viewport)
+        target.clear(depth=0.0, viewport=target.viewport)
         geometry = frame.tables["geometry"]
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         mesh = gl.vertex_array(self.triangles, [])
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
-        logarithm = logarithm_of_depth(frame.view.clip_from_view)
+        depth = (nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view)
         bind(
             self.triangles,
             turn=tuple(turn.T.ravel()),
             shift=tuple(shift),
-            logarithm=logarithm,
+            depth=depth,
             corners=geometry.arrays["corners"],
         )
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)

@@ -4,6 +4,7 @@
 uniform int first_instance;
 uniform mat2 turn;
 uniform vec2 shift;
+uniform vec2 depth; // see depth.py
 in vec4 row0;
 in vec4 row1;
 in vec4 row2;
@@ -15,5 +16,8 @@ void main() {
     Corners corners_here = corners_of(triangle);
     vec4 p = vec4(corners_here.first + (corner == 0 ? vec3(0.0) : corner == 1 ? corners_here.u : corners_here.v), 1.0);
     gl_Position = clip_from_anchor * vec4(dot(row0, p), dot(row1, p), dot(row2, p), 1.0);
+#if BY_NEARNESS
+    gl_Position.z = depth.x > 0.0 ? depth.x + depth.y * gl_Position.w : 0.5 * (gl_Position.w - gl_Position.z);
+#endif
     gl_Position.xy = turn * gl_Position.xy + shift * gl_Position.w;
 }
