@@ -8,6 +8,7 @@ import numpy as np
 from ..scene import View
 from ..spaces import view_from_anchor
 from .block import rays
+from .depth import planes
 
 #: Slices of the depth.
 SLICES = 8
@@ -41,10 +42,10 @@ def depths(boxes: np.ndarray, clip_from_view: np.ndarray, from_anchor: np.ndarra
     middle, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
     depth, reach = -(from_anchor[2, :3] @ middle + from_anchor[2, 3]), np.abs(from_anchor[2, :3]) @ half
     nearest, farthest = (depth - reach).min(), (depth + reach).max()
-    (a, b), p = clip_from_view[2, 2:], clip_from_view[3, 2]
-    if p == 0.0:
+    near_and_far = planes(clip_from_view)
+    if near_and_far is None:
         return np.linspace(nearest, farthest, SLICES + 1)
-    nearest = max(nearest, p * b / -(a + p))  # the near plane
+    nearest = max(nearest, near_and_far[0])
     return np.geomspace(nearest, max(farthest, nearest), SLICES + 1)
 
 
