@@ -20,7 +20,7 @@ from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, FAR_AWAY, SCOUTED, Frame, Pass
+from . import BLOCK, FAR_AWAY, RENEWED, SCOUTED, Frame, Pass
 
 #: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
 #: for darker than this part of the picture's mean.
@@ -90,7 +90,7 @@ class Reach(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def draw(self, frame: Frame) -> None:
-        if frame.sample & (frame.sample - 1):  # as often as the number of samples has doubled: surfaces come to light
+        if frame.sample not in RENEWED:  # surfaces come to light
             return
         frame.tables["reach"] = self.reached(frame) if frame.settings.skip else everywhere(frame)
         frame.tables["reaching"] = tuple(sorted(frame.tables["reach"]))
@@ -105,7 +105,7 @@ class Reach(Pass):
             there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
             self.light = around(there).mean((2, 3))
         else:
-            spotted = frame.tables["spotted"] if frame.traces and frame.sample > 1 else {}  # Check begins with sample 1
+            spotted = frame.tables["spotted"] if frame.traces else {}
             for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
                 self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
             new = np.flatnonzero(~self.bounds.hold(seen))
