@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+HEAD = "| case | tried | may be | is |\n|---|---|---|---|"
+
+
+@dataclass
+class Row:
+    """Of a test: how far it may be off, and how far it is at worst over the cases tried."""
+
+    bound: float
+    worst: float = 0.0
+    tried: int = 0
+
+
+ROWS = pytest.StashKey[dict[str, Row]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[ROWS] = {}
+
+
+@pytest.fixture
+def within(request: pytest.FixtureRequest) -> Callable[[float, float], None]:
+    """within(is, may_be): asserts it, and notes it for the table."""
+    rows, name = request.config.stash[ROWS], title(request.node.name)
+
+    def within(measured: float, bound: float) -> None:
+        row = rows.setdefault(f"{name}, {bound:g}", Row(bound))
+        row.worst, row.tried = max(row.worst, float(measured)), row.tried + 1
+        assert measured <= bound, f"{name}: {measured:.3g}, may be {bound:.3g}"
+
+    return within
+
+
+def title(name: str) -> str:
+    """A test's name as a sentence, without its parameters."""
+    return name.removeprefix("test_").partition("[")[0].replace("_", " ")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """The table in Markdown."""
+    if rows := config.stash[ROWS]:
+        terminalreporter.section("how far off cases may be, and are at worst")
+        terminalreporter.write_line(HEAD)
+        for name, row in rows.items():
+            case = name.rpartition(", ")[0]
+            terminalreporter.write_line(f"| {case} | {row.tried} | {row.bound:g} | {row.worst:.2g} |")
