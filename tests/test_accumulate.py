@@ -55,17 +55,19 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, threshold
     view = replace(view, filter_width=1.5)
     settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
+    sums["sum_headroom"] = np.zeros((32, 48, 1))
     ones = np.ones((32, 48, 1))
     for sample in range(20):
         drawn = draw(device, scene, view, settings, last=sample)
         color, correction = drawn.target("color"), drawn.target("color_correction")
         bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
         amounts = (correction[..., :3] @ LUMINANCE)[..., None]
-        weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:] * (sample > 0)], 2)
+        weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:]], 2)
         sums["sum"] += spread(color, drawn, 1.5)
         sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, 1.5)
         sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, 1.5, power=2)
         sums["weights"] += spread(weights, drawn, 1.5)
+        sums["sum_headroom"] += spread(drawn.target("headroom"), drawn, 1.5)
     assert not drawn.part.all(), "no block was left out of the last sample"
     assert drawn.renderer.error.settled.any() == (threshold > 0.0)
     assert not drawn.renderer.error.settled.all()

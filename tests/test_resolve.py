@@ -15,12 +15,12 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def resolved(
-    device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count, doubt=1.0, sizes=None
+    device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count, doubt=1.0, sizes=None, headroom=None
 ) -> np.ndarray:
     """(H,W,3) of the mean prediction and correction of `count` samples (blocks or one), and their mean square (H,W).
 
-    `doubt`, (H,W,1) or one: the luminance that is in doubt. `sizes` (H,W): the mean luminance of corrections without
-    sign, if some have another one than their mean.
+    `doubt`, (H,W,1) or one: the luminance that is in doubt, and may be added unless `headroom` is less. `sizes` (H,W):
+    the mean luminance of corrections without sign, if some have another one than their mean.
     """
     drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=3))  # not resolved yet
     renderer = drawn.renderer
@@ -34,6 +34,8 @@ def resolved(
     sizes = np.abs(corrections @ LUMINANCE) if sizes is None else sizes
     weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
     renderer.targets["weights"].write(weights.astype(np.float32))
+    room = np.broadcast_to((doubt if headroom is None else headroom) * samples, (HEIGHT, WIDTH, 1))
+    renderer.targets["sum_headroom"].write(np.ascontiguousarray(room, np.float32))
     renderer.tables["counts"].write(np.ascontiguousarray(blocks))
     color = drawn.color  # resolved now, for the first time since two samples
     assert color[..., 3] == pytest.approx(1.0)
@@ -63,6 +65,13 @@ def test_no_correction_is_larger_than_the_light_in_doubt(device, sign):
     means, corrections = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5 * sign)
     found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5, doubt=0.2)
     assert found == pytest.approx(means + 0.2 * sign, abs=1e-5)
+
+
+def test_no_correction_adds_light_that_nothing_sends(device):
+    """Of what is in doubt, most had been predicted to arrive."""
+    means, corrections = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5)
+    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5, doubt=0.9, headroom=0.1)
+    assert found == pytest.approx(means + 0.1, abs=1e-5)
 
 
 def test_no_correction_takes_away_more_light_than_there_is(device):

@@ -31,7 +31,7 @@ def test_albedo_times_what_arrives(device, settings, arriving):
 
 
 def test_a_correction_is_sent_as_what_arrives_is(device):
-    """And in its alpha stands the luminance that is in doubt."""
+    """And in its alpha stands the luminance that is in doubt; another target has that by which it may rise."""
     settings = with_quality(SMALL_SETTINGS, samples=2)
     drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
@@ -44,8 +44,9 @@ def test_a_correction_is_sent_as_what_arrives_is(device):
     part = np.array([0.8, 0.4, 0.1]) / np.pi
     expected = np.where(seen[..., None], part * corrections[..., :3], 0.0)
     assert found[..., :3] == pytest.approx(expected, rel=2e-3)
-    doubt = np.where(seen, part @ [0.2126, 0.7152, 0.0722] * np.abs(corrections[..., 3]), 0.0)
+    doubt = np.where(seen, part @ [0.2126, 0.7152, 0.0722] * corrections[..., 3], 0.0)
     assert found[..., 3] == pytest.approx(doubt, rel=2e-3)
+    assert drawn.target("headroom")[..., 0] == pytest.approx(np.abs(doubt), rel=2e-3)
 
 
 def test_the_world_stands_behind(device):

@@ -25,10 +25,13 @@ def margin(reach: float) -> int:
 
 
 class Accumulate(Pass):
-    """The sums of all samples so far: what was predicted, what corrects it, and the weights."""
+    """The sums of all samples so far: what was predicted, what corrects it, how much brighter it may be, and weights."""
 
-    reads = ("blocks", "chances", "color", "color_correction", "shown")
-    writes = {"sum": Target(4, "f4"), "sum_correction": Target(4, "f4"), "weights": Target(4, "f4")}
+    reads = ("blocks", "chances", "color", "color_correction", "headroom", "shown")
+    writes = {
+        **{name: Target(4, "f4") for name in ("sum", "sum_correction", "weights")},
+        "sum_headroom": Target(1, "f4"),
+    }
     settings = ("show",)
     depends_on = (Change.SAMPLE,)
 
@@ -47,6 +50,7 @@ class Accumulate(Pass):
             program,
             color=frame.targets["color" if colored else "shown"],
             correction=frame.targets["color_correction"],
+            headroom=frame.targets["headroom"],
             chances=frame.tables["chances"],
             reach=reach,
         )

@@ -24,7 +24,7 @@ STRICTNESS = 20.0
 class Resolve(Pass):
     """The sums as one picture."""
 
-    reads = ("sum", "sum_correction", "weights", "counts")
+    reads = ("sum", "sum_correction", "weights", "sum_headroom", "counts")
     writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
@@ -45,6 +45,7 @@ class Resolve(Pass):
             sum=frame.targets["sum"],
             sum_correction=frame.targets["sum_correction"],
             weights=frame.targets["weights"],
+            sum_headroom=frame.targets["sum_headroom"],
             counts=frame.tables["counts"],
             near=frame.targets["near"],
             stand_out=frame.targets["stand_out"],

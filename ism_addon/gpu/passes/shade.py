@@ -21,7 +21,7 @@ class Shade(Pass):
         *("blocks", "position", "normal", "depth", "albedo"),
         *("irradiance", "predicted", "correction", "smooth_occlusion"),
     )
-    writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4")}
+    writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4"), "headroom": Target(1, "f4")}
     depends_on = (Change.WORLD, Change.VIEW)
 
     def draw(self, frame: Frame) -> None:
@@ -40,4 +40,4 @@ class Shade(Pass):
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        self.draw_blocks(frame, frame.targets.into("color", "color_correction"), pixels)
+        self.draw_blocks(frame, frame.targets.into(*self.writes), pixels)

@@ -2,14 +2,15 @@
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
+uniform sampler2D headroom; // see shade.frag
 uniform sampler2D chances; // of blocks to take part, and with their own pixels: 0 for those that are settled
 uniform float reach;        // px
 flat in vec2 own_block;
 flat in vec4 place;
-flat in float own_number;
 layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted luminances
 layout(location = 2) out vec4 weights;        // of squared luminances, samples, corrections without sign, luminances in doubt
+layout(location = 3) out float sum_headroom;
 
 // Blackman-Harris at x from its middle (Harris 1978). Without a margin the samples themselves are spread like it.
 float blackman_harris(float x) {
@@ -23,6 +24,7 @@ void main() {
     ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
     float share = fetch(chances, at / BLOCK).y / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
+    sum_headroom = 0.0;
     vec2 texel = texel_size(color), filters[2 * MARGIN + 1];
     for (int k = -MARGIN; k <= MARGIN; ++k)
         filters[k + MARGIN] = vec2(blackman_harris(float(k) + place.z), share * blackman_harris(float(k) + place.w));
@@ -36,7 +38,8 @@ void main() {
             float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
             sum += weight * sampled;
             sum_correction += vec4(weight * wrong.rgb, amount * amount);
-            weights += weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), own_number > 0.0 ? wrong.a : 0.0);
+            weights += weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), wrong.a);
+            sum_headroom += weight * fetch(headroom, from, texel).x;
         }
     }
 }

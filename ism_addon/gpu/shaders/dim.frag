@@ -16,10 +16,11 @@ void main() {
     if (!here.seen) return;
     Light light = fetch_Light(lights, int(own_light + 0.5));
     float full = receives(here, light) ? unshadowed_irradiance(light, here.position, here.normal) : 0.0, known = own_sure;
-    predicted = full * vec4(light.radiance * known, 0.0);
+    float bright = luminance(light.radiance); // all of it in doubt: of so few rays, none is proof
+    predicted = full * vec4(light.radiance * known, light.casts_shadow == 0 ? 0.0 : headroom(bright, known));
 #if RAYS
     if (light.casts_shadow == 0 || full <= 0.0) return;
-    predicted.a = full * luminance(light.radiance); // of so few rays, none is proof
+    correction.a = full * abs(bright);
     vec2 own = fract((own_light + 1.0) * light_steps);
     Turn turn = turn_of(at, own, chance_of(light.radiance, here.albedo, full, known, known < 1.0));
     if (!turn.now) return;

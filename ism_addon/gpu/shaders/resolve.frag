@@ -3,6 +3,7 @@
 uniform sampler2D sum;
 uniform sampler2D sum_correction;
 uniform sampler2D weights;
+uniform sampler2D sum_headroom;
 uniform sampler2D counts;
 uniform sampler2D near;      // see resolve_near.frag
 uniform sampler2D stand_out;
@@ -24,9 +25,10 @@ void main() {
     vec4 mean = fetch(near, at);
     vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
     vec3 change = believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
-    // No correction is larger than the light in doubt, and none takes away more light than there is.
-    float most = fetch(weights, at).w / mean.a;
-    change *= min(most / max(abs(luminance(change)), 1e-30), 1.0);
+    // No correction adds light beyond what would arrive if nothing hid it, takes more than is in doubt, or than there is.
+    float amount = luminance(change), all = fetch(weights, at).y;
+    float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(weights, at).w / mean.a;
+    change *= min(most / max(abs(amount), 1e-30), 1.0);
     if (taps > 0) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, 0.0));
 #endif
 }

@@ -10,6 +10,7 @@ uniform vec3 world;
 uniform float background;
 layout(location = 0) out vec4 color;
 layout(location = 1) out vec4 color_correction; // in alpha, the luminance that is in doubt
+layout(location = 2) out float headroom;        // and that by which the picture would rise without doubt
 
 // Of the world's light. Occlusion is at half resolution.
 float open_part(ivec2 at, Surface here) {
@@ -33,6 +34,7 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Surface here = surface_at(at);
     color_correction = vec4(0.0);
+    headroom = 0.0;
     if (!here.seen) {
         color = background * vec4(world, 1.0);
         return;
@@ -42,6 +44,6 @@ void main() {
     vec3 part = fetch(albedo, at).rgb, sent = part / 3.141592653589793;
     vec4 expected = at_pixel(predicted, at);
     color = vec4(sent * (at_pixel(irradiance, at).rgb + expected.rgb) + part * world * open_part(at, here), 1.0);
-    color_correction.rgb = sent * at_pixel(correction, at).rgb;
-    color_correction.a = luminance(sent) * expected.a;
+    color_correction = vec4(sent, luminance(sent)) * at_pixel(correction, at);
+    headroom = luminance(sent) * expected.a;
 }

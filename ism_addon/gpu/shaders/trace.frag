@@ -10,9 +10,9 @@ uniform sampler2D foreseen; // positions and normals of what was predicted
 uniform sampler2D depth;
 uniform vec2 shift; // of places on the light
 flat in float own_sure;
-layout(location = 0) out vec4 predicted; // in alpha, the luminance of what is in doubt, if none of it were hidden
+layout(location = 0) out vec4 predicted; // in alpha, the luminance by which it would rise if all doubt were in vain
 #if RAYS
-layout(location = 1) out vec4 correction;
+layout(location = 1) out vec4 correction; // in alpha, the luminance of what is in doubt, if none of it were hidden
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
 #endif
 
@@ -48,8 +48,10 @@ void main() {
     Light light = fetch_Light(lights, light_index);
     float full = receives(here, light) ? unshadowed_irradiance(light, here.position, here.normal) : 0.0;
     vec2 known = known_of(here, at);
-    predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? luminance(light.radiance) : 0.0);
+    float bright = luminance(light.radiance);
+    predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? headroom(bright, known.x) : 0.0);
 #if RAYS
+    correction.a = known.y > 0.0 ? full * abs(bright) : 0.0;
     float chance = own_sure > 0.0 ? own_sure : chance_of(light.radiance, here.albedo, full, known.x, known.y > 0.0);
     Turn turn = turn_of(at, vec2(0.0), chance);
     if (full <= 0.0 || !(turn.now || own_sure > 0.0)) return;

@@ -5,6 +5,9 @@ uniform vec2 ray_steps;
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
 
+// Luminance of irradiance by which more of a light would raise the picture: less of it, where a light is negative.
+float headroom(float bright, float known) { return max(bright * (1.0 - known), -bright * known); }
+
 struct Turn { bool now; float number; float chance; }; // of the ray, counting those that the pixel had
 
 // `known` of a light that would bring `full` is thought to be seen; TRUST is the doubt where all rays agree on that.
