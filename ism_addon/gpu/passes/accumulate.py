@@ -25,7 +25,7 @@ def margin(reach: float) -> int:
 
 
 class Accumulate(Pass):
-    """The sums of all samples so far: what was predicted, what corrects it, how much brighter it may be, and weights."""
+    """The sums of all samples so far: what was predicted, what corrects it, what may be added, and the weights."""
 
     reads = ("blocks", "chances", "color", "color_correction", "headroom", "shown")
     writes = {
