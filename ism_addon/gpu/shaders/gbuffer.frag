@@ -33,6 +33,26 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     return vec3(1.0 - s - t, s, t);
 }
 
+// Those of the point on the triangle's edges that is the nearest to a ray which passes it by: of a long and thin one, any
+// other that is in the triangle may be far away.
+vec3 barycentric_of_edge(Ray ray, vec3 a, vec3 u, vec3 v) {
+    vec3 corners[3] = vec3[3](a, a + u, a + v), way = normalize(ray.direction), found = vec3(1.0, 0.0, 0.0);
+    float nearest = 1e38;
+    for (int k = 0; k < 3; ++k) {
+        vec3 begin = corners[k] - ray.origin, along = corners[(k + 1) % 3] - corners[k];
+        vec3 off = begin - way * dot(begin, way), across = along - way * dot(along, way); // as the ray sees them
+        float part = clamp(-dot(off, across) / max(dot(across, across), 1e-38), 0.0, 1.0);
+        vec3 apart = off + part * across;
+        float square = dot(apart, apart);
+        vec3 b = vec3(0.0);
+        b[k] = 1.0 - part;
+        b[(k + 1) % 3] = part;
+        if (square < nearest) found = b;
+        nearest = min(nearest, square);
+    }
+    return found;
+}
+
 void main() {
     ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
     vec2 pixel = gl_FragCoord.xy + place.zw;
@@ -54,8 +74,7 @@ void main() {
 
     Ray ray = view_ray(pixel);
     vec3 exact = barycentric(ray, a, u, v, facet);
-    vec3 b = clamp(exact, 0.0, 1.0);
-    b /= b.x + b.y + b.z;
+    vec3 b = all(greaterThanEqual(exact, vec3(0.0))) ? exact : barycentric_of_edge(ray, a, u, v);
     vec3 p = a + u * b.y + v * b.z;
     depth = -(view_from_anchor * vec4(p, 1.0)).z;
 
