@@ -5,7 +5,10 @@ A visibility buffer (Burns & Hunt 2013): the triangles are drawn with nothing bu
 is fetched once a pixel. Beck-Norén & Valter 2013, section 3.3, store depth, normals and positions likewise.
 """
 
+import math
+
 import moderngl
+import numpy as np
 
 from ...scene import Change
 from ..block import clip_from_anchor
@@ -16,6 +19,9 @@ from ..layout import INSTANCE, MATERIAL
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import FAR_AWAY, Frame, Pass
+
+#: OpenGL cuts triangles off beyond the picture, by this part of its size: where it cuts a vast one may be off by pixels.
+BEYOND = 0.125
 
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
 #: memory for all of them.
@@ -84,18 +90,21 @@ class GBuffer(Pass):
         for name in ("triangles", "z"):
             frame.targets.reserve(name, self.writes[name], room)
         target = frame.targets.into("triangles", "z")
-        target.viewport = 0, 0, *size
-        target.clear(depth=0.0, viewport=target.viewport)
+        target.clear(depth=0.0, viewport=(0, 0, *size))
+        most = self.device.texture_size  # viewports may be as large
+        beyond = [min(math.ceil(BEYOND * side), (most - side) // 2) for side in size]
+        target.viewport = *np.negative(beyond), *np.add(size, np.multiply(2, beyond))
         geometry = frame.tables["geometry"]
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         mesh = gl.vertex_array(self.triangles, [])
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
+        part = np.divide(size, target.viewport[2:])
         depth = (nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view)
         bind(
             self.triangles,
-            turn=tuple(turn.T.ravel()),
-            shift=tuple(shift),
+            turn=tuple((part[:, None] * turn).T.ravel()),
+            shift=tuple(part * shift),
             depth=depth,
             corners=geometry.arrays["corners"],
         )

@@ -27,7 +27,7 @@ void main() {
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, own + turn.number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
-    float seen = sees(here, to, light.blockers) ? 1.0 : 0.0;
+    float seen = sees(here, to, light) ? 1.0 : 0.0;
     correction.rgb = light.radiance * (full * weight * (seen - known) / turn.chance);
 #endif
 }

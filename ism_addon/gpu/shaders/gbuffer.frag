@@ -25,6 +25,8 @@ layout(location = 2) out vec4 normal;
 layout(location = 3) out vec4 albedo;
 layout(location = 4) out uvec2 triangle_seen;
 
+const float VAST = 100.0; // a triangle's size over its distance
+
 // Barycentric coordinates of where a ray meets the plane of the triangle a, a + u, a + v, whose normal is n.
 vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     vec3 q = cross(ray.direction, ray.origin - a);
@@ -75,7 +77,10 @@ void main() {
     Ray ray = view_ray(pixel);
     vec3 exact = barycentric(ray, a, u, v, facet);
     vec3 b = all(greaterThanEqual(exact, vec3(0.0))) ? exact : barycentric_of_edge(ray, a, u, v);
-    vec3 p = a + u * b.y + v * b.z;
+    vec3 p = a + u * b.y + v * b.z, way = p - ray.origin;
+    // Of a vast triangle the coordinates are too coarse to say where on it a pixel looks; how high it is, they say.
+    if (max(dot(u, u), dot(v, v)) > VAST * VAST * dot(way, way))
+        p = ray.origin + ray.direction * (dot(way, facet) / dot(ray.direction, facet));
     depth = -(view_from_anchor * vec4(p, 1.0)).z;
 
     // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.

@@ -58,7 +58,7 @@ void main() {
     vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + turn.number * ray_steps));
     float weight = sent(light, to - here.position, here.normal) / full;
     if (weight <= 0.0) return;
-    seen = vec2(sees(here, to, light.blockers) ? 1.0 : 0.0, 1.0);
+    seen = vec2(sees(here, to, light) ? 1.0 : 0.0, 1.0);
     if (own_sure > 0.0) return; // seen to tell whether there should be doubt: so rare, it would correct by far too much
     correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / turn.chance);
 #endif

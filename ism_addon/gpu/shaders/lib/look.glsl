@@ -12,5 +12,5 @@ vec2 look(int light_index, ivec2 coarse, int apart) {
     Light light = fetch_Light(lights, light_index);
     if (!receives(here, light)) return vec2(0.0);
     vec3 to = light.position + point_on_light(light, place_of_pixel(coarse, place));
-    return sent(light, to - here.position, here.normal) > 0.0 ? vec2(sees(here, to, light.blockers) ? 1.0 : 0.0, 1.0) : vec2(0.0);
+    return sent(light, to - here.position, here.normal) > 0.0 ? vec2(sees(here, to, light) ? 1.0 : 0.0, 1.0) : vec2(0.0);
 }

@@ -34,13 +34,17 @@ float sent(Light light, vec3 ray, vec3 n) {
     return area * max(dot(n, ray) * inverse, 0.0) * ahead * spread(light, ahead) / square;
 }
 
-// Where light no longer comes from well above the triangle, a ray starts on the curved surface that it stands for. Rounding
-// may have put the position beneath it by a little.
-bool sees(Receiver here, vec3 to, int blockers) {
+// Rounding may put a point off its surface by this, m: to what lies on the surface, it must not be on the other side.
+float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
+
+// Where light no longer comes from well above the triangle, a ray starts on the curved surface that it stands for. A light
+// may lie in a ceiling.
+bool sees(Receiver here, vec3 to, Light light) {
     vec3 p = here.position, direction = normalize(to - p);
     float smooth_cosine = abs(dot(here.normal, direction)), cosine = dot(here.facet, direction);
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
     p += here.normal * (here.rise * clamp(grazing, 0.0, 1.0));
-    p += here.facet * (1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)));
-    return !occluded(p, to, here.triangle, here.instance, blockers);
+    p += here.facet * rounding(p);
+    to += light.normal * rounding(to);
+    return !occluded(p, to, here.triangle, here.instance, light.blockers);
 }
