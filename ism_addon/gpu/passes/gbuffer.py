@@ -20,7 +20,7 @@ from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import FAR_AWAY, Frame, Pass
 
-#: OpenGL cuts triangles off beyond the picture, by this part of its size: where it cuts a vast one may be off by pixels.
+#: OpenGL cuts triangles off so far beyond the picture, in its sizes: where it cuts a vast one may be off by pixels.
 BEYOND = 0.125
 
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take

@@ -6,8 +6,9 @@ A correction is believed by the part that is left when the noise of its neighbou
 """
 
 import moderngl
+import numpy as np
 
-from ...scene import Change
+from ...scene import Change, Lights
 from ..context import Device
 from ..program import bind
 from ..targets import Target
@@ -48,6 +49,7 @@ class Resolve(Pass):
             sum_headroom=frame.targets["sum_headroom"],
             counts=frame.tables["counts"],
             near=frame.targets["near"],
+            least=least_light(frame.scene.lights),
             stand_out=frame.targets["stand_out"],
         )
         pixels.render(moderngl.TRIANGLES, vertices=3)
@@ -63,3 +65,8 @@ class Resolve(Pass):
             counts=frame.tables["counts"],
         )
         self.near.render(moderngl.TRIANGLES, vertices=3)
+
+
+def least_light(lights: Lights) -> float:
+    """Nothing, unless lights are negative."""
+    return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0

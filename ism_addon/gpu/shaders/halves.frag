@@ -9,7 +9,7 @@ void main() {
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);
         vec3 now = fetch(resolved, at).rgb, difference = now - fetch(earlier, at).rgb;
-        moved += vec2(dot(difference, difference), dot(now, vec3(1.0))) / 3.0;
+        moved += vec2(dot(difference, difference), dot(abs(now), vec3(1.0))) / 3.0;
     }
     moved /= float(BLOCK * BLOCK);
 }

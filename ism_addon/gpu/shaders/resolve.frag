@@ -5,6 +5,7 @@ uniform sampler2D sum_correction;
 uniform sampler2D weights;
 uniform sampler2D sum_headroom;
 uniform sampler2D counts;
+uniform float least;          // light that there can be
 uniform sampler2D near;      // see resolve_near.frag
 uniform sampler2D stand_out;
 out vec4 resolved;
@@ -28,7 +29,7 @@ void main() {
     // No correction adds light beyond what would arrive if nothing hid it, takes more than is in doubt, or than there is.
     float amount = luminance(change), all = fetch(weights, at).y;
     float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(weights, at).w / mean.a;
-    change *= min(most / max(abs(amount), 1e-30), 1.0);
-    if (taps > 0) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, 0.0));
+    change *= min(most / max(abs(amount), 1e-37), 1.0);
+    if (taps > 0) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, least));
 #endif
 }

@@ -15,7 +15,7 @@ float corrected(ivec2 at, float weight, vec2 texel) {
 
 // Of two luminances: 1 where they are one, little where one is twice the other.
 float alike(float a, float b) {
-    float apart = (a - b) / max(a + b, 1e-30), square = 1.0 + STRICTNESS * apart * apart;
+    float apart = (a - b) / max(a + b, 1e-37), square = 1.0 + STRICTNESS * apart * apart;
     return 1.0 / (square * square);
 }
 
@@ -37,11 +37,11 @@ void main() {
         squares += like * like * weight * weight;
     }
     // A part of what is in doubt, so that the edges of textures stay.
-    near *= in_doubt > 1e-12 * all ? mine.w / (own * in_doubt) : 1.0 / all;
+    near *= in_doubt > 1e-37 ? mine.w / (own * in_doubt) : 1.0 / all;
     vec4 correction = fetch(sum_correction, at) / own;
     float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
     // As many alike would have this size and these squares: one that stands for many samples is still one.
-    variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-30), 1.0), -EVENNESS);
+    variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-37), 1.0), -EVENNESS);
     near.a = own;
     stand_out = vec4(difference * difference, variance * (1.0 - own / all),
                      mean * mean, variance * squares / (all * all));

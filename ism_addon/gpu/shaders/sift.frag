@@ -12,7 +12,7 @@ void main() {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);
         vec2 weight = fetch(weights, at).xy;
         float mean = luminance(fetch(sum, at).rgb + fetch(sum_correction, at).rgb) / weight.y;
-        noise += vec2(max(weight.x / weight.y - mean * mean, 0.0), mean);
+        noise += vec2(max(weight.x / weight.y - mean * mean, 0.0), abs(mean));
     }
     noise /= float(BLOCK * BLOCK);
 }

@@ -12,7 +12,7 @@ struct Turn { bool now; float number; float chance; }; // of the ray, counting t
 
 // `known` of a light that would bring `full` is thought to be seen; TRUST is the doubt where all rays agree on that.
 float chance_of(vec3 radiance, vec3 albedo, float full, float known, bool doubtful) {
-    float bright = luminance(radiance * albedo) * full / 3.141592653589793;
+    float bright = abs(luminance(radiance * albedo)) * full / 3.141592653589793;
     float worth = bright * (doubtful ? sqrt(max(known * (1.0 - known), 0.05)) : TRUST) / enough;
     // In steps: pixels close by have the same, and take turns together, as processors work on several at once.
     return clamp(exp2(0.5 * ceil(2.0 * log2(worth))), LEAST_CHANCE, 1.0);
