@@ -6,6 +6,10 @@ import threading
 import pytest
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--examples", type=int, default=300, help="random pictures that are drawn (%(default)s)")
+
+
 @pytest.fixture(scope="session")
 def opened_device():
     # Imported here, so that tests of the pure floor run without OpenGL.

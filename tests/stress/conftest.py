@@ -21,6 +21,12 @@ class Row:
 ROWS = pytest.StashKey[dict[str, Row]]()
 
 
+@pytest.fixture
+def examples(request: pytest.FixtureRequest) -> int:
+    """How many random pictures are drawn."""
+    return request.config.getoption("--examples")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[ROWS] = {}
 
