@@ -20,6 +20,8 @@ BENCHMARKS = sorted(
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
     if path.suffix == ".py" or (path / "__main__.py").is_file()
 )
+#: Random pictures of a stress test; the tests draw fewer.
+STRESS_EXAMPLES = "10000"
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 #: Our exit status where something cannot be tried here, as others have it too.
@@ -44,6 +46,11 @@ def test(chosen: list[str]) -> int:
         failed = idle
     print(f"failed: {', '.join(failed)}" if failed else f"passed: {', '.join(results)}")
     return int(bool(failed))
+
+
+def stress(further: list[str]) -> int:
+    """Run tests/stress with as many random pictures as it takes to be sure."""
+    return next(environments()).run("pytest", "tests/stress", "--examples", STRESS_EXAMPLES, *further)
 
 
 def bench(name: str, output: Path, further: list[str]) -> int:
@@ -88,6 +95,7 @@ def main() -> int:
     verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
     verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
+    verbs.add_parser("stress", help="run the stress tests, with more random pictures; further arguments go to pytest")
     verb = verbs.add_parser("gui-test", help="play scenarios in a Blender with a window")
     verb.add_argument("name", nargs="*", help="of a scenario; all, where there is none")
     verb.add_argument("--blender", metavar="PATH", help="a Blender of this machine, instead of one in a root folder")
@@ -112,6 +120,8 @@ def main() -> int:
     machine.prepare("git")
     if arguments.verb == "test":
         return test(further)
+    if arguments.verb == "stress":
+        return stress(further)
     if arguments.verb == "gui-test":
         return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output, arguments.any_pace)
     return pack(arguments.output, arguments.platform)

@@ -6,6 +6,6 @@ import numpy as np
 
 def apart(picture: np.ndarray, other: np.ndarray) -> float:
     """Root mean square of the difference of two (H,W,4), over the other's mean; infinite where it is not finite."""
-    difference, mean = (picture - other)[..., :3], float(np.abs(other[..., :3]).mean())
+    difference, mean = picture[..., :3] - other[..., :3], float(np.abs(other[..., :3]).mean())
     off = float(np.sqrt((difference.astype(np.float64) ** 2).mean()))
     return off / mean if np.isfinite(off) and mean > 0.0 else (0.0 if off == 0.0 else np.inf)
