@@ -10,7 +10,7 @@ from .. import radiometry
 from ..scene import MOST_GROUPS, Lights, LightShape
 from .findings import Findings
 from .links import Links
-from .reach import FARTHEST, within
+from .reach import BRIGHTEST, within
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
 SHAPES = {
@@ -104,7 +104,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) 
     row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
     if row is None:
         findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
-    elif not within(row.radiance).all():
+    elif not within(row.radiance, BRIGHTEST).all():
         findings.note("Area lights too bright to be drawn are left out", source.name)
         row = None
     return row, findings
@@ -127,10 +127,11 @@ def _row(
     axis_v = world_from_light[:3, 1] * (light.size_y if own_height else light.size)
     backwards = world_from_light[:3, 2]
     depth = np.linalg.norm(backwards)
-    area = float(np.linalg.norm(axis_u) * np.linalg.norm(axis_v))
+    sides = np.linalg.norm([axis_u, axis_v], axis=1)
+    area = float(sides.prod())
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
-    if not (within(world_from_light).all() and 0 < area <= FARTHEST and depth > 0):
+    if not (within(world_from_light).all() and within(sides).all() and area > 0 and depth > 0):
         return None
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0

@@ -3,10 +3,13 @@
 
 import numpy as np
 
-#: m, or W/(sr m²). Blender lets users type up to 3e38.
+#: m. Blender lets users type up to 3e38.
 FARTHEST = 1e9
 
+#: W/(sr m²).
+BRIGHTEST = 1e15
 
-def within(values: np.ndarray) -> np.ndarray:
-    """Element by element: a number, and not beyond FARTHEST."""
-    return np.abs(values) <= FARTHEST
+
+def within(values: np.ndarray, most: float = FARTHEST) -> np.ndarray:
+    """Element by element: a number, and none beyond what float32 can deal with."""
+    return np.abs(values) <= most
