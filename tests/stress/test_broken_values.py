@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A thing in a file has a value that is no number: it is left out or mended, and the rest is drawn as without it."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from ism_addon import addon
+from ism_addon.blender import camera, controls, extract
+from ism_addon.limits import within_limits
+
+from ..scenes.small import box_over_plane
+from ..studio import SMALL_SETTINGS, draw
+from .into_blender import into_blender
+from .pictures import apart
+
+VALUES = [math.nan, math.inf, -math.inf, 3e38]
+
+
+def bad_thing() -> bpy.types.Object:
+    """A second box, beyond the view, where it changes nothing; and whatever is wrong is wrong with it."""
+    bpy.ops.mesh.primitive_cube_add(location=(0.0, 0.0, -20.0))
+    return bpy.context.object
+
+
+def bad_light() -> bpy.types.Object:
+    """A second light, that faces away."""
+    bpy.ops.object.light_add(type="AREA", location=(0.0, 0.0, -20.0), rotation=(math.pi, 0.0, 0.0))
+    return bpy.context.object
+
+
+def vertex(value: float) -> None:
+    bad_thing().data.vertices[0].co = (value, 0.0, -20.0)
+
+
+def every_vertex(value: float) -> None:
+    for each in bad_thing().data.vertices:
+        each.co = (value, value, value)
+
+
+def texture_coordinate(value: float) -> None:
+    bad_thing().data.uv_layers[0].uv[0].vector = (value, value)
+
+
+def location(value: float) -> None:
+    bad_thing().location.x = value
+
+
+def scale(value: float) -> None:
+    bad_thing().scale.y = value
+
+
+def rotation(value: float) -> None:
+    bad_thing().rotation_euler.z = value
+
+
+def lights_location(value: float) -> None:
+    bad_light().location.x = value
+
+
+def lights_energy(value: float) -> None:
+    bad_light().data.energy = value
+
+
+def lights_size(value: float) -> None:
+    bad_light().data.size = value
+
+
+def lights_colour(value: float) -> None:
+    bad_light().data.color = (value, 1.0, 1.0)
+
+
+def colour(value: float) -> None:
+    thing = bad_thing()
+    thing.data.materials.append(bpy.data.materials.new("Bad"))
+    thing.active_material.use_nodes = False
+    thing.active_material.diffuse_color = (value, 0.5, 0.5, 1.0)
+
+
+BREAKS = (
+    *(vertex, every_vertex, texture_coordinate, location, scale, rotation, colour),
+    *(lights_location, lights_energy, lights_size, lights_colour),
+)
+
+
+def drawn(device) -> np.ndarray:
+    """The open file, as a final render has it."""
+    addon.register()
+    try:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
+    finally:
+        addon.unregister()
+    return draw(device, scene, view, SMALL_SETTINGS).color
+
+
+@pytest.mark.parametrize("value", VALUES)
+@pytest.mark.parametrize("broken", BREAKS, ids=[broken.__name__ for broken in BREAKS])
+def test_a_broken_value(device, within, broken, value):
+    into_blender(*box_over_plane(48, 32))
+    whole = drawn(device)
+    broken(value)
+    within(apart(drawn(device), whole), 1e-5)
+
+
+@pytest.mark.parametrize("value", VALUES)
+@pytest.mark.parametrize("path", ["ssao.radius", "ssao.intensity", "shadow.bias", "render.error_threshold"])
+def test_a_broken_setting(value, path):
+    """Blender's own limits, or ours, make a number of it."""
+    addon.register()
+    try:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        section, name = path.split(".")
+        setattr(getattr(bpy.context.scene.ism, section), name, value)
+        told = within_limits(controls.read(bpy.context.scene, "render"))
+    finally:
+        addon.unregister()
+    held = getattr(getattr(told, {"render": "quality"}.get(section, section)), name)
+    assert math.isfinite(held)
