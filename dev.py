@@ -20,8 +20,8 @@ BENCHMARKS = sorted(
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
     if path.suffix == ".py" or (path / "__main__.py").is_file()
 )
-#: Random pictures of a stress test; the tests draw fewer.
-STRESS_EXAMPLES = "10000"
+#: Random pictures, and frames of animations, of the whole stress test; dev.py test draws fewer.
+STRESS_FULL = "--examples=10000", "--frames=100"
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 #: Our exit status where something cannot be tried here, as others have it too.
@@ -49,8 +49,8 @@ def test(chosen: list[str]) -> int:
 
 
 def stress(further: list[str]) -> int:
-    """Run tests/stress with as many random pictures as it takes to be sure."""
-    return next(environments()).run("pytest", "tests/stress", "--examples", STRESS_EXAMPLES, *further)
+    """Run tests/stress in full."""
+    return next(environments()).run("pytest", "tests/stress", *STRESS_FULL, *further)
 
 
 def bench(name: str, output: Path, further: list[str]) -> int:

@@ -8,6 +8,7 @@ import pytest
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--examples", type=int, default=300, help="random pictures that are drawn (%(default)s)")
+    parser.addoption("--frames", type=int, default=6, help="of animations beside Cycles (%(default)s)")
 
 
 @pytest.fixture(scope="session")

@@ -27,6 +27,12 @@ def examples(request: pytest.FixtureRequest) -> int:
     return request.config.getoption("--examples")
 
 
+@pytest.fixture
+def frames(request: pytest.FixtureRequest) -> int:
+    """How many frames of animations are drawn beside Cycles."""
+    return request.config.getoption("--frames")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[ROWS] = {}
 

@@ -75,7 +75,7 @@ def test_random_pictures(device, failing, examples):
 
 
 def against_rays(device, picture: Picture, renderer) -> float | None:
-    """How far a picture is from rays to 144 points of each light; none where those cannot tell, or nothing is seen."""
+    """How far a picture is from rays to 289 points of each light; none where 144 say something else, or nothing."""
     scene, view, how = picture
     scales = np.abs(np.linalg.det(scene.instances.world_from_object[scene.instances.visible, :3, :3]))
     if not len(scales) or scales.min() < 1e-6:
@@ -83,8 +83,10 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     meshes = tuple(replace(mesh, normals=normals_of_triangles(mesh.positions[mesh.triangles])) for mesh in scene.meshes)
     scene, view = replace(scene, meshes=meshes), replace(view, filter_width=0.01, transparent=False)
     plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=256), skip=how.skip)
-    truth = reference.picture(scene, view, 12)[0].reshape(view.height, view.width, 3)
-    return apart(draw(device, scene, view, plain, renderer).color, truth) if truth.any() else None
+    few, truth = (reference.picture(scene, view, side)[0].reshape(view.height, view.width, 3) for side in (12, 17))
+    if not truth.any() or apart(few, truth) > 0.01:
+        return None
+    return apart(draw(device, scene, view, plain, renderer).color, truth)
 
 
 def normals_of_triangles(corners: np.ndarray) -> np.ndarray:
@@ -94,7 +96,7 @@ def normals_of_triangles(corners: np.ndarray) -> np.ndarray:
 
 
 def test_random_pictures_against_rays(device, within, examples):
-    """Nine of ten are close: lights that touch things, and edges that pixels' centres lie on, the rays cannot judge."""
+    """Nine of ten are close: edges that pixels' centres lie on may fall to either side."""
     from ism_addon.gpu.renderer import Renderer
 
     renderer, off = Renderer(device), []
@@ -106,7 +108,7 @@ def test_random_pictures_against_rays(device, within, examples):
             off.append(found)
 
     any_picture()
-    assert len(off) > examples / 20
+    assert len(off) > examples / 40
     within(float(np.quantile(off, 0.9)), 0.03)
 
 
