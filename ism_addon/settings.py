@@ -64,6 +64,7 @@ class DebugView(Choice):
     OCCLUSION_ACROSS = "occlusion_across", "Half-Smooth Occlusion", "Ambient occlusion, smoothed across but not along"
     SMOOTH_OCCLUSION = "smooth_occlusion", "Ambient Occlusion", "Ambient occlusion as it darkens the picture"
     COLOR_CORRECTION = "color_correction", "Color Correction", "What the correction does to the picture. Fitted only"
+    HEADROOM = "headroom", "Headroom", "How much brighter the light in doubt may yet make the picture. Fitted only"
 
 
 @dataclass(frozen=True)
