@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene and its view as objects in Blender, which hold them in float32."""
+"""A scene and its view as objects in Blender, which hold them in float32; and back, as our engine reads them."""
 
 import math
 
@@ -7,6 +7,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ism_addon import addon
+from ism_addon.blender import camera, extract
 from ism_addon.scene import LightShape, Scene, View
 
 
@@ -39,6 +41,16 @@ def into_blender(scene: Scene, view: View) -> None:
     bpy.context.scene.world.color = (0.0, 0.0, 0.0)
 
 
+def out_of_blender() -> tuple[Scene, View]:
+    """The open file, as a final render has it."""
+    addon.register()
+    try:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return extract.scene(depsgraph), camera.final_view(depsgraph)
+    finally:
+        addon.unregister()
+
+
 def place(name: str, data: bpy.types.ID, matrix: np.ndarray) -> bpy.types.Object:
     thing = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(thing)
@@ -65,18 +77,15 @@ def add_light(scene: Scene, row: int) -> None:
 
 
 def add_camera(view: View) -> None:
-    camera = bpy.data.cameras.new("Camera")
+    lens = bpy.data.cameras.new("Camera")
     clip = view.clip_from_view
     if clip[3, 2]:
-        camera.angle = 2.0 * math.atan(1.0 / clip[0, 0])
-        camera.clip_start, camera.clip_end = clip[2, 3] / (clip[2, 2] - 1.0), clip[2, 3] / (clip[2, 2] + 1.0)
+        lens.angle = 2.0 * math.atan(1.0 / clip[0, 0])
+        lens.clip_start, lens.clip_end = clip[2, 3] / (clip[2, 2] - 1.0), clip[2, 3] / (clip[2, 2] + 1.0)
     else:
-        camera.type, camera.ortho_scale = "ORTHO", 2.0 / clip[0, 0]
+        lens.type, lens.ortho_scale = "ORTHO", 2.0 / clip[0, 0]
     scene = bpy.context.scene
-    scene.camera = place("Camera", camera, np.linalg.inv(view.view_from_world))
-    camera.sensor_fit = "HORIZONTAL"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = (
-        view.width,
-        view.height,
-        100,
-    )
+    scene.camera = place("Camera", lens, np.linalg.inv(view.view_from_world))
+    lens.sensor_fit = "HORIZONTAL"
+    scene.render.resolution_x, scene.render.resolution_y = view.width, view.height
+    scene.render.resolution_percentage = 100

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of pictures."""
+"""What is said of pictures, and what they are compared with."""
+
+from dataclasses import replace
 
 import numpy as np
+
+from ism_addon.scene import Scene
 
 
 def apart(picture: np.ndarray, other: np.ndarray) -> float:
@@ -9,3 +13,8 @@ def apart(picture: np.ndarray, other: np.ndarray) -> float:
     difference, mean = picture[..., :3] - other[..., :3], float(np.abs(other[..., :3]).mean())
     off = float(np.sqrt((difference.astype(np.float64) ** 2).mean()))
     return off / mean if np.isfinite(off) and mean > 0.0 else (0.0 if off == 0.0 else np.inf)
+
+
+def unshadowed(scene: Scene) -> Scene:
+    """The same, without shadows."""
+    return replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros(len(scene.lights.shape), bool)))

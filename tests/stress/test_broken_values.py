@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from ism_addon import addon
-from ism_addon.blender import camera, controls, extract
+from ism_addon.blender import controls
 from ism_addon.limits import within_limits
 
 from ..scenes.small import box_over_plane
 from ..studio import SMALL_SETTINGS, draw
-from .into_blender import into_blender
+from .into_blender import into_blender, out_of_blender
 from .pictures import apart
 
 VALUES = [math.nan, math.inf, -math.inf, 3e38]
@@ -86,14 +86,7 @@ BREAKS = (
 
 
 def drawn(device) -> np.ndarray:
-    """The open file, as a final render has it."""
-    addon.register()
-    try:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
-    finally:
-        addon.unregister()
-    return draw(device, scene, view, SMALL_SETTINGS).color
+    return draw(device, *out_of_blender(), SMALL_SETTINGS).color
 
 
 @pytest.mark.parametrize("value", VALUES)

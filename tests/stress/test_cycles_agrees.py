@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles is of the same opinion about scenes at their ends, as Blender holds them."""
 
-import bpy
 import pytest
 
-from ism_addon import addon
-from ism_addon.blender import camera, extract
 from ism_addon.settings import SSAO, Quality, Settings
 
 from ..scenes.cycles import direct_light
 from ..studio import draw
 from .cases import CASES
-from .into_blender import into_blender
+from .into_blender import into_blender, out_of_blender
 from .pictures import apart
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=512, error_threshold=0.0))
@@ -23,11 +20,6 @@ def test_cycles_agrees(device, within, name):
     """But for the noise of both."""
     into_blender(*CASES[name]())
     truth = direct_light(1024, FILTER)
-    addon.register()
-    try:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
-    finally:
-        addon.unregister()
+    scene, view = out_of_blender()
     assert not scene.warnings
     within(apart(draw(device, scene, view, SETTINGS).color, truth), 0.05)

@@ -26,7 +26,7 @@ from ..studio import (
     stage,
     with_quality,
 )
-from .pictures import apart
+from .pictures import apart, unshadowed
 from .test_closed_forms import REFLECTED, UP, strip
 from .test_similar import turn
 
@@ -35,10 +35,6 @@ FLOOR = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
 LAMP = light(position=(0.8, -0.6, 3.2), radiance=5.0)
 VIEW = look((3.0, -3.6, 2.6), size=(96, 64))
 BALL = sphere((0.3, 0.2, 0.7), 0.5, 48, 32)
-
-
-def unshadowed(scene: Scene) -> Scene:
-    return replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros(len(scene.lights.shape), bool)))
 
 
 def shining_at_origin(position: np.ndarray, size: float, radiance: float) -> Lights:

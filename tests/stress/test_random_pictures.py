@@ -13,10 +13,11 @@ from ism_addon import snapshot
 from ism_addon.settings import SSAO, Method, Settings
 
 from .. import reference
+from ..scenes.small import mesh
 from ..studio import draw
 from .moves import Picture
-from .pictures import apart
-from .random_pictures import pictures, unshadowed
+from .pictures import apart, unshadowed
+from .random_pictures import pictures
 
 #: Pictures that were wrong once, as Hypothesis shrank them.
 KEPT = sorted((Path(__file__).parent / "kept").glob("*.npz"))
@@ -80,19 +81,13 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     scales = np.abs(np.linalg.det(scene.instances.world_from_object[scene.instances.visible, :3, :3]))
     if not len(scales) or scales.min() < 1e-6:
         return None
-    meshes = tuple(replace(mesh, normals=normals_of_triangles(mesh.positions[mesh.triangles])) for mesh in scene.meshes)
+    meshes = tuple(mesh(each.positions, each.triangles) for each in scene.meshes)
     scene, view = replace(scene, meshes=meshes), replace(view, filter_width=0.01, transparent=False)
     plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=256), skip=how.skip)
     few, truth = (reference.picture(scene, view, side)[0].reshape(view.height, view.width, 3) for side in (12, 17))
     if not truth.any() or apart(few, truth) > 0.01:
         return None
     return apart(draw(device, scene, view, plain, renderer).color, truth)
-
-
-def normals_of_triangles(corners: np.ndarray) -> np.ndarray:
-    """(T,3,3) of (T,3,3)."""
-    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.repeat(crossed[:, None] / np.linalg.norm(crossed, axis=1)[:, None, None], 3, 1)
 
 
 def test_random_pictures_against_rays(device, within, examples):

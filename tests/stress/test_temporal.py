@@ -7,19 +7,16 @@ Ours have 16 samples, as by default, and Cycles' 1024, all with one seed.
 from collections.abc import Callable
 from dataclasses import replace
 
-import bpy
 import numpy as np
 import pytest
 
-from ism_addon import addon
-from ism_addon.blender import camera, extract
 from ism_addon.scene import Scene, View
 from ism_addon.settings import SSAO, Quality, Settings
 
 from ..scenes.cycles import direct_light
 from ..scenes.small import SMALL
 from ..studio import draw, look
-from .into_blender import into_blender
+from .into_blender import into_blender, out_of_blender
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=16, error_threshold=0.0))
 FILTER = 1.5  # px
@@ -54,11 +51,5 @@ def test_change_from_frame_to_frame(device, within, frames, moves: Callable[[flo
     for frame in range(frames):
         into_blender(*moves(0.01 * frame))
         theirs.append(direct_light(1024, FILTER))
-        addon.register()
-        try:
-            depsgraph = bpy.context.evaluated_depsgraph_get()
-            scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
-        finally:
-            addon.unregister()
-        ours.append(draw(device, scene, view, SETTINGS, renderer).color)
+        ours.append(draw(device, *out_of_blender(), SETTINGS, renderer).color)
     within(changes(ours) / changes(theirs), 2.0)

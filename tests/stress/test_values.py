@@ -91,9 +91,9 @@ def test_a_light_without_end(device, within, size):
 def test_a_spread_of_nothing(device, within, settings, spread):
     """It shines straight ahead: under it lies its image, with its own edges, and everything is finite."""
     lamp = light(position=(0.0, 0.0, 3.0), spread=spread)
-    color = draw(device, stage(THINGS[:1], lamp), VIEW, settings).color
+    drawn = draw(device, stage(THINGS[:1], lamp), VIEW, settings)
+    color, position = drawn.color, drawn.target("position")
     within(float((~np.isfinite(color)).sum()), 0)
-    position = draw(device, stage(THINGS[:1], lamp), VIEW, settings).target("position")
     outside = np.abs(position[..., :2]).max(-1) > 0.6
     within(float(np.abs(color[..., :3][outside]).max()), 1e-6)
 
