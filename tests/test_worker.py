@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The worker's promises: every job comes to an end, and one client never spoils another's picture."""
 
-import os
-import subprocess
-import sys
 import threading
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +16,6 @@ from ism_addon.gpu.studio import draw as steps
 from .scenes.small import box_over_plane, pillar_field
 from .studio import SMALL_SETTINGS, draw, with_quality
 
-ROOT = Path(__file__).parent.parent
 LONG = with_quality(SMALL_SETTINGS, samples=60_000)
 
 
@@ -224,45 +219,3 @@ def test_waiting_is_told_of_news_and_otherwise_comes_back(worker):
     assert job.wait(0.0)  # finished: never waits again
     idle = Job(request(), threading.Condition())
     assert not idle.wait(0.01)
-
-
-def complaint(head: str, **environment: str) -> str:
-    """What a job's error is in an interpreter of its own, after the lines `head`."""
-    script = (
-        f"{head}\n"
-        "from ism_addon.gpu.job import Request\n"
-        "from ism_addon.gpu.worker import Worker\n"
-        "from tests.scenes.small import box_over_plane\n"
-        "from ism_addon.settings import Settings\n"
-        "worker = Worker()\n"
-        "for client in range(2):\n"
-        "    job = worker.start(Request(*box_over_plane(8, 8), Settings()), client)\n"
-        "    while not job.finished: job.wait(1.0)\n"
-        "    assert job.picture() is None\n"
-        "worker.stop()\n"
-        "print(job.error)\n"
-    )
-    run = subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=ROOT,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert run.returncode == 0, run.stderr
-    assert "Traceback" not in run.stderr
-    return run.stdout.strip()
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only EGL can be hidden by an environment variable")
-def test_without_opengl_there_is_a_sentence():
-    error = complaint("", __EGL_VENDOR_LIBRARY_FILENAMES="/nonexistent", LIBGL_DRIVERS_PATH="/nonexistent")
-    assert error.startswith("OpenGL 4.1 could not be opened")
-    assert "\n" not in error
-
-
-def test_without_moderngl_there_is_a_sentence():
-    error = complaint("import sys; sys.modules['moderngl'] = None")
-    assert "moderngl" in error
-    assert "\n" not in error

@@ -33,6 +33,14 @@ class NoOpenGL(RuntimeError):
     """This machine gives no usable OpenGL context; the message is a sentence for the artist."""
 
 
+class ContextLost(RuntimeError):
+    """The driver has taken the context away, with all that is in it; the message is a sentence for the artist."""
+
+
+class GraphicsError(RuntimeError):
+    """OpenGL has not done what was asked of it, so what it has drawn is wrong; the message is a sentence."""
+
+
 @dataclass(frozen=True)
 class Device:
     """An open context, its limits, and its name."""
@@ -50,6 +58,8 @@ class Device:
     #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
     #: interpreter's lock either: software drivers are done with all vertices before they return.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
+    #: Whether the driver still has the context.
+    is_alive: Callable[[], bool]
     buffer_textures: BufferTextures
     #: Whether depth is nearness, see depth.py.
     by_nearness: bool
@@ -74,6 +84,20 @@ class Device:
     def growing(self, components: int, dtype: str) -> Growing:
         """The same for rows that come by and by."""
         return Growing(self.gl, lambda count: self.room(count, components, dtype))
+
+    def check(self) -> None:
+        """Whether all that was asked since the last time could be done. Raises ContextLost or GraphicsError."""
+        if not self.is_alive():
+            raise ContextLost(
+                "The graphics driver has taken OpenGL away, as it does when it resets the card: render again"
+            )
+        error = self.gl.error
+        if error == "GL_OUT_OF_MEMORY":
+            raise GraphicsError(
+                "the graphics memory is too small for it; a smaller picture or smaller images take less"
+            )
+        if error != "GL_NO_ERROR":
+            raise GraphicsError(f"the graphics driver refuses it ({error})")
 
     def collect(self) -> None:
         """Free what was let go of. In the thread that opened it."""
@@ -105,7 +129,8 @@ def open_device() -> Device:
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
-    return Device(gl, limit, name, finish, portion_by_portion(load), unlocked(load), arrays, depth.prepare(gl))
+    hand_over, draw, is_alive = portion_by_portion(load), unlocked(load), pulse(load)
+    return Device(gl, limit, name, finish, hand_over, draw, is_alive, arrays, depth.prepare(gl))
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
@@ -139,3 +164,16 @@ def unlocked(load: Callable[[str], int]) -> Callable[[moderngl.VertexArray, int,
         draw_arrays(moderngl.TRIANGLES, 3 * first, 3 * count, instances)
 
     return draw
+
+
+def pulse(load: Callable[[str], int]) -> Callable[[], bool]:
+    """What Device.is_alive is: without a context, drivers do nothing and say nothing, but they give no fences."""
+    fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
+    delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
+
+    def is_alive() -> bool:
+        given = fence(SYNC_GPU_COMMANDS_COMPLETE, 0)
+        delete(given)  # none is passed over
+        return given is not None
+
+    return is_alive

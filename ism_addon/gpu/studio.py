@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from ..settings import Quality
-from .context import Device
+from .context import ContextLost, Device, GraphicsError
 from .error import Error
 from .job import Job, Picture
 from .profile import Profile
@@ -35,9 +35,13 @@ class Studio:
         """Drop jobs that were replaced, and the renderers of clients that are gone."""
         for job in self.running.keys() - set(jobs.values()):
             self.end(job)
-        for client in forgotten & self.renderers.keys():
-            for renderer in self.renderers.pop(client):
-                renderer.release()
+        for client in forgotten:
+            self.forget(client)
+
+    def forget(self, client: Hashable) -> None:
+        """Free what is kept for a client."""
+        for renderer in self.renderers.pop(client, ()):
+            renderer.release()
 
     def reload(self, edition: int) -> None:
         """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
@@ -48,17 +52,29 @@ class Studio:
             self.device.collect()
 
     def step(self, client: Hashable, job: Job) -> None:
-        """Draw one pass of a job; whatever goes wrong is the job's own error."""
-        error = ""
+        """Draw one pass of a job. Whatever goes wrong is its own error, but ContextLost, which it raises: all have it."""
         try:
             if job not in self.running:
                 self.running[job] = draw(*self.of(client), job)
-            if not job.cancelled and next(self.running[job], job) is not job:
-                return
+            goes_on = not job.cancelled and next(self.running[job], job) is not job
+            self.device.check()
+        except ContextLost:
+            raise
         except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
             log.debug("drawing failed", exc_info=True)
-            error = f"The picture could not be drawn: {reason}"
-        self.end(job, error)
+            self.end(job, f"The picture could not be drawn: {self.cause(reason)}")
+            self.forget(client)
+            return
+        if not goes_on:
+            self.end(job)
+
+    def cause(self, reason: Exception) -> Exception:
+        """Why drawing has failed: if OpenGL could not do what it was asked, our own failure only followed from that."""
+        try:
+            self.device.check()
+        except GraphicsError as error:
+            return error
+        return reason
 
     def of(self, client: Hashable) -> tuple[Renderer, Renderer]:
         """The renderers that are kept for the client."""
@@ -73,9 +89,9 @@ class Studio:
         job.tell(finished=True, error=error)
 
     def close(self) -> None:
-        """Free all that the GPU holds for us."""
-        for job in list(self.running):
-            self.end(job)
+        """Free all that the GPU holds for us. What becomes of jobs is the worker's to say."""
+        for steps in self.running.values():
+            steps.close()
         for renderer in chain(*self.renderers.values()):
             renderer.release()
         self.device.close()

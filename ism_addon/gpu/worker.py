@@ -9,8 +9,13 @@ Nobody waits for it unless they ask to.
 import threading
 import time
 from collections.abc import Hashable
+from contextlib import closing
+from typing import TYPE_CHECKING
 
 from .job import Job, Request
+
+if TYPE_CHECKING:
+    from .studio import Studio
 
 
 class Worker:
@@ -86,23 +91,31 @@ class Worker:
             job.tell(finished=True)
 
     def _run(self) -> None:
+        """Draw until stop(). Whatever ends it before is told to all who have asked; who asks next begins anew."""
+        why = "The thread that draws has ended unexpectedly: render again"
         try:
-            from .context import NoOpenGL, open_device
+            from .context import ContextLost, NoOpenGL, open_device
             from .studio import Studio
         except ImportError as reason:
-            self._refuse(f"moderngl, which comes with the extension, could not be loaded ({reason})")
+            self._refuse(
+                f"moderngl, which comes with the extension, could not be loaded ({reason}): install the extension again"
+            )
             return
         try:
-            device = open_device()
-        except NoOpenGL as reason:
-            self._refuse(str(reason))
-            return
-        studio = Studio(device, self.edition)
+            with closing(Studio(open_device(), self.edition)) as studio:
+                self._draw(studio)
+        except (NoOpenGL, ContextLost) as reason:
+            why = str(reason)
+        finally:
+            self._refuse(why)
+
+    def _draw(self, studio: "Studio") -> None:
+        """All that is asked for, until stop()."""
         while True:
             with self._news:
                 self._news.wait_for(self._has_work)
                 if self._stopped():
-                    break
+                    return
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
                 forgotten, self._forgotten = self._forgotten, set()
                 edition = self.edition
@@ -111,7 +124,6 @@ class Worker:
             for client, job in jobs.items():
                 self._rest()
                 studio.step(client, job)
-        studio.close()
 
     def _rest(self) -> None:
         """Wait as long as a rest lasts."""
@@ -129,12 +141,12 @@ class Worker:
         return self._thread is not threading.current_thread()
 
     def _refuse(self, reason: str) -> None:
-        """Answer everyone who asked with `reason`; the next request tries again."""
+        """Answer everyone who waits with `reason`; the next request tries again."""
         with self._news:
             if self._stopped():
                 return
             self._thread = None
-            jobs = list(self._jobs.values())
+            jobs = [job for job in self._jobs.values() if not job.finished]
             self._jobs.clear()
         for job in jobs:
             job.tell(error=reason, finished=True)

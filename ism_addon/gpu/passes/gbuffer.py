@@ -86,9 +86,9 @@ class GBuffer(Pass):
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
         gl, size = frame.device.gl, tuple(map(int, frame.grid.bounds(frame.view.width, frame.view.height)[1]))
-        room = tuple(map(int, frame.grid.room(frame.view.width, frame.view.height)))
+        room = np.minimum(frame.grid.room(frame.view.width, frame.view.height), self.device.texture_size)
         for name in ("triangles", "z"):
-            frame.targets.reserve(name, self.writes[name], room)
+            frame.targets.reserve(name, self.writes[name], tuple(map(int, room)))
         target = frame.targets.into("triangles", "z")
         target.clear(depth=0.0, viewport=(0, 0, *size))
         most = self.device.texture_size  # viewports may be as large
