@@ -10,7 +10,11 @@ from collections.abc import Iterator
 from dataclasses import Field, replace
 from typing import Any
 
+from .scene import View
 from .settings import SECTIONS, Control, Settings, controls
+
+#: px. Drivers have no room for the weights of filters much wider; Blender has filters of up to 500.
+WIDEST_FILTER = 50.0
 
 
 def within_limits(settings: Settings) -> Settings:
@@ -29,6 +33,19 @@ def beyond_limits(settings: Settings) -> tuple[str, ...]:
         for section in (getattr(settings, name) for name in SECTIONS)
         for member, control, nearest in _beyond_limits(section)
     )
+
+
+def view_within_limits(view: View) -> View:
+    """The same, with a pixel filter that can be drawn."""
+    nearest = min(WIDEST_FILTER, max(0.0, view.filter_width))  # 0 for what is no number
+    return view if view.filter_width == nearest else replace(view, filter_width=nearest)
+
+
+def view_beyond_limits(view: View) -> tuple[str, ...]:
+    """A sentence if view_within_limits changes it."""
+    nearest = view_within_limits(view).filter_width
+    sentence = f"Filter Size cannot be {view.filter_width:g} px: {nearest:g} px is used instead."
+    return (sentence,) if view.filter_width != nearest else ()
 
 
 def _beyond_limits(section: Any) -> Iterator[tuple[Field, Control, int | float]]:

@@ -11,10 +11,12 @@ import math
 import zipfile
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import IO, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from .files import replacing
+from .ranges import FARTHEST, MOST, invertible, spanning, within
 from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from .settings import Choice, Settings
 
@@ -56,13 +58,16 @@ class SnapshotError(ValueError):
 
 
 def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None:
-    """Write a snapshot. Arrays come back from `load` bit for bit."""
+    """Write a snapshot. Arrays come back from `load` bit for bit. Raises OSError; what was there before then stays."""
     arrays: dict[str, np.ndarray] = {}
     parts = {"scene": scene, "view": view, "settings": settings}
     told = {"version": VERSION, **{name: _told(part, name, arrays) for name, part in parts.items()}}
     text = np.frombuffer(json.dumps(told, allow_nan=False).encode(), np.uint8)
-    with open(path, "wb") as file:
-        np.savez(file, snapshot=text, **arrays)
+    # numpy's own savez would leave the archive open when the disk is full, to complain about it later.
+    with replacing(path) as file, zipfile.ZipFile(file, "w") as archive:
+        for name, array in {"snapshot": text, **arrays}.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
 
 
 def load(path: str | Path) -> tuple[Scene, View, Settings]:
@@ -81,17 +86,33 @@ def load(path: str | Path) -> tuple[Scene, View, Settings]:
         for name, kind in (("scene", Scene), ("view", View), ("settings", Settings))
     )
     _check_indices(scene)
+    _check_vectors(scene)
+    _check_view(view)
     return scene, view, settings
 
 
-def _members(file: Any, size: int) -> dict[str, np.ndarray]:
+def _members(file: IO[bytes], size: int) -> dict[str, np.ndarray]:
     """The file's arrays, none of which can be larger than the file."""
-    with zipfile.ZipFile(file) as members:
-        if sum(member.file_size for member in members.infolist()) > size:
+    arrays = {}
+    with zipfile.ZipFile(file) as archive:
+        members = archive.infolist()
+        if sum(member.file_size for member in members) > size:
             raise ValueError("its arrays are larger than the file")
-    file.seek(0)
-    with np.load(file, allow_pickle=False) as arrays:
-        return {name: arrays[name] for name in arrays.files}
+        for member in members:
+            with archive.open(member) as content:
+                if _claimed(content) != member.file_size:
+                    raise ValueError(f"{member.filename} is not as large as its array")
+            with archive.open(member) as content:
+                arrays[member.filename.removesuffix(".npy")] = np.lib.format.read_array(content, allow_pickle=False)
+    return arrays
+
+
+def _claimed(content: IO[bytes]) -> int:
+    """How many bytes a member should have by what stands at its beginning: numpy asks for memory by that."""
+    version = np.lib.format.read_magic(content)
+    header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = header(content)
+    return content.tell() + math.prod(shape) * dtype.itemsize
 
 
 def _told(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
@@ -141,6 +162,7 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
         where = f"{place}/{member.name}"
         if hints[member.name] is np.ndarray:
             values[member.name] = _array(SHAPES[kind, member.name], where, lengths, arrays)
+            _check_numbers(values[member.name], MOST.get((kind, member.name)), where)
         elif member.name in told:
             values[member.name] = _built(hints[member.name], told[member.name], where, arrays)
         elif member.default is MISSING:
@@ -168,9 +190,40 @@ def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str,
     ):
         seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
         raise SnapshotError(f"The snapshot's {place} is {seen} where {expected} belongs.")
+    return np.ascontiguousarray(array)
+
+
+def _check_numbers(array: np.ndarray, most: float | None, place: str) -> None:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         raise SnapshotError(f"The snapshot's {place} holds numbers that are not finite.")
-    return np.ascontiguousarray(array)
+    if most is not None and not within(array, most).all():
+        raise SnapshotError(f"The snapshot's {place} holds numbers beyond {most:g}.")
+
+
+def _check_vectors(scene: Scene) -> None:
+    """Directions are that, meshes and lights have a size."""
+    directions = {f"scene/meshes/{index}/normals": mesh.normals for index, mesh in enumerate(scene.meshes)}
+    directions["scene/lights/normal"] = scene.lights.normal
+    for place, vectors in directions.items():
+        if not np.allclose(np.einsum("...i,...i", vectors, vectors), 1.0, atol=0.01):
+            raise SnapshotError(f"The snapshot's {place} holds vectors that are not of unit length.")
+    matrices = scene.instances.world_from_object
+    if (matrices[:, 3] != (0.0, 0.0, 0.0, 1.0)).any() or not invertible(matrices[:, :3, :3]).all():
+        raise SnapshotError("The snapshot's scene/instances/world_from_object flattens a mesh, or does not place it.")
+    if not spanning(scene.lights.axis_u, scene.lights.axis_v).all():
+        raise SnapshotError("The snapshot's scene/lights have one without a size.")
+
+
+def _check_view(view: View) -> None:
+    """The camera is turned and moved, no more, and its projection is one."""
+    turn = view.view_from_world[:3, :3]
+    if not np.allclose(turn @ turn.T, np.eye(3), atol=0.01) or tuple(view.view_from_world[3]) != (0.0, 0.0, 0.0, 1.0):
+        raise SnapshotError("The snapshot's view/view_from_world is not rigid.")
+    (x, y, z), depth = np.diag(view.clip_from_view)[:3], view.clip_from_view[2, 3]
+    perspective = tuple(view.clip_from_view[3]) == (0.0, 0.0, -1.0, 0.0) and z <= -1.0 and depth < 0.0
+    orthographic = tuple(view.clip_from_view[3]) == (0.0, 0.0, 0.0, 1.0) and z < 0.0
+    if min(abs(x), abs(y)) * FARTHEST < 1.0 or not (perspective or orthographic):
+        raise SnapshotError("The snapshot's view/clip_from_view is neither a perspective nor an orthographic view.")
 
 
 def _check_indices(scene: Scene) -> None:

@@ -16,11 +16,17 @@ from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, Vi
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
 
 
+def directions(generator, *shape):
+    """Of unit length."""
+    vectors = generator.normal(size=(*shape, 3))
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
 def a_mesh(generator, uvs=True):
     return Mesh(
         positions=generator.normal(size=(5, 3)).astype(np.float32),
         triangles=np.array([[0, 1, 2], [2, 3, 4]], np.uint32),
-        normals=generator.normal(size=(2, 3, 3) if uvs else (5, 3)).astype(np.float32),
+        normals=directions(generator, *((2, 3) if uvs else (5,))).astype(np.float32),
         uvs=generator.normal(size=(2 if uvs else 0, 3, 2)).astype(np.float32),
         materials=np.array([1, 0], np.uint32),
     )
@@ -32,7 +38,7 @@ def a_scene():
         meshes=(a_mesh(generator), a_mesh(generator, uvs=False)),
         instances=Instances(
             mesh=np.array([1, 0, 1], np.int32),
-            world_from_object=generator.normal(size=(3, 4, 4)),
+            world_from_object=np.insert(generator.normal(size=(3, 3, 4)), 3, [0, 0, 0, 1], axis=1),
             visible=np.array([True, False, True]),
             casts_shadow=np.array([False, True, True]),
             groups=np.array([0, 5, 1], np.uint32),
@@ -41,7 +47,8 @@ def a_scene():
         images=(Image(generator.integers(0, 256, (3, 2, 4)).astype(np.uint8), repeat=False),),
         lights=Lights(
             shape=np.array([0, 1], np.int32),
-            **{name: generator.normal(size=(2, 3)) for name in ("position", "axis_u", "axis_v", "normal")},
+            **{name: generator.normal(size=(2, 3)) for name in ("position", "axis_u", "axis_v")},
+            normal=directions(generator, 2),
             radiance=generator.random((2, 3), np.float32),
             spread=generator.random(2, np.float32),
             casts_shadow=np.array([True, False]),
@@ -53,7 +60,7 @@ def a_scene():
     )
 
 
-VIEW = View(np.eye(4), np.eye(4) * 0.1, 640, 480, 1.25, True)
+VIEW = View(np.diag([0.1, 0.2, -0.3, 1.0]), np.eye(4)[[1, 0, 2, 3]], 640, 480, 1.25, True)
 SETTINGS = Settings(
     Shadow(method=Method.CLASSIC, bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show=DebugView.NORMAL
 )
@@ -171,6 +178,18 @@ def rewritten(path, arrays=None, told=None):
         ("scene/lights/shape", np.array([0, 2], np.int32), "leads outside 0 to 1"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
+        ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),
+        ("scene/lights/radiance", np.full((2, 3), 2e15, np.float32), "holds numbers beyond 1e[+]15"),
+        ("scene/meshes/1/normals", np.zeros((5, 3), np.float32), "not of unit length"),
+        ("scene/lights/normal", np.full((2, 3), 1.0), "not of unit length"),
+        ("scene/instances/world_from_object", np.ones((3, 4, 4)), "does not place it"),
+        ("scene/instances/world_from_object", np.stack([np.diag([1.0, 0.0, 1.0, 1.0])] * 3), "flattens a mesh"),
+        ("scene/lights/axis_u", np.zeros((2, 3)), "have one without a size"),
+        ("view/view_from_world", 2.0 * np.eye(4), "not rigid"),
+        ("view/view_from_world", np.eye(4)[[3, 1, 2, 0]], "not rigid"),
+        ("view/clip_from_view", np.eye(4), "neither a perspective nor an orthographic view"),
+        ("view/clip_from_view", np.diag([0.0, 1.0, -1.0, 1.0]), "neither a perspective nor an orthographic"),
+        ("view/clip_from_view", np.diag([1.0, 1.0, -1.0, 2.0]), "neither a perspective nor an orthographic"),
         ("scene/world/radiance", np.array([None] * 3, object), "is not a snapshot"),
     ],
 )

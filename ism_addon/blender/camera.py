@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 
+from ..ranges import within
 from ..scene import View
-from .reach import within
 
 #: Left, right, bottom and top of a part of a picture, in pixels of the whole.
 Part = tuple[int, int, int, int]

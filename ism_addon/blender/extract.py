@@ -10,7 +10,7 @@ from collections.abc import Callable
 import bpy
 
 from ..scene import Scene
-from . import updates, world
+from . import libraries, updates, world
 from .findings import Findings
 from .geometry import Geometry
 from .lights import LightTable
@@ -81,6 +81,7 @@ class Reader:
         """Everything that stands in the scene."""
         view_layer = depsgraph.view_layer_eval
         self._others = Findings()
+        libraries.note_missing(depsgraph, self._others)
         self._instancers.clear()
         parts = self._materials, self._geometry, self._lights
         for part in parts:

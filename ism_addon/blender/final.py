@@ -8,7 +8,7 @@ import numpy as np
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
-from ..limits import beyond_limits
+from ..limits import beyond_limits, view_beyond_limits
 from ..scene import View
 from . import account, camera, controls, frames
 
@@ -32,6 +32,8 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
         for view_name in _view_names(engine, layer.name):
             engine.active_view_set(view_name)
             view = camera.final_view(depsgraph, engine)
+            for warning in view_beyond_limits(view):
+                engine.report({"WARNING"}, warning)
             job = shared.start(Request(scene, view, chosen, surfaces), shares.client)
             if not _render_view(engine, job, view, layer.name, view_name):
                 break

@@ -7,10 +7,10 @@ import bpy
 import numpy as np
 
 from .. import radiometry
+from ..ranges import BRIGHTEST, spanning, within
 from ..scene import MOST_GROUPS, Lights, LightShape
 from .findings import Findings
 from .links import Links
-from .reach import BRIGHTEST, within
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
 SHAPES = {
@@ -131,7 +131,8 @@ def _row(
     area = float(sides.prod())
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
-    if not (within(world_from_light).all() and within(sides).all() and area > 0 and depth > 0):
+    has_size = within(sides).all() and spanning(axis_u[None], axis_v[None]).item()
+    if not (has_size and within(world_from_light).all() and depth > 0):
         return None
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0

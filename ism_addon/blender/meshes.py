@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..ranges import within
 from ..scene import Mesh
 from . import faces
-from .reach import within
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from .reach import within
+from ..ranges import within
 
 #: The nodes of textures behind which only the mesh's own UVs stand.
 UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}

@@ -31,7 +31,8 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
         try:
             saved = origin.save(context, self.filepath)
         except (camera.CameraError, OSError) as reason:
-            self.report({"ERROR"}, f"The snapshot was not saved: {reason}")
+            why = f"{reason.strerror}: {self.filepath}" if isinstance(reason, OSError) else reason
+            self.report({"ERROR"}, f"The snapshot was not saved: {why}")
             return {"CANCELLED"}
         self.report({"INFO"}, f"Saved {saved} to {self.filepath}")
         return {"FINISHED"}

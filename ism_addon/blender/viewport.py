@@ -8,7 +8,7 @@ import bpy
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
-from ..limits import beyond_limits
+from ..limits import beyond_limits, view_beyond_limits
 from ..scene import Scene, View
 from . import camera, controls, extract, lookout
 from .present import Place, Presenter
@@ -92,7 +92,8 @@ class Viewport:
                 self._look_at_job()
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
-            self._asked, self._place, self._warnings = asked, place, beyond_limits(chosen)
+            self._asked, self._place = asked, place
+            self._warnings = *beyond_limits(chosen), *view_beyond_limits(view)
 
     def _look_at_job(self) -> None:
         """Show its picture, if it has one by now."""

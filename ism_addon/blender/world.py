@@ -4,10 +4,10 @@
 import bpy
 import numpy as np
 
+from ..ranges import within
 from ..scene import World
 from . import nodes
 from .findings import Findings
-from .reach import within
 
 
 def read(world: bpy.types.World | None, findings: Findings) -> World:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import snapshot
-from ..limits import beyond_limits
+from ..limits import beyond_limits, view_beyond_limits
 from ..scene import View
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
 from .job import Job, Picture, Request
@@ -120,7 +120,7 @@ def main() -> int:
     except (OSError, ValueError) as reason:
         print(reason, file=sys.stderr)
         return 1
-    for warning in (*scene.warnings, *beyond_limits(request.settings)):
+    for warning in (*scene.warnings, *view_beyond_limits(request.view), *beyond_limits(request.settings)):
         print(warning, file=sys.stderr)
     picture, job = draw(request)
     if picture is None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..limits import within_limits
+from ..limits import view_within_limits, within_limits
 from ..scene import Scene, View
 from ..settings import Settings
 
@@ -37,7 +37,8 @@ class Job:
     """One request on its way. All of it may be asked from any thread."""
 
     def __init__(self, request: Request, news: threading.Condition):
-        self.request = replace(request, settings=within_limits(request.settings))
+        view, settings = view_within_limits(request.view), within_limits(request.settings)
+        self.request = replace(request, view=view, settings=settings)
         self.samples = self.request.settings.quality.samples  # at most
         self.samples_done = 0
         self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one

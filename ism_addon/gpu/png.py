@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..color import srgb_from_linear
+from ..files import replacing
 
 
 def display_from_linear(color: np.ndarray) -> np.ndarray:
@@ -18,7 +19,7 @@ def display_from_linear(color: np.ndarray) -> np.ndarray:
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
-    """Write (H,W,4) uint8, bottom row first, as a PNG of 8-bit RGBA (ISO 15948)."""
+    """Write (H,W,4) uint8, bottom row first, as a PNG of 8-bit RGBA (ISO 15948). Raises OSError."""
     height, width = pixels.shape[:2]
     lines = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter, 0: none
     lines[:, 1:] = pixels[::-1].reshape(height, -1)
@@ -27,9 +28,7 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
-    path.write_bytes(
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", zlib.compress(lines.tobytes(), 6))
-        + chunk(b"IEND", b"")
-    )
+    with replacing(path) as file:
+        file.write(b"\x89PNG\r\n\x1a\n")
+        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
+            file.write(chunk(kind, data))

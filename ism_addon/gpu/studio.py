@@ -52,7 +52,7 @@ class Studio:
             self.device.collect()
 
     def step(self, client: Hashable, job: Job) -> None:
-        """Draw one pass of a job. Whatever goes wrong is its own error, but ContextLost, which it raises: all have it."""
+        """Draw one pass of a job. Whatever goes wrong is its own error, but for ContextLost, which is raised."""
         try:
             if job not in self.running:
                 self.running[job] = draw(*self.of(client), job)
