@@ -4,7 +4,9 @@
 settings    every number a user can turn
 limits      what becomes of those that are out of their range
 scene       what a picture is made of, as arrays
+ranges      how large its numbers may be
 snapshot    scene, view and settings to one .npz and back
+files       written whole or not at all
 spaces      matrices between spaces, and the naming rule
 radiometry  Blender's watts and metres to radiance and irradiance
 color       linear light and sRGB

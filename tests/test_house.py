@@ -20,7 +20,19 @@ SHADERS = sorted(path for path in (ADDON / "gpu" / "shaders").iterdir() if path.
 #: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
 COMMON = {"full_screen.vert": "full_screen", "blocks.vert": "in_blocks"}
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
-PURE = ("color", "settings", "limits", "scene", "spaces", "radiometry", "cores", "sampling", "snapshot")
+PURE = (
+    "files",
+    "ranges",
+    "color",
+    "settings",
+    "limits",
+    "scene",
+    "spaces",
+    "radiometry",
+    "cores",
+    "sampling",
+    "snapshot",
+)
 
 
 @dataclass(frozen=True)

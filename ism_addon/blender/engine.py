@@ -11,7 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
-from . import account, frames, lookout
+from . import account, frames, handlers, lookout
 
 if TYPE_CHECKING:
     from .viewport import Viewport
@@ -91,7 +91,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    bpy.app.handlers.load_pre.remove(stop)
+    handlers.remove(bpy.app.handlers.load_pre, stop)
     lookout.stop()
     bpy.utils.unregister_class(ISMRenderEngine)
     frames.unregister()

@@ -2,6 +2,7 @@
 """The final render of one view layer: every stereo view of it, sample by sample, into Blender's passes."""
 
 import time
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -22,14 +23,20 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     """Render the depsgraph's view layer. What cannot be drawn becomes one sentence in the engine's report."""
     layer = depsgraph.view_layer_eval
     shares = frames.Layer() if engine.is_preview else frames.layer(depsgraph)
-    scene = shares.read(depsgraph)
+    view_names = _view_names(engine, layer.name)
+    try:
+        scene = shares.read(depsgraph, _all_until_cancelled(engine))
+    except _Cancelled:
+        for view_name in view_names:  # black: Blender would crash as it saves none at all
+            engine.end_result(engine.begin_result(0, 0, 1, 1, layer=layer.name, view=view_name))
+        return
     chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
     if not engine.is_preview:
         for warning in (*scene.warnings, *beyond_limits(chosen)):
             engine.report({"WARNING"}, warning)
     surfaces = layer.use_pass_z or layer.use_pass_normal
     try:
-        for view_name in _view_names(engine, layer.name):
+        for view_name in view_names:
             engine.active_view_set(view_name)
             view = camera.final_view(depsgraph, engine)
             for warning in view_beyond_limits(view):
@@ -42,6 +49,21 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     finally:
         if engine.is_preview:
             shared.forget(shares.client)
+
+
+class _Cancelled(Exception):
+    """The user has pressed Escape while the scene was read."""
+
+
+def _all_until_cancelled(engine: bpy.types.RenderEngine) -> Callable[[bpy.types.Object], bool]:
+    """What is shown, which is asked of every object before it is read: all of them. Raises _Cancelled."""
+
+    def shown(_object: bpy.types.Object) -> bool:
+        if engine.test_break():
+            raise _Cancelled
+        return True
+
+    return shown
 
 
 def _view_names(engine: bpy.types.RenderEngine, layer: str) -> list[str]:
@@ -74,7 +96,7 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
             _fill(passes, view_name, picture)
     finally:
         job.cancel()
-        engine.end_result(result, cancel=job.picture() is None)
+        engine.end_result(result, cancel=bool(job.error) and job.picture() is None)
     if job.error:
         _refuse(engine, job.error)
     elif done and not engine.is_preview:

@@ -4,6 +4,7 @@
 Kept as long as Blender's render job lasts and, with its Persistent Data, until the next one.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -11,6 +12,7 @@ from bpy.app.handlers import persistent
 
 from ..gpu.worker import shared
 from ..scene import Scene
+from . import handlers
 
 
 class Layer:
@@ -21,13 +23,13 @@ class Layer:
 
         self.reader, self.client = Reader(), object()
 
-    def read(self, depsgraph: bpy.types.Depsgraph) -> Scene:
-        """The Scene by now; what is as in the frame before is the same object."""
+    def read(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> Scene:
+        """The Scene by now; what is as in the frame before is the same object. `shown` says what is wanted."""
         # Blender builds a depsgraph anew for each frame, but for Persistent Data. A new one names its scene as updated,
         # and does not say what is as it was before.
         if any(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
             self.reader.distrust()
-        return self.reader.read(depsgraph, whole=True)
+        return self.reader.read(depsgraph, shown, whole=True)
 
 
 _layers: dict[tuple[int, str], Layer] = {}
@@ -54,15 +56,15 @@ def end(scene: bpy.types.Scene, *_more: Any) -> None:
         forget()
 
 
-HANDLERS = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
+WHEN_DONE = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
 
 
 def register() -> None:
-    for handlers in HANDLERS:
-        handlers.append(end)
+    for called in WHEN_DONE:
+        called.append(end)
 
 
 def unregister() -> None:
-    for handlers in HANDLERS:
-        handlers.remove(end)
+    for called in WHEN_DONE:
+        handlers.remove(called, end)
     forget()
