@@ -48,6 +48,8 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
         try:
             final.render(self, depsgraph)
+        except KeyboardInterrupt:  # of the bpy module; Blender itself takes Ctrl+C for Escape
+            self.report({"ERROR"}, "The render was interrupted")
         except Exception as error:
             self.report({"ERROR"}, f"The picture could not be made: {error}")
             raise

@@ -185,15 +185,26 @@ def test_exit_while_a_viewport_is_drawn(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal as it is done elsewhere")
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, -signal.SIGTERM)])
-def test_exit_while_rendering(tmp_path, number, status):
-    """Ctrl+C is Escape to Blender, and the script goes on; what a farm's manager sends ends it at once."""
-    begin = "threading.Thread(target=lambda: (time.sleep(1.0), print('rendering', flush=True))).start()"
-    process = script(tmp_path, "scene.ism.render.samples = 65536", begin, "render('picture')")
+@pytest.mark.parametrize(
+    ("number", "status", "said"),
+    [(signal.SIGINT, 0, "'Error: The render was interrupted\\n'"), (signal.SIGTERM, -signal.SIGTERM, "")],
+    ids=["Ctrl+C", "killed"],
+)
+def test_exit_while_rendering(tmp_path, number, status, said):
+    """A script can tell what has happened; what a farm's manager sends ends it at once."""
+    lines = (
+        "scene.ism.render.samples = 65536",
+        "threading.Thread(target=lambda: (time.sleep(1.0), print('rendering', flush=True))).start()",
+        "try:",
+        "    render('picture')",
+        "except RuntimeError as error:",
+        "    print(repr(str(error)))",
+    )
+    process = script(tmp_path, *lines)
     assert any("rendering" in line for line in process.stdout)
     process.send_signal(number)
     before = time.monotonic()
-    done(process, status)
+    assert said in done(process, status)
     assert time.monotonic() - before < 5.0
 
 
