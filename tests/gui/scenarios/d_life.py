@@ -42,6 +42,27 @@ def final_render(stage: Stage) -> Steps:
 
 
 @scenario(patience=180)
+def from_a_timer_and_to_the_end(stage: Stage) -> Steps:
+    """A timer renders while the viewport does; then Blender is closed in the middle of F12."""
+    yield from _busy(stage)
+    scenery.camera()
+    render = stage.scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 320, 240, 100
+    render.filepath = str(stage.folder / "final.png")
+    bpy.context.preferences.view.render_display_type = "NONE"
+    with bpy.context.temp_override(window=stage.window):
+        assert bpy.ops.render.render(write_still=True) == {"FINISHED"}  # each step of a scenario is a timer's
+    final = picture(stage.folder / "final.png")
+    assert final.max() - final.min() > 0.3, "the timer's picture is empty"
+    assert engine.is_busy()
+    stage.scene.ism.render.samples, stage.scene.ism.render.error_threshold = LONG, 0.0
+    with bpy.context.temp_override(window=stage.window):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from stage.wait(1.0)
+    assert bpy.app.is_job_running("RENDER")
+
+
+@scenario(patience=180)
 def file_load(stage: Stage) -> Steps:
     """Another file is loaded while the viewport renders, and is seen."""
     scenery.studio()
