@@ -20,8 +20,8 @@ BENCHMARKS = sorted(
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
     if path.suffix == ".py" or (path / "__main__.py").is_file()
 )
-#: Random pictures, and frames of animations, of the whole stress test; dev.py test draws fewer.
-STRESS_FULL = "--examples=10000", "--frames=100"
+#: Random pictures, frames of animations, and renders in a row, of the whole stress test; dev.py test draws fewer.
+STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 #: Our exit status where something cannot be tried here, as others have it too.

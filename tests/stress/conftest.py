@@ -33,6 +33,12 @@ def frames(request: pytest.FixtureRequest) -> int:
     return request.config.getoption("--frames")
 
 
+@pytest.fixture
+def rounds(request: pytest.FixtureRequest) -> int:
+    """How many renders there are in a row."""
+    return request.config.getoption("--rounds")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[ROWS] = {}
 
