@@ -112,3 +112,41 @@ def test_a_broken_setting(value, path):
         addon.unregister()
     held = getattr(getattr(told, {"render": "quality"}.get(section, section)), name)
     assert math.isfinite(held)
+
+
+def painted() -> bpy.types.Object:
+    """A thing in view, painted with an image."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.6, location=(0.0, 0.0, 1.0))
+    material, image = bpy.data.materials.new("Painted"), bpy.data.images.new("Image", 4, 4)
+    image.pixels.foreach_set(np.linspace(0.1, 0.9, 64, dtype=np.float32))
+    material.use_nodes = True
+    texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    surface = material.node_tree.nodes["Principled BSDF"]
+    material.node_tree.links.new(texture.outputs["Color"], surface.inputs["Base Color"])
+    bpy.context.object.data.materials.append(material)
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("value", [*VALUES, 1e30, -1e10])
+@pytest.mark.parametrize("what", ["texture coordinates", "normals", "pixels"])
+def test_broken_values_in_view(device, within, what, value):
+    """A thing that is seen: its own pixels are light or dark, and all others as before."""
+    into_blender(*box_over_plane(48, 32))
+    thing = painted()
+    whole = drawn(device)
+    mesh = thing.data
+    if what == "texture coordinates":
+        mesh.uv_layers[0].uv.foreach_set("vector", np.full(2 * len(mesh.loops), value, np.float32))
+    elif what == "normals":
+        mesh.normals_split_custom_set(np.full((len(mesh.loops), 3), np.clip(value, -3e38, 3e38), np.float32))
+    else:
+        image = bpy.data.images.new("Broken", 4, 4, float_buffer=True)
+        image.pixels.foreach_set(np.full(64, value, np.float32))
+        next(node for node in thing.active_material.node_tree.nodes if node.type == "TEX_IMAGE").image = image
+    mesh.update()
+    broken = drawn(device)
+    assert np.isfinite(broken).all()
+    assert broken.min() >= 0.0
+    near = np.abs(broken - whole)[..., :3].max(-1) > 1e-5
+    within(float(near.mean()), 0.15)  # the thing and its shadow
