@@ -154,8 +154,18 @@ def test_unknown_errors_are_not_swallowed():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="takes the drivers away as it is done on Linux")
-def test_no_opengl_is_one_sentence():
+@pytest.mark.parametrize(
+    ("before", "environment", "sentence"),
+    [
+        ("", {"__EGL_VENDOR_LIBRARY_FILENAMES": "/none"}, "OpenGL 4.1 could not be opened"),
+        ("import sys; sys.modules['moderngl'] = None\n", {}, "moderngl, which comes with the extension, could not be"),
+    ],
+    ids=["no driver", "no moderngl"],
+)
+def test_what_is_missing_is_one_sentence_of_a_render(before, environment, sentence):
+    """The engine is there all the same."""
     result = python(
+        f"{before}"
         "import bpy\n"
         "from ism_addon import addon\n"
         "addon.register()\n"
@@ -164,9 +174,9 @@ def test_no_opengl_is_one_sentence():
         "    bpy.ops.render.render()\n"
         "except RuntimeError as error:\n"
         "    print('SAID', str(error).strip())\n",
-        __EGL_VENDOR_LIBRARY_FILENAMES="/nonexistent",
+        **environment,
     )
     assert result.returncode == 0, result.stderr
     (said,) = [line for line in result.stdout.splitlines() if line.startswith("SAID")]
-    assert "OpenGL" in said
+    assert said.startswith(f"SAID Error: {sentence}")
     assert "Traceback" not in result.stderr
