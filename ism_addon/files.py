@@ -2,8 +2,10 @@
 """Files that are written whole or not at all."""
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import EACCES
 from pathlib import Path
 from typing import BinaryIO
 
@@ -14,17 +16,30 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
 
     Raises OSError, which names `path`.
     """
-    place = Path(path).resolve()  # where a link leads, the link stays
-    if place.exists() and not place.is_file():  # such as /dev/stdout
-        with open(place, "wb") as file:
-            yield file
-        return
-    part = place.with_name(f"{place.name}.part")
     try:
-        with open(part, "wb") as file:
-            yield file
-        os.replace(part, place)
+        if os.path.exists(path) and not os.path.isfile(path):  # such as /dev/stdout
+            with open(path, "wb") as file:
+                yield file
+        else:
+            with _beside(Path(os.path.realpath(path))) as file:  # where a link leads, the link stays
+                yield file
     except OSError as reason:
         raise OSError(reason.errno, reason.strerror or str(reason), str(path)) from reason
-    finally:
-        part.unlink(missing_ok=True)
+
+
+@contextmanager
+def _beside(place: Path) -> Iterator[BinaryIO]:
+    """The same for a plain file, or none so far."""
+    if place.exists() and not os.access(place, os.W_OK):
+        raise OSError(EACCES, os.strerror(EACCES))
+    part = place.with_name(f".{os.getpid()}.part")
+    file = open(part, "xb")  # noqa: SIM115 (what another one has begun is not to be removed)
+    try:
+        with file:
+            yield file
+        if place.exists():
+            shutil.copymode(place, part)
+        os.replace(part, place)
+    except BaseException:
+        part.unlink()
+        raise

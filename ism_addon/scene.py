@@ -17,6 +17,9 @@ import numpy as np
 #: Groups of instances that lights may be linked to: as many as a float32 has bits for.
 MOST_GROUPS = 24
 
+#: A picture's width and height, as in Blender.
+MOST_PIXELS = 1 << 16
+
 
 class LightShape(IntEnum):
     """Blender's four area lights are two: a square is a rectangle, a disk an ellipse."""
@@ -171,7 +174,7 @@ class View(Arrays):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.width < 1 or self.height < 1:
+        if not (1 <= self.width <= MOST_PIXELS and 1 <= self.height <= MOST_PIXELS):
             raise ValueError(f"a picture of {self.width}×{self.height} pixels cannot be drawn")
 
     def coarse(self, pixel: int) -> Self:

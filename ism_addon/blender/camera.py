@@ -146,6 +146,8 @@ def _check(camera: bpy.types.Object) -> None:
             f"The camera '{camera.name}' is panoramic, which this engine cannot draw; "
             "make it perspective or orthographic."
         )
+    if camera.data.clip_start >= camera.data.clip_end:
+        raise CameraError(f"The camera '{camera.name}' sees nothing: its clip ends before it starts.")
 
 
 def _cropped(clip_from_view: np.ndarray, left: float, right: float, bottom: float, top: float) -> np.ndarray:

@@ -27,6 +27,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     try:
         scene = shares.read(depsgraph, _all_until_cancelled(engine))
     except _Cancelled:
+        shares.reader.distrust()  # what has changed is not told again
         for view_name in view_names:  # black: Blender would crash as it saves none at all
             engine.end_result(engine.begin_result(0, 0, 1, 1, layer=layer.name, view=view_name))
         return
@@ -39,8 +40,9 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
         for view_name in view_names:
             engine.active_view_set(view_name)
             view = camera.final_view(depsgraph, engine)
-            for warning in view_beyond_limits(view):
-                engine.report({"WARNING"}, warning)
+            if view_name == view_names[0] and not engine.is_preview:
+                for warning in view_beyond_limits(view):
+                    engine.report({"WARNING"}, warning)
             job = shared.start(Request(scene, view, chosen, surfaces), shares.client)
             if not _render_view(engine, job, view, layer.name, view_name):
                 break

@@ -85,6 +85,7 @@ class Geometry:
         rows = [row for row in self._rows if row.reading.mesh is not None]
         numbers_of = chain.from_iterable(chain.from_iterable(row.world_from_object for row in rows))
         matrices = np.fromiter(numbers_of, np.float64, 16 * len(rows)).reshape(-1, 4, 4)  # 7 times as fast as array()
+        matrices[:, 3] = 0.0, 0.0, 0.0, 1.0  # as it is in Blender's but for rounding, after parents were inverted
         in_reach = within(matrices).all((1, 2))
         upright = in_reach & invertible(np.where(in_reach[:, None, None], matrices[:, :3, :3], 0.0))
         for found in dict.fromkeys(found for row in self._rows for found in (row.reading.findings, row.unlike)):

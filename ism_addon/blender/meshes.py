@@ -76,11 +76,16 @@ def _normals(source: bpy.types.Mesh, vertices: np.ndarray, corners: np.ndarray) 
 
 
 def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The same, but where they are no directions, those of their triangles."""
+    """The same of unit length, but where they are no directions, those of their triangles."""
     with np.errstate(all="ignore"):
         x, y, z = (normals[..., axis] for axis in range(3))
         square = x * x + y * y + z * z
-    broken = ~((square > 0.25) & np.isfinite(square))
+    uneven = ~(np.abs(square - 1.0) < 0.01)
+    if not uneven.any():
+        return normals
+    broken = uneven & ~((square > 0.25) & np.isfinite(square))
+    with np.errstate(all="ignore"):
+        normals = np.where(uneven[..., None], normals / np.sqrt(square)[..., None], normals)
     if not broken.any():
         return normals
     if normals.ndim == 2:
@@ -88,7 +93,6 @@ def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -
     of_triangle, _ = np.nonzero(broken)
     a, b, c = (positions[triangles[of_triangle, corner]] for corner in range(3))
     crossed = np.cross(b - a, c - a)
-    normals = normals.copy()
     normals[broken] = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
     return normals
 

@@ -112,7 +112,7 @@ def draw(request: Request) -> tuple[Picture | None, Job]:
 
 
 def main() -> int:
-    """Exit status: 0, or 1 with a sentence on stderr where there is no picture."""
+    """Exit status: 0, or 1 with a sentence on stderr where there is no whole picture."""
     options = parser().parse_args()
     try:
         scene, view, settings = snapshot.load(options.snapshot)
@@ -133,7 +133,9 @@ def main() -> int:
         return 1
     if options.profile:
         print(table(job.statistics))
-    return 0
+    if job.error:  # the picture is as far as it came
+        print(job.error, file=sys.stderr)
+    return int(bool(job.error))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import numpy as np
 
 from . import depth
 from .array import Array, BufferTextures, Growing
+from .faults import ContextLost, GraphicsError, NoOpenGL
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
@@ -27,18 +28,6 @@ ON_EGL = sys.platform.startswith("linux")
 
 SYNC_GPU_COMMANDS_COMPLETE = 0x9117
 FOR_EVER = (1 << 64) - 1  # ns
-
-
-class NoOpenGL(RuntimeError):
-    """This machine gives no usable OpenGL context; the message is a sentence for the artist."""
-
-
-class ContextLost(RuntimeError):
-    """The driver has taken the context away, with all that is in it; the message is a sentence for the artist."""
-
-
-class GraphicsError(RuntimeError):
-    """OpenGL has not done what was asked of it, so what it has drawn is wrong; the message is a sentence."""
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from itertools import chain
 import numpy as np
 
 from ..settings import Quality
-from .context import ContextLost, Device, GraphicsError
+from .context import Device
 from .error import Error
+from .faults import ContextLost, GraphicsError
 from .job import Job, Picture
 from .profile import Profile
 from .renderer import Renderer

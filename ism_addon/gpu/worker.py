@@ -12,6 +12,7 @@ from collections.abc import Hashable
 from contextlib import closing
 from typing import TYPE_CHECKING
 
+from .faults import ContextLost, NoOpenGL
 from .job import Job, Request
 
 if TYPE_CHECKING:
@@ -94,14 +95,13 @@ class Worker:
         """Draw until stop(). Whatever ends it before is told to all who have asked; who asks next begins anew."""
         why = "The thread that draws has ended unexpectedly: render again"
         try:
-            from .context import ContextLost, NoOpenGL, open_device
-            from .studio import Studio
-        except ImportError as reason:
-            self._refuse(
-                f"moderngl, which comes with the extension, could not be loaded ({reason}): install the extension again"
-            )
-            return
-        try:
+            try:
+                from .context import open_device
+                from .studio import Studio
+            except (ImportError, OSError) as reason:
+                why = f"moderngl, which comes with the extension, could not be loaded ({reason}): "
+                why += "install the extension again"
+                return
             with closing(Studio(open_device(), self.edition)) as studio:
                 self._draw(studio)
         except (NoOpenGL, ContextLost) as reason:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where meshes stand: everything that Blender makes of objects, collections, nodes, particles and curves."""
 
+import random
+
 import bpy
 import numpy as np
 import pytest
@@ -47,6 +49,21 @@ def test_world_matrices_are_blenders_through_parents(add, extracted):
     child.location, child.scale = (0.1, 0.2, 0.3), (2, -3, 4)
     scene = extracted()
     assert scene.instances.world_from_object[0].tolist() == [list(row) for row in child.matrix_world]
+
+
+def test_matrices_are_affine_whatever_blender_rounds(add, extracted):
+    """As where objects were parented: the parent's matrix, inverted, may end in next to 1."""
+    chance = random.Random(1)
+    for number in range(50):
+        parent, child = add(f"Parent {number}"), add(f"Child {number}")
+        parent.rotation_euler = [chance.uniform(-3.0, 3.0) for _ in range(3)]
+        parent.scale = [chance.uniform(0.1, 3.0) for _ in range(3)]
+        bpy.context.view_layer.objects.active = parent
+        with bpy.context.temp_override(selected_editable_objects=[parent, child]):
+            bpy.ops.object.parent_set()
+    bpy.context.view_layer.update()
+    assert any(tuple(thing.matrix_world[3]) != (0.0, 0.0, 0.0, 1.0) for thing in bpy.data.objects)
+    assert (extracted().instances.world_from_object[:, 3] == (0.0, 0.0, 0.0, 1.0)).all()
 
 
 def test_collections_stand_wherever_they_are_instanced_nested_too(add, extracted):

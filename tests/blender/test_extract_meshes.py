@@ -167,6 +167,13 @@ def test_a_corner_without_a_normal_has_its_triangles():
         assert meshes._mended(given, positions, triangles).tolist() == [[[0, 0, 1], [0, 0, 1], [1, 0, 0]]]
 
 
+def test_normals_are_of_unit_length():
+    """Blender 4.5's free normals, attributes of any numbers, need not be."""
+    positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
+    normals = np.float32([[0.7, 0, 0], [0, 3, 0], [0, 0, 1]])
+    assert meshes._mended(normals, positions, triangles).tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
 def test_a_mesh_in_edit_mode_is_read_as_it_stands(add, extracted):
     import bmesh
 

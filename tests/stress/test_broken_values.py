@@ -131,7 +131,7 @@ def painted() -> bpy.types.Object:
 @pytest.mark.parametrize("value", [*VALUES, 1e30, -1e10])
 @pytest.mark.parametrize("what", ["texture coordinates", "normals", "pixels"])
 def test_broken_values_in_view(device, within, what, value):
-    """A thing that is seen: its own pixels are light or dark, and all others as before."""
+    """A thing that is seen: its own pixels are light or dark, and no more pixels than it has are not as before."""
     into_blender(*box_over_plane(48, 32))
     thing = painted()
     whole = drawn(device)
@@ -149,4 +149,4 @@ def test_broken_values_in_view(device, within, what, value):
     assert np.isfinite(broken).all()
     assert broken.min() >= 0.0
     near = np.abs(broken - whole)[..., :3].max(-1) > 1e-5
-    within(float(near.mean()), 0.15)  # the thing and its shadow
+    within(float(near.mean()), 0.15)  # of the picture

@@ -3,6 +3,7 @@
 
 import io
 import random
+import subprocess
 import sys
 import tracemalloc
 import zipfile
@@ -24,6 +25,7 @@ from ..scenes.small import box_over_plane, pillar_field
 from ..studio import MAPS, SMALL_SETTINGS
 from ..test_snapshot import rewritten
 from ..test_worker import ended
+from ..tools import project
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="fills the disk as it is done on Linux")
 GONE = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."
@@ -88,12 +90,31 @@ def told(monkeypatch, capsys) -> Callable[..., str]:
 
 @ON_LINUX
 def test_a_disk_that_is_full_while_a_picture_is_written(told, path):
-    assert told(path, "-o", "/dev/full") == "[Errno 28] No space left on device"
+    assert told(path, "-o", "/dev/full") == "[Errno 28] No space left on device: '/dev/full'"
     picture = path.with_name("out.png")
     picture.write_text("an older one")
     with disk_with_room_for(100):
         assert told(path, "-o", picture) == f"[Errno 27] File too large: '{picture}'"
     assert picture.read_text() == "an older one"
+
+
+@ON_LINUX
+def test_a_file_that_is_replaced_stays_what_it_is(path):
+    """Its mode, and a link to it; one that may not be written to is not."""
+    link = path.with_name("link.npz")
+    link.symlink_to(path)
+    path.chmod(0o600)
+    snapshot.save(link, *pillar_field(24, 16), SMALL_SETTINGS)
+    assert link.is_symlink()
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
+
+
+@ON_LINUX
+def test_a_picture_into_a_pipe(path):
+    command = [sys.executable, "-m", "ism_addon.gpu", path, "-o", "/dev/stdout"]
+    said = subprocess.run(command, cwd=project.ROOT, capture_output=True, timeout=60, check=True)
+    assert said.stdout.startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
@@ -138,12 +159,41 @@ def pickled() -> bytes:
     return spell.getvalue()
 
 
+@pytest.mark.parametrize("packing", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
+def test_a_snapshot_that_is_packed(told, path, packing):
+    """What unpacks to more than the file could be anything: the sizes that an archive tells may be wrong."""
+    with zipfile.ZipFile(path, "w", packing) as archive:
+        archive.writestr("snapshot.npy", bytes(20_000_000))
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace((20_000_000).to_bytes(4, "little"), (100).to_bytes(4, "little")))
+    tracemalloc.start()
+    try:
+        assert told(path) == f"{path} is not a snapshot: its arrays are compressed."
+        assert tracemalloc.get_traced_memory()[1] < 2**20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("place", "sentence"),
+    [
+        ("settings/shadow/bias", "{path} holds a number that is too long."),
+        ("view/width", "The snapshot's view cannot be used: a picture of {number}×16 pixels cannot be drawn."),
+        ("view/filter_width", "{path} holds a number that is too long."),
+    ],
+)
+def test_a_snapshot_of_long_numbers(told, path, place, sentence):
+    number = 10**400
+    said = told(rewritten(path, told={place: number}))
+    assert str(number) in said or said == sentence.format(path=path, number=number)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "sentence"),
     [
-        ("snapshot.npy", pickled(), "snapshot.npy is not as large as its array"),
-        ("view/clip_from_view.npy", member("(2000000000,)"), "view/clip_from_view.npy is not as large as its array"),
-        ("view/clip_from_view.npy", member("(-4,)"), "view/clip_from_view.npy is not as large as its array"),
+        ("snapshot.npy", pickled(), "cannot create an OBJECT array from memory buffer"),
+        ("view/clip_from_view.npy", member("(2000000000,)"), "cannot reshape array of size 4"),
+        ("view/clip_from_view.npy", member("(-4, -4)"), "can only specify one unknown dimension"),
         ("view/clip_from_view.npy", member("(4," * 999), "is not a snapshot"),
         ("view/clip_from_view.npy", member("(4,)*10**9"), "malformed node"),
         ("view/clip_from_view.npy", member("__import__('os')"), "malformed node"),
@@ -173,6 +223,13 @@ def test_a_snapshot_that_is_hostile(told, path, name, content, sentence):
 ENDS = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-45, 1e-38, 1e-9, 1e5, -1e9, 1e9, 1e15, 3e38)
 
 
+#: Other numbers that it holds.
+TOLD = ("view/filter_width", "settings/shadow/bias", "settings/ssao/radius", "settings/quality/error_threshold")
+
+#: The same of whole numbers; most others would only be refused.
+WHOLE = {"b": (0, 1), "u": (0, 0, 1, 1, 255), "i": (0, 0, 1, -1, 2**31 - 1)}
+
+
 def spoilt(arrays: dict[str, np.ndarray], chance: random.Random) -> dict[str, np.ndarray]:
     """Some of the arrays, with other numbers in places."""
     changed = {}
@@ -180,7 +237,7 @@ def spoilt(arrays: dict[str, np.ndarray], chance: random.Random) -> dict[str, np
         changed[name] = array = arrays[name].copy()
         for _ in range(chance.choice([1, 2, array.size])):
             index = np.unravel_index(chance.randrange(array.size), array.shape)
-            array[index] = chance.choice(ENDS) if array.dtype.kind == "f" else chance.randrange(2)
+            array[index] = chance.choice(ENDS if array.dtype.kind == "f" else WHOLE[array.dtype.kind])
     return changed
 
 
@@ -192,7 +249,8 @@ def test_snapshots_of_any_numbers(worker, tmp_path, examples, scene):
         snapshot.save(path, *scene(24, 16), chance.choice([SMALL_SETTINGS, MAPS]))
         with np.load(path) as members:
             arrays = {name: members[name] for name in members.files if name != "snapshot" and members[name].size}
-        rewritten(path, arrays=spoilt(arrays, chance))
+        told = {chance.choice(TOLD): chance.choice([*ENDS, 0, -1, 10**400]) for _ in range(chance.randrange(3))}
+        rewritten(path, arrays=spoilt(arrays, chance), told=told)
         try:
             request = Request(*snapshot.load(path))
         except snapshot.SnapshotError:

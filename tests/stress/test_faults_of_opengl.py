@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.job import Job
+from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.studio import Studio
 from ism_addon.limits import beyond_limits
 
@@ -84,10 +85,17 @@ def test_an_opengl_that_is_too_old(opened_device):
     assert says_no_opengl(complaint(MESA_GL_VERSION_OVERRIDE="3.3"))
 
 
-def test_no_moderngl():
-    assert complaint("import sys; sys.modules['moderngl'] = None") == (
-        "moderngl, which comes with the extension, could not be loaded "
-        "(import of moderngl halted; None in sys.modules): install the extension again"
+@pytest.mark.parametrize(
+    ("before", "why"),
+    [
+        ("import sys; sys.modules['moderngl'] = None", "import of moderngl halted; None in sys.modules"),
+        ("import sys; sys.path.insert(0, {folder!r})", "a library of it is broken"),
+    ],
+)
+def test_no_moderngl(tmp_path, before, why):
+    (tmp_path / "moderngl.py").write_text("raise OSError('a library of it is broken')")
+    assert complaint(before.format(folder=str(tmp_path))) == (
+        f"moderngl, which comes with the extension, could not be loaded ({why}): install the extension again"
     )
 
 
@@ -120,6 +128,25 @@ def lost(studio: Studio) -> None:
 
 def killed(_studio: Studio) -> None:
     raise SystemExit  # as Python ends threads
+
+
+@ON_LINUX
+def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
+    """What was in memory before is no picture."""
+    picture, count = Renderer.picture, iter(range(3))
+
+    def picture_or_loss(renderer: Renderer) -> np.ndarray:
+        if next(count, 3) == 2:
+            ctypes.CFUNCTYPE(ctypes.c_uint)(renderer.device.gl.mglo._context.load("eglReleaseThread"))()
+        return picture(renderer)
+
+    monkeypatch.setattr(Renderer, "picture", picture_or_loss)
+    job, pictures = worker.start(request(LONG), "client"), []
+    while not job.finished:
+        job.wait(1.0)
+        pictures.append(job.picture())
+    assert "taken OpenGL away" in job.error
+    assert all(picture.color.min() >= 0.0 and picture.color.max() < 10.0 for picture in pictures if picture is not None)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import bpy
+import mathutils
 import numpy as np
 import pytest
 
@@ -119,11 +120,12 @@ def cancelled(tmp_path):
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth, scene.render.image_settings.exr_codec = "32", "NONE"
     scene.render.resolution_x, scene.render.resolution_y = 320, 180
-    scene.ism.render.samples = 65536
+    scene.ism.render.samples, scene.ism.render.error_threshold = 65536, 0.0
 
     def cancelled() -> tuple[np.ndarray, float]:
         bpy.ops.render.render(write_still=True)
         channels = exr.read(tmp_path / "picture.exr")
+        assert Cancelled.pressed < float("inf")
         return np.stack([channels[name] for name in "RGB"], -1), Cancelled.answered - Cancelled.pressed
 
     yield cancelled
@@ -170,6 +172,22 @@ def test_cancel_while_the_scene_is_read(cancelled, monkeypatch, within):
     bpy.context.scene.render.engine, bpy.context.scene.ism.render.samples = "ISM", 1
     bpy.ops.render.render()
     assert engine.statistics()["triangles"] == 12 * 1001
+
+
+def test_what_changed_before_a_cancelled_reading_is_read_by_the_next(cancelled, monkeypatch):
+    """With Persistent Data too, when Blender tells of a change only once."""
+    scene, mesh = bpy.context.scene, bpy.data.meshes["Cube"]
+    scene.render.use_persistent_data, scene.ism.render.samples = True, 1
+    bpy.ops.render.render()
+    mesh.transform(mathutils.Matrix.Scale(3.0, 4))
+    Cancelled.press()
+    bpy.ops.render.render()
+    Cancelled.pressed = float("inf")
+    read = []
+    real = final.Request
+    monkeypatch.setattr(final, "Request", lambda scene, *more: read.append(scene) or real(scene, *more))
+    bpy.ops.render.render()
+    assert max(abs(mesh.positions).max() for mesh in read[0].meshes) == 3.0
 
 
 def test_exit_while_a_viewport_is_drawn(tmp_path):
