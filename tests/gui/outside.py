@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -21,6 +22,7 @@ INSIDE = Path(__file__).with_name("inside.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
 #: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
+AT_ONCE = 2  # Blenders, where any pace will do: each waits half of the time
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
 #: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
 WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -60,14 +62,10 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
     Whether all pass; where any pace will do, also if something takes longer than it must.
     """
     outcomes = []
-    for scenario in chosen:
-        folder = output / scenario.name
-        shutil.rmtree(folder, ignore_errors=True)
-        (folder / "user").mkdir(parents=True)
-        outcome = _play(scenario, archive, folder, blender)
-        shutil.rmtree(folder / "user")
-        print(_lines(outcome), flush=True)
-        outcomes.append(outcome)
+    with ThreadPoolExecutor(AT_ONCE if any_pace else 1) as pool:
+        for outcome in pool.map(lambda scenario: _play(scenario, archive, output / scenario.name, blender), chosen):
+            print(_lines(outcome), flush=True)
+            outcomes.append(outcome)
     record = {"commit": project.commit(), "outcomes": [asdict(outcome) for outcome in outcomes]}
     (output / "record.json").write_text(json.dumps(record, indent=1))
     failed = [outcome.name for outcome in outcomes if outcome.failure or (outcome.slow and not any_pace)]
@@ -76,6 +74,8 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
 
 
 def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> Outcome:
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "user").mkdir(parents=True)
     width, height = (
         round((pixels + less) / part) for pixels, less, part in zip(scenario.region, LESS, PART, strict=True)
     )
@@ -98,6 +98,7 @@ def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> 
         result = json.loads((folder / "result.json").read_text())
     elif not wrong:
         wrong.append("Blender ended before the scenario did")
+    shutil.rmtree(folder / "user")
     failure = "\n".join(filter(None, [result["failure"], *wrong]))
     return Outcome(scenario.name, scenario.about, failure, result["slow"], seconds, result["figures"])
 

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it."""
+"""How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it.
 
+And how many are drawn, a snapshot, and the command line, for tests of several files.
+"""
+
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -37,6 +42,34 @@ def frames(request: pytest.FixtureRequest) -> int:
 def rounds(request: pytest.FixtureRequest) -> int:
     """How many renders there are in a row."""
     return request.config.getoption("--rounds")
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    """A snapshot's file."""
+    from ism_addon import snapshot
+
+    from ..scenes.small import box_over_plane
+    from ..studio import SMALL_SETTINGS
+
+    path = tmp_path / "scene.npz"
+    snapshot.save(path, *box_over_plane(24, 16), SMALL_SETTINGS)
+    return path
+
+
+@pytest.fixture
+def told(monkeypatch, capsys) -> Callable[..., str]:
+    """told(arguments…): what the command line says of what it refuses."""
+
+    from ism_addon.gpu import __main__ as command_line
+
+    def told(*arguments: object) -> str:
+        monkeypatch.setattr(sys, "argv", ["ism_addon.gpu", *map(str, arguments)])
+        assert command_line.main() == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        return line
+
+    return told
 
 
 def pytest_configure(config: pytest.Config) -> None:
