@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A snapshot is data: whatever is in one, it is refused in a sentence or drawn; it takes no more memory than its file."""
+"""A snapshot is data: refused in a sentence or drawn, whatever is in it, and never larger in memory than as a file."""
 
 import io
 import random
