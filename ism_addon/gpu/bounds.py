@@ -131,13 +131,13 @@ def light_on(bounds: Bounds, lamps: Lamps) -> tuple[np.ndarray, np.ndarray]:
     height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
     across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
     lit = bounds.seen & (height > 0.0) & (above > 0.0) & ~lamps.outside(ahead, across, slack)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch
+    wide = lamps.scale == 0.0
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch, or it is not lit
         solid = lamps.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)
         spread = np.maximum(lamps.tangent - across / ahead, 0.0) * lamps.scale
-    wide = lamps.scale == 0.0
+        whole = lamps.luminance * np.where(wide, np.float32(1.0), spread) * lamps.area * upright
+        guess = np.pi * whole * ahead / (distance * (np.pi * distance * distance + lamps.area))
     most = np.where(lit, lamps.luminance * lamps.peak * np.where(near > 0.0, np.minimum(solid, np.pi), np.pi), 0.0)
-    whole = lamps.luminance * np.where(wide, np.float32(1.0), spread) * lamps.area * upright
-    guess = np.pi * whole * ahead / (distance * (np.pi * distance * distance + lamps.area))
     return most.astype(np.float32), np.where((ahead > 0.0) & (upright > 0.0), guess, 0.0).astype(np.float32)
 
 

@@ -22,7 +22,8 @@ INSIDE = Path(__file__).with_name("inside.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
 #: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
-AT_ONCE = 2  # Blenders, where any pace will do: each waits half of the time
+#: Blenders, where any pace will do: each waits half of the time, but may take as much longer.
+AT_ONCE = 2
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
 #: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
 WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -85,7 +86,7 @@ def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> 
     variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1", "TMPDIR": str(folder)}
     command = blender.command(f"{width}x{height}", arguments, variables, (project.ROOT, archive.parent, folder))
     began = time.perf_counter()
-    status = _run(command, folder / "blender.log", scenario.patience + START)
+    status = _run(command, folder / "blender.log", AT_ONCE * scenario.patience + START)
     seconds = time.perf_counter() - began
     said = (folder / "blender.log").read_text("utf-8", "replace")
     wrong = list(dict.fromkeys(match[0] for match in WRONG.finditer(said)))
