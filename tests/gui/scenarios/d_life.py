@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """While the viewport renders, Blender goes on with its life: final renders, files, extensions that come and go."""
 
+import math
 import random
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +16,7 @@ from tests.gui.stage import Stage, Steps
 from tests.tools.memory import resident
 
 LOADS, EDITS = 20, 300
+UPDATES = 1000
 LONG = 4096  # samples that no scenario waits for
 
 
@@ -119,6 +121,29 @@ def long_day(stage: Stage) -> Steps:
     stage.measured("memory after a quarter", warm / 1e6, "MB")
     stage.measured("growth of memory in the rest", (sizes[-1] - warm) / 1e6, "MB", must=50, aim=10)
     assert stage.pixels("at the end").std() > 0.05
+
+
+@scenario(region=(480, 320), patience=240)
+def thousand_updates(stage: Stage) -> Steps:
+    """A lamp and a thing are moved a thousand times in a viewport: memory and threads are as after the first ones."""
+    scenery.studio()
+    scenery.look(stage.view)
+    stage.bare()
+    stage.rendered()
+    stage.scene.ism.viewport.samples = 2
+    lamp, thing = (next(each for each in bpy.data.objects if each.type == kind) for kind in ("LIGHT", "MESH"))
+    memory, threads = [], []
+    for update in range(UPDATES):
+        if update % (UPDATES // 10) == 0:
+            yield from stage.rested()
+            memory.append(resident())
+            threads.append(len(list(Path("/proc/self/task").iterdir())))
+        lamp.location.x, thing.rotation_euler.z = math.sin(update), 0.1 * update
+        yield from stage.wait(0.02)
+    yield from stage.rested()
+    assert not engine.errors(), engine.errors()
+    stage.measured("growth of memory after the first 200", (resident() - memory[2]) / 1e6, "MB", must=20, aim=0)
+    stage.measured("threads that came after the first 200", max(threads[2:]) - threads[2], "", must=0)
 
 
 def _busy(stage: Stage) -> Steps:
