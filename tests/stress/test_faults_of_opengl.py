@@ -52,7 +52,8 @@ def complaint(before: str = "", **environment: object) -> str:
         text=True,
         timeout=60,
     )
-    assert (asked.returncode, asked.stderr) == (0, "")
+    assert asked.returncode == 0, asked.stderr
+    assert "Traceback" not in asked.stderr
     first, second = asked.stdout.splitlines()
     assert first == second
     return first

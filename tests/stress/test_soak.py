@@ -136,8 +136,8 @@ def soak(rounds: int, draw: Callable[[random.Random], None], census, within) -> 
     within(grown[0] / MEGABYTE, 20.0)
     within(grown[1], 0)
     within(grown[2], 0)
-    quarter = rounds // 4
-    first, last = (statistics.median(part) for part in (seconds[WARM : WARM + quarter], seconds[-quarter:]))
+    half = WARM + rounds // 2
+    first, last = statistics.median(seconds[WARM:half]), statistics.median(seconds[half:])
     within(last / first, 1.5)
 
 
