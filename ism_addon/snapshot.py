@@ -215,8 +215,8 @@ def _check_vectors(scene: Scene) -> None:
 
 def _check_view(view: View) -> None:
     """The camera is turned and moved, no more, and its projection is one."""
-    turn = view.view_from_world[:3, :3]
-    if not np.allclose(turn @ turn.T, np.eye(3), atol=0.01) or tuple(view.view_from_world[3]) != (0.0, 0.0, 0.0, 1.0):
+    turn, last = view.view_from_world[:3, :3], view.view_from_world[3]
+    if not (np.allclose(turn @ turn.T, np.eye(3), atol=0.01) and np.allclose(last, (0.0, 0.0, 0.0, 1.0), atol=0.01)):
         raise SnapshotError("The snapshot's view/view_from_world is not rigid.")
     (x, y, z), depth = np.diag(view.clip_from_view)[:3], view.clip_from_view[2, 3]
     perspective = tuple(view.clip_from_view[3]) == (0.0, 0.0, -1.0, 0.0) and z <= -1.0 and depth < 0.0

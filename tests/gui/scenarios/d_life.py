@@ -24,11 +24,7 @@ LONG = 4096  # samples that no scenario waits for
 def final_render(stage: Stage) -> Steps:
     """F12 is rendered while the viewport renders, and the window stays alive."""
     yield from _busy(stage)
-    scenery.camera()
-    render = stage.scene.render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = 320, 240, 100
-    render.filepath = str(stage.folder / "final.png")
-    bpy.context.preferences.view.render_display_type = "NONE"
+    _prepare_final(stage)
     ended = []
     bpy.app.handlers.render_complete.append(lambda *_: ended.append(True))
     with Heartbeat() as heartbeat:
@@ -36,8 +32,7 @@ def final_render(stage: Stage) -> Steps:
             bpy.ops.render.render("INVOKE_DEFAULT", write_still=True)
         yield from stage.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 90, "F12 is done")
     stage.measured("longest gap of a 100 Hz timer", 1e3 * heartbeat.longest_gap, "ms", must=100, aim=40)
-    final = picture(stage.folder / "final.png")
-    assert final.max() - final.min() > 0.3, "F12's picture is empty"
+    _check_final(stage)
     stage.scene.ism.viewport.samples = 4
     yield from stage.rested()
     assert stage.pixels("viewport").std() > 0.05
@@ -47,15 +42,10 @@ def final_render(stage: Stage) -> Steps:
 def from_a_timer_and_to_the_end(stage: Stage) -> Steps:
     """A timer renders while the viewport does; then Blender is closed in the middle of F12."""
     yield from _busy(stage)
-    scenery.camera()
-    render = stage.scene.render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = 320, 240, 100
-    render.filepath = str(stage.folder / "final.png")
-    bpy.context.preferences.view.render_display_type = "NONE"
+    _prepare_final(stage)
     with bpy.context.temp_override(window=stage.window):
         assert bpy.ops.render.render(write_still=True) == {"FINISHED"}  # each step of a scenario is a timer's
-    final = picture(stage.folder / "final.png")
-    assert final.max() - final.min() > 0.3, "the timer's picture is empty"
+    _check_final(stage)
     assert engine.is_busy()
     stage.scene.ism.render.samples, stage.scene.ism.render.error_threshold = LONG, 0.0
     with bpy.context.temp_override(window=stage.window):
@@ -156,6 +146,21 @@ def _busy(stage: Stage) -> Steps:
     stage.rendered()
     yield from stage.wait(2.0)
     assert engine.is_busy()
+
+
+def _prepare_final(stage: Stage) -> None:
+    """A camera, and a small picture to be saved without a window of its own."""
+    scenery.camera()
+    render = stage.scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 320, 240, 100
+    render.filepath = str(stage.folder / "final.png")
+    bpy.context.preferences.view.render_display_type = "NONE"
+
+
+def _check_final(stage: Stage) -> None:
+    """It has been saved, and something is on it."""
+    final = picture(stage.folder / "final.png")
+    assert final.max() - final.min() > 0.3, "the final picture is empty"
 
 
 def _save(stage: Stage) -> Path:
