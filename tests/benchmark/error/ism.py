@@ -32,7 +32,8 @@ class Ism:
         self.name = name
         self.settings, self.stage, self.seconds = settings, stage, seconds
         self.renderer = Renderer(device)
-        # The same picture from a matrix that is not the same, so that nothing made for it serves the counted one.
+        # The same picture from a matrix that is not the same, so that nothing made for it serves the counted one, if
+        # its first sample is drawn before each of that one's: passes keep what they made for the newest first sample.
         self.beside = replace(stage.view, clip_from_view=(1.0 + 1e-6) * stage.view.clip_from_view)
 
     def start(self) -> dict[str, float]:
@@ -42,7 +43,8 @@ class Ism:
 
     def shots(self, round: int) -> Iterator[Shot]:
         """A picture at each power of two of samples until the time is up."""
-        self._draw(self.beside, WARM_UP)
+        for sample in range(WARM_UP):
+            self._draw(self.beside, sample)
         spent, sample, due = 0.0, 0, 1
         while spent < self.seconds:
             spent += self._draw(self.stage.view, sample)
