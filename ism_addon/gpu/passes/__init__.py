@@ -36,10 +36,13 @@ SCOUTS_APART = 2
 #: Pixels along a block among those that scouted.
 SCOUTED_BLOCK = BLOCK // SCOUTS_APART
 
-#: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number, for Trace
-#: the chance of a block where nothing is in doubt, and for Check the light.
+#: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number; a chance
+#: by which it is drawn, if it is; the light that it is drawn for, and the part that is thought to be seen of that.
 BLOCKS = np.dtype(
-    [("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4"), ("sure", "f4"), ("light", "f4")]
+    [
+        *(("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4")),
+        *(("chance", "f4"), ("light", "f4"), ("part", "f4")),
+    ]
 )
 
 #: Samples before which predictions are made: as often as the number of samples has doubled.
@@ -208,7 +211,7 @@ class Pass:
         target.use()
         gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
-        content = gl.buffer(blocks), "2f 4f 1f 1f 1f", "block", "where", "number", "sure", "light"
+        content = gl.buffer(blocks), "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, *target.size
 

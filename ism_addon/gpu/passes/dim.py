@@ -1,20 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lights that are a small part of a block's light, all at once: the same part of one is predicted for all its pixels.
 
-As many as there may be, they need no predictions of their own: see Reach for the part, and Trace for the rays.
+As many as there may be, they need no predictions of their own: see Reach for the part, and Trace for the rays. The
+fainter one is, the rarer is its turn after the first sample, and the more it counts then.
 """
 
 import moderngl
 import numpy as np
 
-from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS
+from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS, additive_sequence
 from ...scene import Change
+from ..context import Device
 from ..program import bind
 from ..refine import RECORDS, Kind, constants_of, count_used, enough
 from . import BLOCK, Frame, Pass
 
 #: The least chance of a ray.
 LEAST_CHANCE = 0.05
+
+#: The least chance of a light's turn.
+LEAST_TURN = 0.25
+
+#: A light that is dim in a block: its part that is thought to be seen, and how often it has a turn, and when.
+PAIRS = np.dtype([("block", "i8"), ("light", "i8"), ("part", "f4"), ("chance", "f4"), ("phase", "f4")])
 
 
 class Dim(Pass):
@@ -27,6 +35,11 @@ class Dim(Pass):
     )
     settings = ("shadow.enabled",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
+
+    def __init__(self, device: Device):
+        super().__init__(device)
+        self.reach: dict | None = None
+        self.pairs = np.zeros(0, PAIRS)
 
     def needed(self, frame: Frame) -> bool:
         lit = len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -57,16 +70,32 @@ class Dim(Pass):
         frame.tables["used"].update(kind_of)
         count_used(frame, frame.tables["used"])
 
-    @staticmethod
-    def chosen(frame: Frame) -> np.ndarray:
-        """Rows of BLOCKS for each light that is dim there; the part that is thought to be seen of it is `sure`."""
-        blocks = frame.tables["blocks"]
-        column, row = blocks["block"].astype(np.int64).T
-        found = [blocks[:0]]
-        for light, reach in frame.tables["reach"].items():
-            seen = reach.dim * reach.seen
-            if seen.any():
-                seen = seen[row, column]
-                found.append(blocks[seen > 0.0])
-                found[-1]["light"], found[-1]["sure"] = light, seen[seen > 0.0]
-        return np.concatenate(found)
+    def chosen(self, frame: Frame) -> np.ndarray:
+        """Rows of BLOCKS for each light that is dim there, if it is its turn; numbers count those that it had."""
+        blocks, (columns, rows) = frame.tables["blocks"], frame.blocks
+        if frame.tables["reach"] is not self.reach:
+            self.reach = frame.tables["reach"]
+            self.pairs = pairs_of(self.reach)
+        taking_part = np.full(columns * rows, -1)
+        taking_part[blocks["block"].astype(np.int64) @ (1, columns)] = np.arange(len(blocks))
+        pairs = self.pairs[taking_part[self.pairs["block"]] >= 0]
+        found = blocks[taking_part[pairs["block"]]]
+        chance = pairs["chance"] if frame.sample > 0 else np.ones(len(pairs), np.float32)
+        turn = found["number"] * chance + pairs["phase"]
+        found["number"], found["chance"] = np.floor(turn), chance
+        found["light"], found["part"] = pairs["light"], pairs["part"]
+        return found[np.floor(turn + chance) > found["number"]]
+
+
+def pairs_of(reach: dict) -> np.ndarray:
+    """Rows of PAIRS for all blocks and the lights that are dim there."""
+    found = [np.zeros(0, PAIRS)]
+    for light, to in reach.items():
+        part = (to.dim * to.seen).ravel()
+        block = np.flatnonzero(part)
+        pairs = np.zeros(len(block), PAIRS)
+        pairs["block"], pairs["light"], pairs["part"] = block, light, part[block]
+        pairs["chance"] = np.maximum(to.against_dim.ravel()[block], LEAST_TURN)
+        pairs["phase"] = np.mod(additive_sequence(0, part.size, 1)[block, 0] + light * LIGHT_STEPS[0], 1.0)
+        found.append(pairs)
+    return np.concatenate(found)

@@ -45,15 +45,22 @@ PAIRS = 1 << 15
 #: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
 STRONG = 0.25
 
+TINY = float(np.finfo(np.float32).tiny)
+
 
 @dataclass(frozen=True)
 class Reached:
     """What a light may do to each block of the picture: arrays (rows, columns)."""
 
     worth: np.ndarray  # bool: whether it counts at all
-    dim: np.ndarray  # bool: whether it counts so little that a block's pixels need no prediction of their own
+    against_dim: np.ndarray  # float32: how much it could be at most, against what is dim there; 1 if it is more
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
     seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
+
+    @property
+    def dim(self) -> np.ndarray:
+        """(rows,columns) bool: whether it counts so little that a block's pixels need no prediction of their own."""
+        return self.worth & (self.against_dim < 1.0)
 
     @property
     def scouted(self) -> np.ndarray:
@@ -185,7 +192,7 @@ class Reach(Pass):
         """Which lights count where, by the most that each can bring."""
         shown, found = self.bounds.seen.reshape(2, *self.light.shape).any(0), {}
         average = float(self.light[shown].mean()) if shown.any() else 0.0
-        whole = np.maximum(self.light, max(average, float(np.finfo(np.float32).tiny)))
+        whole = np.maximum(self.light, max(average, TINY))
         there, left_out = np.maximum(self.light, DARK * average), np.zeros_like(self.light)
         parts = self.most / whole
         for light in np.argsort(parts.sum((1, 2))):  # the faintest first
@@ -194,14 +201,15 @@ class Reach(Pass):
             if worth.any():
                 part = np.minimum(parts[light], 1.0)
                 seen = self.arrives.setdefault(int(light), np.zeros_like(part))
-                found[int(light)] = Reached(worth, worth & (self.most[light] < DIM * there), part, seen)
+                against_dim = np.minimum(self.most[light] / np.maximum(DIM * there, TINY), 1.0)
+                found[int(light)] = Reached(worth, against_dim, part, seen)
         return found
 
 
 def everywhere(frame: Frame) -> dict[int, Reached]:
     """As if all lights counted for all blocks."""
-    whole, nothing = np.ones(frame.blocks[::-1], np.float32), np.zeros(frame.blocks[::-1], bool)
-    return {light: Reached(whole > 0.0, nothing, whole, whole) for light in range(len(frame.scene.lights.shape))}
+    whole = np.ones(frame.blocks[::-1], np.float32)
+    return {light: Reached(whole > 0.0, whole, whole, whole) for light in range(len(frame.scene.lights.shape))}
 
 
 def part_seen(rays: np.ndarray) -> np.ndarray:

@@ -112,5 +112,5 @@ class Trace(Pass):
         chance = SURE_CHANCE * reach.part[row, column]
         turn = (blocks["number"] + 1.0) * chance + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))
-        blocks["sure"] = np.where(doubtful, 0.0, chance)
+        blocks["chance"] = np.where(doubtful, 0.0, chance)
         return blocks[doubtful | sure], blocks[seen & ~doubtful & ~sure]

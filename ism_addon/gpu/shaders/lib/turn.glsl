@@ -14,8 +14,8 @@ struct Turn { bool now; float number; float chance; }; // of the ray, counting t
 float chance_of(vec3 radiance, vec3 albedo, float full, float known, bool doubtful) {
     float bright = abs(luminance(radiance * albedo)) * full / 3.141592653589793;
     float worth = bright * (doubtful ? sqrt(max(known * (1.0 - known), 0.05)) : TRUST) / enough;
-    // In steps: pixels close by have the same, and take turns together, as processors work on several at once.
-    return clamp(exp2(0.5 * ceil(2.0 * log2(worth))), LEAST_CHANCE, 1.0);
+    // A power of two: pixels close by have the same, and take turns together, as processors work on several at once.
+    return clamp(exp2(floor(log2(worth))), LEAST_CHANCE, 1.0);
 }
 
 // Rays are numbered, so that they go through places that are spread evenly, however rare they are.
