@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error against time, log–log: a small picture for each scene, one of all; shaded is what the truth's noise hides."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def draw_curves(axis: Axes, name: str, curves: Curves, measure: str = "rmse") ->
     for engine, points in curves.items():
         color, marker, line = STYLES.get(engine, OURS)
         seconds = [point.seconds for point in points]
-        errors = [getattr(point.error, measure) for point in points]
+        errors = [getattr(point.error, measure) or math.nan for point in points]  # 0 was lost in the truth's noise
         axis.loglog(seconds, errors, color=color, marker=marker, linestyle=line, markersize=4, label=engine)
     axis.set_title(name, fontsize=10)
     axis.set_xlabel("seconds", fontsize=8)
