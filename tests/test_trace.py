@@ -76,7 +76,7 @@ def test_a_block_without_doubt_has_one_ray_a_round_and_in_time_at_every_place_in
     blocks, places = frame.tables["blocks"], len(frame.grid.places)
     frame.tables["found"][0][:] = True, False
     reach = frame.tables["reach"][0]
-    for array, value in (reach.worth, True), (reach.against_dim, 1.0), (reach.part, 1.0):
+    for array, value in (reach.worth, True), (reach.dim, False), (reach.part, 1.0):
         array[:] = value
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):

@@ -8,6 +8,7 @@ arrives, all such lights together, is left out for good.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import moderngl
 import numpy as np
@@ -57,7 +58,7 @@ class Reached:
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
     seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
 
-    @property
+    @cached_property
     def dim(self) -> np.ndarray:
         """(rows,columns) bool: whether it counts so little that a block's pixels need no prediction of their own."""
         return self.worth & (self.against_dim < 1.0)
