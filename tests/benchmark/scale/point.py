@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from ism_addon.blender import camera, frames
+from ism_addon.blender.extract import everywhere
 from ism_addon.gpu.context import Device, open_device
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import FITTED, Renderer
@@ -61,7 +62,7 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     """All frames, and after the first its first sample once more, which finds the trees kept."""
     layer, renderer, settings = frames.Layer(), Renderer(device), picture.settings()
     start = time.perf_counter()
-    scene, view = layer.read(depsgraph), camera.final_view(depsgraph)
+    scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
     told = {"triangles": scene.triangle_count, "reading s": time.perf_counter() - start, "reading bytes": memory.peak()}
     rows, first = sample(renderer, scene, view, settings, 0)
     told |= {
@@ -88,7 +89,7 @@ def seconds_a_frame(renderer: Renderer, layer: frames.Layer, settings: Settings,
     for number in range(count):
         stage.turn(2.0 * math.pi * number / count)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        scene, view = layer.read(depsgraph), camera.final_view(depsgraph)
+        scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
         for k in range(SAMPLES):
             sample(renderer, scene, view, settings, k)
         renderer.picture()

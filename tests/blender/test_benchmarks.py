@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The benchmarks that nothing else runs still do."""
+
+import json
+import subprocess
+import sys
+
+from tests.tools.project import ROOT
+
+
+def test_a_picture_of_a_growing_scene_is_measured():
+    command = [sys.executable, "-m", "tests.benchmark.scale.point", "frames", "1"]
+    told = json.loads(
+        subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, timeout=120, check=True).stdout
+    )
+    assert told["triangles"] > 1000
+    assert min(told["first sync s"], told["shadows ms"], told["a frame s"], told["peak bytes"]) > 0.0
