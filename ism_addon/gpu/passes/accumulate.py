@@ -37,15 +37,11 @@ class Accumulate(Pass):
 
     def draw(self, frame: Frame) -> None:
         gl = frame.device.gl
-        target = frame.targets.into(*self.writes)
-        if frame.sample == 0:
-            target.clear()
-        gl.enable_only(moderngl.BLEND)
+        first, colored, reach = frame.sample == 0, frame.settings.show == "color", frame.view.filter_width
+        gl.enable_only(moderngl.NOTHING if first else moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        colored = frame.settings.show == "color"
-        reach = frame.view.filter_width
-        corrected = colored and frame.sample > 0  # the first sample is predicted, no more
-        program = self.in_blocks(margin=margin(reach), corrected=int(corrected))
+        corrected = colored and not first  # the first sample is predicted, no more; all blocks take part in it
+        program = self.in_blocks(margin=margin(reach), corrected=int(corrected), whole=int(first))
         bind(
             program,
             color=frame.targets["color" if colored else "shown"],
@@ -54,4 +50,4 @@ class Accumulate(Pass):
             chances=frame.tables["chances"],
             reach=reach,
         )
-        self.draw_blocks(frame, target, program, margin=margin(reach))
+        self.draw_blocks(frame, frame.targets.into(*self.writes), program, margin=0 if first else margin(reach))

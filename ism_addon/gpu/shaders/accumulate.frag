@@ -20,8 +20,12 @@ float blackman_harris(float x) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK;
-    ivec2 last = min(first + BLOCK, textureSize(color, 0)) - 1;
+    ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(color, 0), first = ivec2(own_block) * BLOCK;
+    ivec2 last = min(first + BLOCK, size) - 1;
+#if WHOLE // all other blocks have a sample at the same place, so no block needs others to add to its pixels
+    first = ivec2(0);
+    last = size - 1;
+#endif
     float share = fetch(chances, at / BLOCK).y / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
     sum_headroom = 0.0;
