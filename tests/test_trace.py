@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.trace import Trace
+from ism_addon.gpu.passes.trace import MOST_SURE, SURE_CHANCE, Trace
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import LightShape
@@ -67,7 +67,8 @@ def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, 
     assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 1024, until=4)), truth) < 0.05
 
 
-def test_a_block_without_doubt_has_one_ray_a_round_and_in_time_at_every_place_in_the_pixel(device):
+@pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MOST_SURE * 16)])
+def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_place(device, chance, a_round):
     renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
     scene, view = box_over_plane(24, 16)
     for sample in range(2):
@@ -76,7 +77,7 @@ def test_a_block_without_doubt_has_one_ray_a_round_and_in_time_at_every_place_in
     blocks, places = frame.tables["blocks"], len(frame.grid.places)
     frame.tables["found"][0][:] = True, False
     reach = frame.tables["reach"][0]
-    for array, value in (reach.worth, True), (reach.dim, False), (reach.part, 1.0):
+    for array, value in (reach.worth, True), (reach.dim, False), (reach.bright, chance / SURE_CHANCE):
         array[:] = value
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):
@@ -85,7 +86,7 @@ def test_a_block_without_doubt_has_one_ray_a_round_and_in_time_at_every_place_in
         turn += (blocks["block"][:, None] == traced["block"]).all(2).any(1)
     rounds = turns.reshape(64, places, len(blocks))
     assert places == 16
-    assert (rounds.sum(1) == 1).all()
+    assert (rounds.sum(1) == a_round).all()
     assert rounds.any(0).all()
 
 

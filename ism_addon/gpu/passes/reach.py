@@ -46,6 +46,9 @@ PAIRS = 1 << 15
 #: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
 STRONG = 0.25
 
+#: So many times the picture's mean light is as bright as any.
+BRIGHTEST = 100.0
+
 TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -56,6 +59,7 @@ class Reached:
     worth: np.ndarray  # bool: whether it counts at all
     against_dim: np.ndarray  # float32: how much it could be at most, against what is dim there; 1 if it is more
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
+    bright: np.ndarray  # float32: of the picture's mean light, that it could be at most; BRIGHTEST if it is more
     seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
 
     @cached_property
@@ -192,8 +196,8 @@ class Reach(Pass):
     def weighed(self) -> dict[int, Reached]:
         """Which lights count where, by the most that each can bring."""
         shown, found = self.bounds.seen.reshape(2, *self.light.shape).any(0), {}
-        average = float(self.light[shown].mean()) if shown.any() else 0.0
-        whole = np.maximum(self.light, max(average, TINY))
+        average = max(float(self.light[shown].mean()) if shown.any() else 0.0, TINY)
+        whole = np.maximum(self.light, average)
         there, left_out = np.maximum(self.light, DARK * average), np.zeros_like(self.light)
         parts = self.most / whole
         for light in np.argsort(parts.sum((1, 2))):  # the faintest first
@@ -203,14 +207,15 @@ class Reach(Pass):
                 part = np.minimum(parts[light], 1.0)
                 seen = self.arrives.setdefault(int(light), np.zeros_like(part))
                 against_dim = np.minimum(self.most[light] / np.maximum(DIM * there, TINY), 1.0)
-                found[int(light)] = Reached(worth, against_dim, part, seen)
+                bright = np.minimum(self.most[light], BRIGHTEST * average) / average
+                found[int(light)] = Reached(worth, against_dim, part, bright, seen)
         return found
 
 
 def everywhere(frame: Frame) -> dict[int, Reached]:
     """As if all lights counted for all blocks."""
     whole = np.ones(frame.blocks[::-1], np.float32)
-    return {light: Reached(whole > 0.0, whole, whole, whole) for light in range(len(frame.scene.lights.shape))}
+    return {light: Reached(whole > 0.0, whole, whole, whole, whole) for light in range(len(frame.scene.lights.shape))}
 
 
 def part_seen(rays: np.ndarray) -> np.ndarray:

@@ -23,8 +23,10 @@ from . import BLOCK, Frame, Pass
 #: The least chance of a ray.
 LEAST_CHANCE = 0.1
 
-#: The chance of a block in which nothing is in doubt, for a light that could be all there is.
-SURE_CHANCE = 0.0625
+#: The chance of a block in which nothing is in doubt, for a light that could be as bright there as the picture is on
+#: average, and the most: where it is brighter, it is the worse if the prediction is wrong.
+SURE_CHANCE = 0.03125
+MOST_SURE = 0.5
 
 
 class Trace(Pass):
@@ -109,7 +111,7 @@ class Trace(Pass):
         phase = additive_sequence(0, columns * rows, 1)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
         phase += blocks["number"] // len(frame.grid.places) * RAY_STEPS[0]
-        chance = SURE_CHANCE * reach.part[row, column]
+        chance = np.minimum(SURE_CHANCE * reach.bright[row, column], MOST_SURE)
         turn = (blocks["number"] + 1.0) * chance + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))
         blocks["chance"] = np.where(doubtful, 0.0, chance)
