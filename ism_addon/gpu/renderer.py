@@ -151,8 +151,7 @@ class Renderer:
             if not needed:
                 self.targets.neutralise(name, target)
             elif target.divisor:
-                size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
-                self.targets.allocate(name, target, size)
+                self.targets.allocate(name, target, target.size(frame.view.width, frame.view.height))
         if needed:
             self.block.bind_to_uniform_block(block.BINDING)  # another renderer may have drawn since the last pass
             step.draw(frame)

@@ -25,6 +25,10 @@ class Target:
     neutral: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     divisor: int = 1
 
+    def size(self, width: int, height: int) -> tuple[int, int]:
+        """For a picture of this size."""
+        return -(-width // self.divisor), -(-height // self.divisor)
+
     def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
         """A texture of this kind, never filtered."""
         if self.dtype == DEPTH:

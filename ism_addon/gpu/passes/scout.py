@@ -27,7 +27,7 @@ class Scout(Pass):
 
     def draw(self, frame: Frame) -> None:
         gl, view = self.device.gl, frame.view
-        size = -(-view.width // SCOUTED.divisor), -(-view.height // SCOUTED.divisor)
+        size = SCOUTED.size(view.width, view.height)
         casts = frame.scene.lights.casts_shadow
         lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
         frame.tables["scouted"] = {light: SCOUTED.create(gl, size) for light in lights}
