@@ -40,6 +40,9 @@ NEARER = 2
 FARTHER = 4
 FEW = 16
 
+#: Of each light that rays are sent to: its number, and the place on it.
+ASKED = Target(3, "f4")
+
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS = 1 << 15
 
@@ -171,27 +174,30 @@ class Reach(Pass):
 
     def rays_from(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
-        gl, (columns, rows) = self.device.gl, frame.blocks
-        seen = {light: SCOUTED.create(gl, (-(-columns // apart), -(-rows // apart))) for light in lights}
-        if not seen:
-            return {}
+        gl, (columns, rows) = self.device.gl, (-(-count // apart) for count in frame.blocks)
         gl.enable_only(moderngl.NOTHING)
-        bind(
-            self.rays.program,
-            **frame.receivers,
-            lights=frame.tables["lights"],
-            apart=apart * BLOCK,
-            offset=(apart * BLOCK // 2, apart * BLOCK // 2),
-            pixel_steps=PIXEL_STEPS,
-            **frame.tables["casters"],
-        )
-        places = additive_sequence(0, len(frame.scene.lights.shape), 2)
-        for light, texture in seen.items():
-            gl.framebuffer([texture]).use()
-            bind(self.rays.program, light_index=light, place=tuple(places[light]))
+        places, found = additive_sequence(0, len(frame.scene.lights.shape), 2), {}
+        for first in range(0, len(lights), self.device.texture_size // rows):
+            some = lights[first : first + self.device.texture_size // rows]
+            asked = ASKED.create(gl, (len(some), 1))
+            asked.write(np.column_stack([some, places[some]]).astype(np.float32))
+            bind(
+                self.rays.program,
+                **frame.receivers,
+                lights=frame.tables["lights"],
+                asked=asked,
+                rows=rows,
+                apart=apart * BLOCK,
+                offset=(apart * BLOCK // 2, apart * BLOCK // 2),
+                pixel_steps=PIXEL_STEPS,
+                **frame.tables["casters"],
+            )
+            strips = SCOUTED.create(gl, (columns, len(some) * rows))
+            gl.framebuffer([strips]).use()
             self.rays.render(moderngl.TRIANGLES, vertices=3)
-        self.device.wait()
-        return {light: pixels(texture) for light, texture in seen.items()}
+            self.device.wait()
+            found |= zip(some, pixels(strips).reshape(len(some), rows, columns, 2), strict=True)
+        return found
 
     def weighed(self) -> dict[int, Reached]:
         """Which lights count where, by the most that each can bring."""

@@ -2,11 +2,10 @@
 #include "lib/receiver.glsl"
 #include "lib/shadow_ray.glsl"
 uniform samplerBuffer lights;
-uniform vec2 place;   // on the light
 uniform ivec2 offset; // of the pixel
 
-// Rays that arrived, and rays.
-vec2 look(int light_index, ivec2 coarse, int apart) {
+// Rays that arrived, and rays. `place` is that on the light, for the first of the pixels.
+vec2 look(int light_index, vec2 place, ivec2 coarse, int apart) {
     Receiver here = receiver_at(min(apart * coarse + offset, textureSize(position, 0) - 1));
     if (!here.seen) return vec2(0.0);
     Light light = fetch_Light(lights, light_index);
