@@ -31,6 +31,8 @@ class Check(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.pixels = self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
+        #: See chances_of.
+        self.hidden, self.sums = np.zeros(0, int), np.zeros(0)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample > 0
@@ -60,21 +62,17 @@ class Check(Pass):
 
     def chosen(self, frame: Frame) -> np.ndarray:
         """Rows of BLOCKS: each pair of a light and a block as often as it has a chance (systematic sampling)."""
-        casts, found = frame.scene.lights.casts_shadow, frame.tables["found"]
-        hidden = {
-            light: CHANCE * reach.part * (reach.worth & (reach.seen == 0.0) & (reach.dim | (light not in found)))
-            for light, reach in frame.tables["reach"].items()
-            if casts[light]
-        }
-        if not hidden:
+        if {frame.sample, frame.sample - 1} & RENEWED:  # Reach comes before this and Predict after it
+            casts = frame.scene.lights.casts_shadow
+            self.hidden, self.sums = chances_of(frame.tables["reach"], frame.tables["found"], casts)
+        if not len(self.hidden):
             return np.zeros(0, BLOCKS)
-        lights, parts = list(hidden), list(hidden.values())
-        sums = np.cumsum(parts, dtype=np.float64)
-        picks = np.searchsorted(sums, np.arange(additive_sequence(frame.sample, 1, 1)[0, 0], sums[-1]), side="right")
-        light, row, column = np.unravel_index(picks, (len(lights), *parts[0].shape))
+        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
+        picks = np.searchsorted(self.sums, np.arange(turn, self.sums[-1]), side="right")
+        light, row, column = np.unravel_index(picks, (len(self.hidden), *frame.blocks[::-1]))
         blocks = np.zeros(len(picks), BLOCKS)
         blocks["block"] = np.stack([column, row], 1)
-        blocks["light"] = np.array(lights)[light]
+        blocks["light"] = self.hidden[light]
         return blocks
 
     def spotted(self, frame: Frame) -> dict[int, np.ndarray]:
@@ -89,3 +87,13 @@ class Check(Pass):
             found[int(light)] = np.zeros(frame.blocks[::-1], bool)
             found[int(light)][row[here] // SCOUTED_BLOCK, column[here] // SCOUTED_BLOCK] = True
         return found
+
+
+def chances_of(reach: dict, found: dict, casts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers (N,) of lights that seem to be hidden, and sums (N rows columns,) of their blocks' chances up to each."""
+    chances = {
+        light: CHANCE * to.part * (to.worth & (to.seen == 0.0) & (to.dim | (light not in found)))
+        for light, to in reach.items()
+        if casts[light]
+    }
+    return np.array(list(chances), int), np.cumsum(list(chances.values()), dtype=np.float64)
