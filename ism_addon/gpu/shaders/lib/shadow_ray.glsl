@@ -45,6 +45,7 @@ bool sees(Receiver here, vec3 to, Light light) {
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
     p += here.normal * (here.rise * clamp(grazing, 0.0, 1.0));
     p += here.facet * rounding(p);
-    to += light.normal * (rounding(to) + rounding(p)); // a ray ends as exactly as it is known where it starts
+    // A ray ends as exactly as it is known where it starts; a light may be closer to what it lights than that.
+    to += light.normal * min(rounding(to) + rounding(p), 0.5 * dot(light.normal, p - to));
     return !occluded(p, to, here.triangle, here.instance, light.blockers);
 }
