@@ -40,7 +40,12 @@ def test_no_box_with_a_point_in_the_picture_is_left_out(perspective):
     [([], []), ([0], []), ([1], [(0, 1)]), ([1, 1, 0, 1], [(0, 2), (3, 1)]), ([0, 1, 0, 0, 1, 1], [(1, 1), (4, 2)])],
 )
 def test_runs_are_all_that_is_chosen(chosen, expected):
-    assert runs(np.array(chosen, bool)) == expected
+    assert runs(np.array(chosen, bool), np.zeros(len(chosen), int)) == expected
+
+
+def test_a_run_is_of_one_kind_and_what_is_of_none_is_in_no_run():
+    kinds = np.array([0, 0, 1, 1, 1, -1, 2, 2])
+    assert runs(np.array([0, 1, 1, 1, 0, 1, 1, 1], bool), kinds) == [(1, 1), (2, 2), (6, 2)]
 
 
 def test_what_is_beside_the_picture_is_not_drawn_and_not_missed(device):

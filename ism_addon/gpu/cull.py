@@ -15,7 +15,9 @@ def in_view(half_sizes: np.ndarray, clip_from_centre: np.ndarray, margin: float)
     return (farthest >= 0.0).all(1)
 
 
-def runs(chosen: np.ndarray) -> list[tuple[int, int]]:
-    """First and count of each row of neighbours that are all chosen (N,)."""
-    edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
-    return [(int(first), int(end - first)) for first, end in edges.reshape(-1, 2)]
+def runs(chosen: np.ndarray, kinds: np.ndarray) -> list[tuple[int, int]]:
+    """First and count of each row of neighbours of one kind (N,) int that are all chosen (N,) bool; -1 is no kind."""
+    numbers = np.concatenate([[-1], np.where(chosen, kinds, -1), [-1]])
+    edges = np.flatnonzero(np.diff(numbers))
+    begins = numbers[edges[:-1] + 1] >= 0
+    return list(zip(edges[:-1][begins].tolist(), np.diff(edges)[begins].tolist(), strict=True))

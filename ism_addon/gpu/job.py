@@ -20,7 +20,8 @@ class Request:
     view: View
     settings: Settings
     surfaces: bool = True  # whether depth and normals are wanted too
-    coarse: int = 1  # px of the view along either side of one in the first picture, which comes the sooner
+    coarse: int = 0  # px of the view along either side of one in the first picture, which comes the sooner; 0 if
+    # nobody waits for that, but only for the last one
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,12 +91,13 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
 def bind(program: moderngl.Program, **values: object) -> None:
     """Give uniforms their values, and samplers their textures; what the compiler left out is passed over."""
     for unit, (name, value) in enumerate(values.items()):
-        if name not in program:
+        uniform = program.get(name, None)
+        if uniform is None:
             continue
         if isinstance(value, Array):
             value.use(unit, program, name)
         elif isinstance(value, moderngl.Texture):
             value.use(unit)
-            program[name].value = unit
+            uniform.value = unit
         else:
-            program[name].value = value
+            uniform.value = value

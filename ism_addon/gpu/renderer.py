@@ -98,9 +98,14 @@ class Renderer:
         #: Of each pass, for the newest first sample that it was drawn for: its key, and the revisions of what it made.
         self.firsts: dict[type[Pass], tuple[dict, dict[str, int]]] = {}
 
-    def sample(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Iterator[str]:
-        """Draw one sample, and yield the name of each pass when the GPU is done with it."""
-        frame = self.frame(scene, view, settings, sample, profile)
+    def sample(
+        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
+    ) -> Iterator[str]:
+        """Draw one sample, and yield the name of each pass when the GPU is done with it.
+
+        A `hurried` first sample comes the sooner, and all that follow come later.
+        """
+        frame = self.frame(scene, view, settings, sample, profile, hurried)
         for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
         points = sum(self.tables.get("points_per_light", {}).values())
@@ -116,7 +121,9 @@ class Renderer:
         self.last = frame, profile
         self.device.collect()
 
-    def frame(self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile) -> Frame:
+    def frame(
+        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
+    ) -> Frame:
         """What the passes are told about this sample. Raises ValueError if there is no such target to show."""
         if settings.show not in SHOWABLE:
             raise ValueError(f"there is no target {settings.show} to show, only {', '.join(SHOWABLE)}")
@@ -127,8 +134,8 @@ class Renderer:
             )
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
-        # The first sample is at the pixels' centres in any case; drawn like that, it comes sooner.
-        count = places_in_pixel(view, settings.quality.samples, limit) if sample else 1
+        # The first sample is at the pixels' centres in any case; drawn for itself, it comes sooner.
+        count = 1 if hurried and sample == 0 else places_in_pixel(view, settings.quality.samples, limit)
         narrow = margin(view.filter_width) == 0
         fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
         self.block.write(block.frame_block(view, anchor))

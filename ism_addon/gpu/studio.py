@@ -103,7 +103,7 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
     request, profile, start = job.request, Profile(), time.perf_counter()
     if request.coarse > 1:
         view = request.view.coarse(request.coarse)
-        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile):
+        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile, hurried=True):
             yield
         job._picture = Picture(coarse_renderer.picture(), None, None, 0)
         job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
@@ -111,7 +111,8 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
     next_picture, ended_by = start, ""
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
     while not ended_by:
-        for _ in renderer.sample(request.scene, request.view, request.settings, job.samples_done, profile):
+        sample = request.scene, request.view, request.settings, job.samples_done, profile
+        for _ in renderer.sample(*sample, hurried=request.coarse > 0):
             yield
         now = time.perf_counter()
         if job.samples_done == 0 and request.surfaces:

@@ -45,8 +45,9 @@ BLOCKS = np.dtype(
     ]
 )
 
-#: Samples before which predictions are made: as often as the number of samples has doubled.
-RENEWED = {0, *(2**k for k in range(1, 32))}
+#: Samples before which predictions are made: as often as the number of samples has doubled, once the pixels' own rays
+#: say more than those that scouted.
+RENEWED = {0, *(2**k for k in range(2, 32))}
 
 #: What a close look found of a light: rays that arrived, and rays.
 SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)

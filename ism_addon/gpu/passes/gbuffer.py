@@ -111,7 +111,7 @@ class GBuffer(Pass):
         a_pixel = 2.0 / min(frame.view.width, frame.view.height)
         placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
         visible = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
-        draws, waiting = visible if frame.settings.skip else iter(placement.meshes), 0
+        draws, waiting = visible if frame.settings.skip else iter(placement.meshes.values()), 0
         for draw in portions(draws, PORTION):
             count = draw.triangles * draw.instances
             frame.counts["triangles_drawn"] += count
