@@ -12,7 +12,8 @@ from ism_addon.gpu import depth
 from ism_addon.gpu.buffers import Draw, mip_chain, portions
 from ism_addon.gpu.context import open_device
 from ism_addon.gpu.layout import directions_from_octahedron
-from ism_addon.gpu.renderer import places_in_pixel
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer, places_in_pixel
 from ism_addon.sampling import grid
 from ism_addon.scene import Image
 
@@ -255,6 +256,23 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
         assert place.any()
         assert (off > 1e-3).mean() <= EDGE
+
+
+def test_a_hurried_first_sample_is_drawn_for_itself_and_the_picture_is_the_same(device):
+    """Else the first one shares a drawing of the triangles with those that follow."""
+    scene, view = objects(), replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
+    settings, drawn, pictures = with_quality(MAPS, samples=4), {}, {}
+    for hurried in (True, False):
+        renderer, drawn[hurried] = Renderer(device), []
+        for sample in range(4):
+            profile = Profile()
+            list(renderer.sample(scene, view, settings, sample, profile, hurried))
+            drawn[hurried].append(profile.counts["triangles_drawn"])
+        pictures[hurried] = renderer.picture()
+        renderer.release()
+    every = scene.triangle_count
+    assert drawn == {True: [every, every, 0, 0], False: [every, 0, 0, 0]}
+    assert np.abs(pictures[True] - pictures[False]).mean() < 1e-3 * pictures[True].mean()
 
 
 @pytest.mark.parametrize("most", [1, 7, 64, 1000])
