@@ -117,11 +117,17 @@ def threads() -> int:
     return len(list(tasks.iterdir())) if tasks.exists() else threading.active_count()
 
 
-def soak(rounds: int, draw: Callable[[random.Random], None], census, within) -> None:
-    """Draw so many rounds and compare the end with the start, when caches are warm."""
+def soak(
+    rounds: int, draw: Callable[[random.Random], None], census, within, finish: Callable[[], None] = lambda: None
+) -> None:
+    """Draw so many rounds and compare the end with the start, when caches are warm.
+
+    Before each of the two, `finish` draws to its end what is half drawn: how many objects that has is chance.
+    """
     chance, seconds = random.Random(1), []
 
     def state() -> tuple[int, int, int]:
+        finish()
         objects = census(lambda: draw(chance))
         gc.collect()
         return resident(), objects, threads()
@@ -152,8 +158,10 @@ def test_soak_of_renders(scene, census, within, rounds):
 def test_soak_of_viewports(scene, census, within, rounds):
     """As a viewport asks: what changed is read, and each job replaces the one before, some of them half drawn."""
     reader, patience = extract.Reader(), random.Random(2)
+    job = None
 
     def update(chance: random.Random) -> None:
+        nonlocal job
         edit(chance)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         asked = reader.read(depsgraph), camera.final_view(depsgraph), controls.read(scene, "viewport")
@@ -162,7 +170,11 @@ def test_soak_of_viewports(scene, census, within, rounds):
             job.wait(0.01)
         assert not job.error
 
+    def finish() -> None:
+        while not job.finished:
+            job.wait(0.5)
+
     try:
-        soak(rounds, update, census, within)
+        soak(rounds, update, census, within, finish)
     finally:
         shared.forget("viewport")
