@@ -59,14 +59,14 @@ class Placement:
         groups["groups"] = instances.groups[order]
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
-        kinds, first, which, count = np.unique(mesh, return_index=True, return_inverse=True, return_counts=True)
-        #: All instances of each mesh that is there, and to which of them each instance belongs; -1 for none.
+        numbers, first, count = np.unique(mesh, return_index=True, return_counts=True)
+        #: By number, all instances of each mesh that is there; and each instance's mesh, -1 if that is not there.
         self.meshes = {
-            number: Draw(int(geometry.first_triangle[k]), len(geometry.meshes[k].triangles), int(f), int(c))
-            for number, (k, f, c) in enumerate(zip(kinds, first, count, strict=True))
+            k: Draw(int(geometry.first_triangle[k]), len(geometry.meshes[k].triangles), int(f), int(c))
+            for k, f, c in zip(numbers, first, count, strict=True)
             if k in geometry.trees
         }
-        self.kinds = np.where(np.isin(which, list(self.meshes)), which, -1)
+        self.mesh = np.where(np.isin(mesh, list(self.meshes)), mesh, -1)
         self.half_sizes = geometry.half_sizes[mesh]
 
     def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[Draw]:
@@ -74,8 +74,8 @@ class Placement:
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
         seen = in_view(self.half_sizes, clip_from_centre, margin)
-        for first, count in runs(seen, self.kinds):
-            yield replace(self.meshes[self.kinds[first]], first_instance=first, instances=count)
+        for first, count in runs(seen, self.mesh):
+            yield replace(self.meshes[self.mesh[first]], first_instance=first, instances=count)
 
 
 class Texels:
