@@ -132,6 +132,25 @@ def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device
     assert 0.1 * truth < after - without < 1.1 * truth
 
 
+def test_a_strip_of_light_between_the_first_rays_is_in_the_first_picture(device):
+    """A slit lights up a few pixels by an eighth of what may arrive there: too little to be looked for last."""
+    lamp = light(position=(0, 0, 0.95), axis_u=(4, 0, 0), axis_v=(0, -4, 0), radiance=0.1)
+    beyond = light(position=(0, 0, 3.0), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1300.0)
+    screens = [quad((-40, -40, 1.0), (40.02, 0, 0), (0, 80, 0)), quad((0.2, -40, 1.0), (40, 0, 0), (0, 80, 0))]
+    scene = stage([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], both(lamp, beyond))
+    view, settings = from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
+    drawn = draw(device, scene, view, settings)
+    assert not drawn.renderer.tables["reach"][1].seen.any(), "else it shows nothing"
+    gained, in_truth = (
+        (each - without)[8:-8, 33:36].mean()
+        for each, without in (
+            (drawn.color[..., 0], draw(device, replace(scene, lights=lamp), view, settings).color[..., 0]),
+            [reference.picture(each, view, 8)[0][:, 0].reshape(64, 64) for each in (scene, replace(scene, lights=lamp))],
+        )
+    )
+    assert 0.4 * in_truth < gained < 1.1 * in_truth, "smoothed as a first picture is, but there"
+
+
 def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monkeypatch):
     """As if all were dim, and as if none were: both come to the reference."""
     scene, view = box_over_plane(48, 32)

@@ -47,7 +47,7 @@ ASKED = Target(3, "f4")
 PAIRS = 1 << 15
 
 #: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
-STRONG = 0.25
+STRONG = 0.1
 
 #: So many times the picture's mean light is as bright as any.
 BRIGHTEST = 100.0
