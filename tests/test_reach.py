@@ -138,16 +138,13 @@ def test_a_strip_of_light_between_the_first_rays_is_in_the_first_picture(device)
     beyond = light(position=(0, 0, 3.0), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1300.0)
     screens = [quad((-40, -40, 1.0), (40.02, 0, 0), (0, 80, 0)), quad((0.2, -40, 1.0), (40, 0, 0), (0, 80, 0))]
     scene = stage([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], both(lamp, beyond))
+    alone = replace(scene, lights=lamp)
     view, settings = from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
     drawn = draw(device, scene, view, settings)
     assert not drawn.renderer.tables["reach"][1].seen.any(), "else it shows nothing"
-    gained, in_truth = (
-        (each - without)[8:-8, 33:36].mean()
-        for each, without in (
-            (drawn.color[..., 0], draw(device, replace(scene, lights=lamp), view, settings).color[..., 0]),
-            [reference.picture(each, view, 8)[0][:, 0].reshape(64, 64) for each in (scene, replace(scene, lights=lamp))],
-        )
-    )
+    pictures = drawn.color[..., 0], draw(device, alone, view, settings).color[..., 0]
+    truths = [reference.picture(each, view, 8)[0][:, 0].reshape(64, 64) for each in (scene, alone)]
+    gained, in_truth = ((lit - unlit)[8:-8, 33:36].mean() for lit, unlit in (pictures, truths))
     assert 0.4 * in_truth < gained < 1.1 * in_truth, "smoothed as a first picture is, but there"
 
 

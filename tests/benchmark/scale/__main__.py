@@ -53,8 +53,8 @@ def measured(name: str, value: int) -> dict:
     """What one picture took, in a process of its own; one before it has filled the driver's cache of shaders."""
     command = [sys.executable, "-m", "tests.benchmark.scale.point", name, str(value)]
     for _ in range(2):
-        done = subprocess.run(command, cwd=project.ROOT, stdout=subprocess.PIPE, text=True, timeout=PATIENCE, check=True)
-    return json.loads(done.stdout.splitlines()[-1])
+        said = subprocess.check_output(command, cwd=project.ROOT, text=True, timeout=PATIENCE)
+    return json.loads(said.splitlines()[-1])
 
 
 if __name__ == "__main__":
