@@ -25,7 +25,7 @@ BEYOND = 0.125
 
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
 #: memory for all of them.
-PORTION = 1 << 15
+PORTION = 1 << 16
 
 
 class GBuffer(Pass):
