@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What skipping could gain if it knew for nothing which blocks see all, nothing or a part of each light.
+
+Once it has drawn many samples, a renderer is told for all pictures after them what it found: Reach then costs nothing,
+Scout looks only where a light is seen in part, and Predict need not ask where that is. No way to find it is quicker.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ism_addon.gpu.passes import Frame
+from ism_addon.gpu.passes.predict import Predict
+from ism_addon.gpu.passes.reach import Reach, Reached
+from ism_addon.gpu.passes.scout import Scout
+from ism_addon.gpu.renderer import Renderer
+
+from .error.ism import Ism
+
+#: Samples by which all is found; predictions have just been renewed.
+SAMPLES = 65
+
+
+@dataclass(frozen=True)
+class Told(Reached):
+    """What a light may do to each block, if it is known where it is seen in part."""
+
+    partly: np.ndarray  # (rows,columns) bool
+
+    @property
+    def scouted(self) -> np.ndarray:
+        return self.worth & ~self.dim & self.partly
+
+
+class Known(Ism):
+    """As Ism, but told."""
+
+    def start(self) -> dict[str, float]:
+        """Upload, compile, and find all there is."""
+        started = super().start()
+        for sample in range(SAMPLES):
+            self._draw(self.stage.view, sample)
+        tell(self.renderer)
+        return started
+
+
+def tell(renderer: Renderer) -> None:
+    """What it has found so far, in each first sample from now on."""
+    reach, scout, predict = (renderer.passes[kind] for kind in (Reach, Scout, Predict))
+    look, ask, ask_by_blocks = reach.draw, scout.draw, predict.by_blocks
+    lights, found = renderer.tables["reach"], renderer.tables["found"]
+    kept = {name: getattr(reach, name) for name in ("bounds", "most", "light")}
+    arrives = dict(reach.arrives)
+
+    def told_look(frame: Frame) -> None:
+        if frame.sample:
+            look(frame)
+            return
+        vars(reach).update(kept, arrives=dict(arrives))
+        frame.tables["reach"] = {light: copied(to) for light, to in lights.items()}
+        frame.tables["reaching"] = tuple(sorted(lights))
+
+    def told_ask(frame: Frame) -> None:
+        there, nowhere = frame.tables["reach"], np.zeros((*frame.blocks[::-1], 2), bool)
+        partly = {light: found.get(light, nowhere).all(2) for light in there}
+        frame.tables["reach"] = {light: Told(*values(to), partly[light]) for light, to in there.items()}
+        ask(frame)
+        frame.tables["reach"] = there
+
+    def told_by_blocks(frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
+        return ask_by_blocks(frame, rays, apart) if frame.sample else {k: v.copy() for k, v in found.items()}
+
+    reach.draw, scout.draw, predict.by_blocks = told_look, told_ask, told_by_blocks
+
+
+def values(to: Reached) -> list[np.ndarray]:
+    """Its arrays."""
+    return [getattr(to, field.name) for field in fields(Reached)]
+
+
+def copied(to: Reached) -> Reached:
+    """With arrays of its own, which passes write into."""
+    return Reached(*(value.copy() for value in values(to)))
