@@ -5,13 +5,13 @@ Once it has drawn many samples, a renderer is told for all pictures after them w
 Scout looks only where a light is seen in part, and Predict need not ask where that is. No way to find it is quicker.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import replace
 
 import numpy as np
 
 from ism_addon.gpu.passes import Frame
 from ism_addon.gpu.passes.predict import Predict
-from ism_addon.gpu.passes.reach import Reach, Reached
+from ism_addon.gpu.passes.reach import Reach
 from ism_addon.gpu.passes.scout import Scout
 from ism_addon.gpu.renderer import Renderer
 
@@ -19,17 +19,6 @@ from .error.ism import Ism
 
 #: Samples by which all is found; predictions have just been renewed.
 SAMPLES = 65
-
-
-@dataclass(frozen=True)
-class Told(Reached):
-    """What a light may do to each block, if it is known where it is seen in part."""
-
-    partly: np.ndarray  # (rows,columns) bool
-
-    @property
-    def scouted(self) -> np.ndarray:
-        return self.worth & ~self.dim & self.partly
 
 
 class Known(Ism):
@@ -57,13 +46,16 @@ def tell(renderer: Renderer) -> None:
             look(frame)
             return
         vars(reach).update(kept, arrives=dict(arrives))
-        frame.tables["reach"] = {light: copied(to) for light, to in lights.items()}
+        frame.tables["reach"] = {light: replace(to, seen=to.seen.copy()) for light, to in lights.items()}
         frame.tables["reaching"] = tuple(sorted(lights))
 
     def told_ask(frame: Frame) -> None:
         there, nowhere = frame.tables["reach"], np.zeros((*frame.blocks[::-1], 2), bool)
         partly = {light: found.get(light, nowhere).all(2) for light in there}
-        frame.tables["reach"] = {light: Told(*values(to), partly[light]) for light, to in there.items()}
+        frame.tables["reach"] = {
+            light: replace(to, worth=to.worth & partly[light], seen=np.ones_like(to.seen))
+            for light, to in there.items()
+        }
         ask(frame)
         frame.tables["reach"] = there
 
@@ -71,13 +63,3 @@ def tell(renderer: Renderer) -> None:
         return ask_by_blocks(frame, rays, apart) if frame.sample else {k: v.copy() for k, v in found.items()}
 
     reach.draw, scout.draw, predict.by_blocks = told_look, told_ask, told_by_blocks
-
-
-def values(to: Reached) -> list[np.ndarray]:
-    """Its arrays."""
-    return [getattr(to, field.name) for field in fields(Reached)]
-
-
-def copied(to: Reached) -> Reached:
-    """With arrays of its own, which passes write into."""
-    return Reached(*(value.copy() for value in values(to)))
