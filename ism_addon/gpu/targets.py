@@ -12,22 +12,33 @@ from .depth import float_depth
 #: What a depth buffer's Target has for a dtype.
 DEPTH = "depth"
 
+#: Texels to a row of a target in strips, as long as they are no longer than this.
+STRIP, LONGEST_STRIP = 8, 4096
+
 
 @dataclass(frozen=True)
 class Target:
     """A texture that a pass writes: the size of the picture over `divisor`, or for 0 a size of the pass's own.
 
     Where the pass is not needed, one texel of `neutral` stands for it, so shaders need no variant without it.
+
+    Texels that are few and take long lie in strips, one row of the picture behind the other: drivers share targets out
+    to cores by tiles of 64 by 64 texels or so, of which there would be too few.
     """
 
     components: int
     dtype: str
     neutral: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     divisor: int = 1
+    strips: bool = False
 
     def size(self, width: int, height: int) -> tuple[int, int]:
         """For a picture of this size."""
-        return -(-width // self.divisor), -(-height // self.divisor)
+        columns, rows = -(-width // self.divisor), -(-height // self.divisor)
+        if not self.strips:
+            return columns, rows
+        across = STRIP * -(-columns * rows // (STRIP * LONGEST_STRIP))
+        return across, -(-columns * rows // across)
 
     def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
         """A texture of this kind, never filtered."""

@@ -53,6 +53,12 @@ RENEWED = {0, *(2**k for k in range(2, 32))}
 SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
 
+def by_block(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
+    """(rows,columns,N) of what a target of so many columns and rows of blocks holds in strips, (H,W,N)."""
+    columns, rows = blocks
+    return texels.reshape(-1, texels.shape[2])[: columns * rows].reshape(rows, columns, -1)
+
+
 def blocks_at(chosen: np.ndarray) -> np.ndarray:
     """Rows of BLOCKS for those chosen of (H,W) bool; all but where they are is 0."""
     blocks = np.zeros(np.count_nonzero(chosen), BLOCKS)
@@ -215,6 +221,15 @@ class Pass:
         content = gl.buffer(blocks), "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
         gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
         target.viewport = 0, 0, *target.size
+
+    def draw_by_block(
+        self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any
+    ) -> None:
+        """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
+        self.device.gl.enable_only(moderngl.NOTHING)
+        target.use()
+        bind(shader.program, columns=frame.blocks[0], strip=target.width, **uniforms)
+        shader.render(moderngl.TRIANGLES, vertices=3)
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""

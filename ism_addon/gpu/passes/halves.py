@@ -4,14 +4,12 @@
 See error.py for why. Blocks that are near enough take part in no further sample.
 """
 
-import moderngl
 import numpy as np
 
 from ...scene import Change
 from ..context import Device
-from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, Frame, Pass
+from . import BLOCK, Frame, Pass, by_block
 
 #: Samples before which no block is good enough: so many rays most things are met by, and as many a picture has by
 #: default.
@@ -29,7 +27,7 @@ class Halves(Pass):
     """The error of each block, as long as samples double."""
 
     reads = ("resolved",)
-    writes = {"earlier": Target(4, "f4"), "moved": Target(2, "f4", divisor=BLOCK)}
+    writes = {"earlier": Target(4, "f4"), "moved": Target(2, "f4", divisor=BLOCK, strips=True)}
     settings = ("quality.error_threshold", "skip")
     depends_on = (Change.SAMPLE,)
 
@@ -50,10 +48,8 @@ class Halves(Pass):
 
     def moved(self, frame: Frame) -> np.ndarray:
         """(H,W) mean squares of the blocks' differences, over the picture's squared mean brightness."""
-        self.device.gl.enable_only(moderngl.NOTHING)
-        frame.targets.into("moved").use()
-        bind(self.blocks.program, resolved=frame.targets["resolved"], earlier=frame.targets["earlier"])
-        self.blocks.render(moderngl.TRIANGLES, vertices=3)
+        pictures = {name: frame.targets[name] for name in ("resolved", "earlier")}
+        self.draw_by_block(frame, frame.targets.into("moved"), self.blocks, **pictures)
         self.device.wait()
-        square, bright = np.moveaxis(pixels(frame.targets["moved"]), -1, 0)
+        square, bright = np.moveaxis(by_block(pixels(frame.targets["moved"]), frame.blocks), -1, 0)
         return square / max(float(bright.mean()) ** 2, TINY)

@@ -12,10 +12,13 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
+from . import BLOCK, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at, by_block
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
 PREDICTION = Target(2, "f1")
+
+#: Of each light and block: whether any ray about it arrived, and whether any did not.
+FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
 
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
@@ -90,14 +93,13 @@ class Predict(Pass):
     def by_blocks(self, frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
         """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
         gl = self.device.gl
-        gl.enable_only(moderngl.NOTHING)
-        found = {light: gl.texture(frame.blocks, 2) for light in rays}
+        size = FOUND.size(frame.view.width, frame.view.height)
+        found = {light: FOUND.create(gl, size) for light in rays}
         for light, texture in found.items():
-            gl.framebuffer([texture]).use()
-            bind(self.blocks.program, rays=rays[light], width=BLOCK // apart)
-            self.blocks.render(moderngl.TRIANGLES, vertices=3)
+            target = gl.framebuffer([texture])
+            self.draw_by_block(frame, target, self.blocks, rays=rays[light], width=BLOCK // apart)
         self.device.wait()
-        return {light: pixels(texture) > 0.0 for light, texture in found.items()}
+        return {light: by_block(pixels(texture), frame.blocks) > 0.0 for light, texture in found.items()}
 
     def predict(self, frame: Frame, light: int, prediction: moderngl.Texture, traced: bool) -> None:
         """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""

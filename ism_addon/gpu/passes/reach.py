@@ -21,7 +21,7 @@ from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, FAR_AWAY, RENEWED, SCOUTED, Frame, Pass
+from . import BLOCK, FAR_AWAY, RENEWED, SCOUTED, Frame, Pass, by_block
 
 #: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
 #: for darker than this part of the picture's mean.
@@ -42,6 +42,9 @@ FEW = 16
 
 #: Of each light that rays are sent to: its number, and the place on it.
 ASKED = Target(3, "f4")
+
+#: What bounds a block.
+OF_BLOCKS = Target(4, "f4", divisor=BLOCK, strips=True)
 
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS = 1 << 15
@@ -81,10 +84,10 @@ class Reach(Pass):
 
     reads = ("position", "normal", "placement", "depth", "lights", "casters")
     writes = {
-        "lowest": Target(4, "f4", divisor=BLOCK),  # corner of the box around what a block shows; in alpha, whether any
-        "highest": Target(4, "f4", divisor=BLOCK),
-        "facing": Target(4, "f4", divisor=BLOCK),  # axis of the cone of its normals; in alpha, its cosine
-        **{f"far_{name}": Target(4, "f4", divisor=BLOCK) for name in ("lowest", "highest", "facing")},
+        "lowest": OF_BLOCKS,  # corner of the box around what a block shows; in alpha, whether any
+        "highest": OF_BLOCKS,
+        "facing": OF_BLOCKS,  # axis of the cone of its normals; in alpha, its cosine
+        **{f"far_{name}": OF_BLOCKS for name in ("lowest", "highest", "facing")},
     }
     makes = ("reach", "reaching")
     settings = ("skip",)
@@ -146,12 +149,11 @@ class Reach(Pass):
 
     def look(self, frame: Frame) -> Bounds:
         """What the blocks show, each nearby and far off."""
-        self.device.gl.enable_only(moderngl.NOTHING)
-        frame.targets.into(*self.writes).use()
-        bind(self.surfaces.program, position=frame.targets["position"], depth=frame.targets["depth"])
-        self.surfaces.render(moderngl.TRIANGLES, vertices=3)
+        shown = {name: frame.targets[name] for name in ("position", "depth")}
+        self.draw_by_block(frame, frame.targets.into(*self.writes), self.surfaces, **shown)
         self.device.wait()
-        near_and_far = np.array([pixels(frame.targets[name]) for name in self.writes]).reshape(2, 3, -1, 4)
+        found = [by_block(pixels(frame.targets[name]), frame.blocks) for name in self.writes]
+        near_and_far = np.array(found).reshape(2, 3, -1, 4)
         return Bounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
     def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:

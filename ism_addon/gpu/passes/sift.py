@@ -6,16 +6,14 @@ that for a given number of pixels drawn the least error is left (Neyman 1934). A
 it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
 """
 
-import moderngl
 import numpy as np
 
 from ...sampling import additive_sequence
 from ...scene import Change
 from ..context import Device
 from ..error import Error
-from ..program import bind
-from ..targets import Target
-from . import BLOCK, Frame, Pass, blocks_at
+from ..targets import Target, pixels
+from . import BLOCK, Frame, Pass, blocks_at, by_block
 
 #: Samples that every block takes part in.
 SAMPLES_FOR_ALL = 2
@@ -43,7 +41,7 @@ TINY = float(np.finfo(np.float32).tiny)
 class Sift(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
-    writes = {"noise": Target(2, "f4", divisor=BLOCK)}
+    writes = {"noise": Target(2, "f4", divisor=BLOCK, strips=True)}
     makes = ("blocks", "counts", "chances", "error")
     settings = ("shadow.method", "skip")
     depends_on = (Change.VIEW, Change.SAMPLE)
@@ -71,7 +69,7 @@ class Sift(Pass):
 
     def start(self, frame: Frame) -> None:
         """All blocks, none drawn yet."""
-        gl, (width, height) = self.device.gl, frame.targets["noise"].size
+        gl, (width, height) = self.device.gl, frame.blocks
         self.turns = np.zeros((height, width), np.float32)
         self.chance = np.ones((height, width), np.float32)
         self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
@@ -97,20 +95,11 @@ class Sift(Pass):
 
     def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
         """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""
-        self.device.gl.enable_only(moderngl.NOTHING)
-        target = frame.targets.into("noise")
-        target.use()
-        bind(
-            self.means.program,
-            sum=frame.targets["sum"],
-            sum_correction=frame.targets["sum_correction"],
-            weights=frame.targets["weights"],
-        )
-        self.means.render(moderngl.TRIANGLES, vertices=3)
+        sums = {name: frame.targets[name] for name in ("sum", "sum_correction", "weights")}
+        self.draw_by_block(frame, frame.targets.into("noise"), self.means, **sums)
         self.device.wait()
-        found = np.empty((*self.turns.shape, 2), np.float32)
-        frame.targets["noise"].read_into(found)
-        return np.sqrt(found[..., 0]), float(found[..., 1].mean())
+        square, bright = np.moveaxis(by_block(pixels(frame.targets["noise"]), frame.blocks), -1, 0)
+        return np.sqrt(square), float(bright.mean())
 
 
 def most_around(values: np.ndarray) -> np.ndarray:

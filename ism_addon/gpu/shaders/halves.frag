@@ -1,10 +1,11 @@
 // Of a block's pixels, the mean of their squared differences, and of their brightness.
+#include "lib/block_here.glsl"
 uniform sampler2D resolved;
 uniform sampler2D earlier;
 out vec2 moved;
 
 void main() {
-    ivec2 block = ivec2(gl_FragCoord.xy), last = textureSize(resolved, 0) - 1;
+    ivec2 block = block_here(), last = textureSize(resolved, 0) - 1;
     moved = vec2(0.0);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);

@@ -1,4 +1,5 @@
 // Whether any ray about a block arrived, and whether any did not.
+#include "lib/block_here.glsl"
 uniform sampler2D rays; // that arrived, and all
 uniform int width;      // of the block, in texels of the rays
 out vec2 found;
@@ -6,7 +7,7 @@ out vec2 found;
 const int MARGIN = 2; // texels that the predictions of the block look beyond it
 
 void main() {
-    ivec2 block = ivec2(gl_FragCoord.xy), last = textureSize(rays, 0) - 1;
+    ivec2 block = block_here(), last = textureSize(rays, 0) - 1;
     int across = width + 2 * MARGIN;
     found = vec2(0.0);
     for (int k = 0; k < across * across; ++k) {

@@ -1,4 +1,5 @@
 // What a block shows nearby, and what far off: the boxes around it, and the cones of its normals.
+#include "lib/block_here.glsl"
 #include "lib/octahedron.glsl"
 #include "lib/packed_normal.glsl"
 uniform sampler2D position; // in alpha, the normal, packed
@@ -18,7 +19,7 @@ void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
 }
 
 void main() {
-    ivec2 first = ivec2(gl_FragCoord.xy) * BLOCK, last = textureSize(position, 0) - 1;
+    ivec2 first = block_here() * BLOCK, last = textureSize(position, 0) - 1;
     vec2 texel = texel_size(position), range = vec2(1e30, -1e30);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         float z = fetch(depth, min(first + ivec2(k % BLOCK, k / BLOCK), last), texel).x;

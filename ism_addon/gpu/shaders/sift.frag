@@ -1,4 +1,5 @@
 // Of a block's pixels, the mean of their samples' variances, and of their luminances.
+#include "lib/block_here.glsl"
 #include "lib/luminance.glsl"
 uniform sampler2D sum;
 uniform sampler2D sum_correction;
@@ -6,7 +7,7 @@ uniform sampler2D weights; // of squared luminances, and of samples
 out vec2 noise;
 
 void main() {
-    ivec2 block = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
+    ivec2 block = block_here(), last = textureSize(sum, 0) - 1;
     noise = vec2(0.0);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Targets with a texel for each block, in strips."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ism_addon.gpu import targets
+from ism_addon.gpu.passes import BLOCK, by_block
+from ism_addon.gpu.targets import LONGEST_STRIP, Target
+
+from .scenes.small import box_over_plane
+from .studio import SMALL_SETTINGS, draw, with_quality
+
+OF_BLOCKS = Target(1, "f4", divisor=BLOCK, strips=True)
+
+#: Of the largest picture that any OpenGL of this engine's can draw.
+LARGEST = 32768
+
+SIDES = st.integers(1, LARGEST)
+
+
+@given(width=SIDES, height=SIDES)
+def test_strips_hold_all_blocks_and_are_no_longer_than_textures_may_be(width, height):
+    across, along = OF_BLOCKS.size(width, height)
+    columns, rows = Target(1, "f4", divisor=BLOCK).size(width, height)
+    assert max(across, along) <= LONGEST_STRIP
+    assert 0 <= across * along - columns * rows < across
+
+
+def test_blocks_lie_in_strips_row_by_row():
+    blocks = 5, 7
+    across, along = OF_BLOCKS.size(*(BLOCK * count for count in blocks))
+    texels = np.arange(across * along).reshape(along, across, 1)
+    assert np.array_equal(by_block(texels, blocks)[..., 0], np.arange(35).reshape(7, 5))
+
+
+@pytest.mark.parametrize("longest", [1, 3])
+def test_the_picture_does_not_depend_on_how_long_strips_are(device, monkeypatch, longest):
+    scene, view = box_over_plane(100, 60)
+    settings = with_quality(SMALL_SETTINGS, samples=6)
+    expected = draw(device, scene, view, settings)
+    monkeypatch.setattr(targets, "LONGEST_STRIP", longest)
+    found = draw(device, scene, view, settings)
+    assert np.array_equal(found.color, expected.color)
+    assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
