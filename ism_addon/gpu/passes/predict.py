@@ -17,12 +17,11 @@ from . import BLOCK, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass,
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
 PREDICTION = Target(2, "f1")
 
-#: Of each light and block: whether any ray about it arrived, and whether any did not.
-FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
-
 #: Likewise: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
+#: Of each light and block: whether any ray about it arrived, and whether any did not.
+FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
 
 #: The part that is thought to be seen of a light where it was spotted, though none of its first rays arrived.
 SPOTTED = 0.25

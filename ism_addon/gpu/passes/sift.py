@@ -69,13 +69,13 @@ class Sift(Pass):
 
     def start(self, frame: Frame) -> None:
         """All blocks, none drawn yet."""
-        gl, (width, height) = self.device.gl, frame.blocks
-        self.turns = np.zeros((height, width), np.float32)
-        self.chance = np.ones((height, width), np.float32)
-        self.phase = additive_sequence(0, width * height, 1).reshape(height, width)
-        frame.tables["error"] = Error((height, width))
+        gl, (columns, rows) = self.device.gl, frame.blocks
+        self.turns = np.zeros((rows, columns), np.float32)
+        self.chance = np.ones((rows, columns), np.float32)
+        self.phase = additive_sequence(0, columns * rows, 1).reshape(rows, columns)
+        frame.tables["error"] = Error((rows, columns))
         for name, components in (("counts", 1), ("chances", 2)):
-            frame.tables[name] = Target(components, "f4").create(gl, (width, height))
+            frame.tables[name] = Target(components, "f4").create(gl, frame.blocks)
 
     def share_out(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
         """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
