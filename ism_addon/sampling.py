@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points on triangles, on lights and in pixels: low-discrepancy, and the same for the same input."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 
 import numpy as np
@@ -19,11 +21,46 @@ def additive_sequence(first: int, count: int, dimensions: int) -> np.ndarray:
     Generalised golden ratios (Roberts 2018): every run of neighbours is evenly spread, so any prefix and
     any slice is itself a good set.
     """
+    return members(golden_steps(dimensions), first, count)
+
+
+def golden_steps(dimensions: int) -> tuple[float, ...]:
+    """The increments of R_d."""
     root = 1.5
     for _ in range(64):
         root = (1.0 + root) ** (1.0 / (dimensions + 1))
-    steps = root ** -np.arange(1.0, dimensions + 1)
+    return tuple(root ** -np.arange(1.0, dimensions + 1))
+
+
+def members(steps: tuple[float, ...], first: int, count: int) -> np.ndarray:
+    """(count, d) float64 in [0,1): members first … of the additive sequence with increments `steps` (d,)."""
     return np.modf(0.5 + np.outer(np.arange(first + 1, first + 1 + count, dtype=np.float64), steps))[0]
+
+
+class Dimension(Enum):
+    """What is decided by random numbers that change from sample to sample: each by increments of its own.
+
+    Two decisions by the same numbers would follow each other: a tile that takes part in every other sample, say, would
+    only ever see half of an occlusion pattern. In one dimension they are quadratic irrationals with small partial
+    quotients, which are as even as the golden ratio up to a factor of two.
+    """
+
+    TILE_TURN = golden_steps(1)  # whether a tile takes part
+    RETEST_TURN = ((13**0.5 - 3.0) / 2.0,)  # which hidden lights are looked for again, and where
+    OCCLUSION_TURN = (3**0.5 - 1.0,)  # the pattern of ambient occlusion
+    PIXEL = golden_steps(2)  # the place in the pixel, where samples do not share a grid
+    VIRTUAL_LIGHT = golden_steps(3)[:2]  # the shift of a light's virtual point lights
+    RETEST_POINT = golden_steps(4)[:2]  # the point on the light that is looked for
+
+
+def sequence(dimension: Dimension, first: int, count: int) -> np.ndarray:
+    """(count, d) float64 in [0,1): members first … of a decision's own sequence."""
+    return members(dimension.value, first, count)
+
+
+def fixed_point(numbers: Iterable[float]) -> tuple[int, ...]:
+    """Of numbers in [0,1), 32-bit fixed point: sums wrap as they should, and never lose digits."""
+    return tuple(round(number * 2**32) % 2**32 for number in numbers)
 
 
 def barycentric(squares: np.ndarray) -> np.ndarray:
@@ -129,13 +166,17 @@ STEP = 3045
 GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 
 #: Steps of a ray's place on its light, from a pixel's ray to its next one, and from pixel to pixel in the order of
-#: place_of_pixel in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
-#: pixel, which say how much a ray counts, and over neighbours: found by search among half-seen lights, see the tests.
-RAY_STEPS = (0.7311, 0.5920)
-PIXEL_STEPS = (0.5622, 0.7520)
+#: pixel_member in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
+#: pixel, which say how much a ray counts, and over neighbours, and for thousands of rays: found by search among
+#: half-seen lights, see tests/test_ray_places.py.
+RAY_STEPS = (0.72079472, 0.58961153)
+PIXEL_STEPS = (0.56302240, 0.75173203)
 
-#: And from light to light: the additive sequence's of two dimensions.
-LIGHT_STEPS = (0.7548776662, 0.5698402910)
+#: Steps of when it is a pixel's turn to have a ray: from pixel to pixel, and from round to round of places in a pixel.
+TURN_STEPS = (2**0.5 - 1.0, (21**0.5 - 3.0) / 2.0)
+
+#: And from light to light: of the place, of a pixel's turn, and of a tile's.
+LIGHT_STEPS = golden_steps(4)
 
 
 def van_der_corput(numbers: np.ndarray) -> np.ndarray:
@@ -160,6 +201,6 @@ def narrow_grid(number: int, reach: float) -> Grid:
     k = np.pi * (t + 1.0)
     weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
     cumulative = np.cumsum(weight) - 0.5 * weight
-    place = additive_sequence(number - 1, 1, 2)[0] if number else np.full(2, 0.5)
+    place = sequence(Dimension.PIXEL, number - 1, 1)[0] if number else np.full(2, 0.5)
     off = reach * np.interp(place * weight.sum(), cumulative, t)
     return Grid(np.eye(2, dtype=int), off, np.zeros((1, 2), int), off[None])

@@ -23,7 +23,7 @@ def prediction(renderer) -> np.ndarray:
     if 0 not in renderer.tables["predictions"]:
         return np.zeros((*renderer.targets["position"].size[::-1], 2))
     texture = renderer.tables["predictions"][0]
-    return np.frombuffer(texture.read(), "u1").reshape(*texture.size[::-1], 2) / 255
+    return np.frombuffer(texture.read(), "f2").reshape(*texture.size[::-1], 2).astype(float)
 
 
 def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None = None) -> np.ndarray:
@@ -52,7 +52,7 @@ def test_one_ray_that_differs_is_felt_two_pixels_around_it(device):
     doubt[11:22, 5:16] = True  # two scouts to all sides, and the pixels between those and the next
     assert np.array_equal(found[..., 1] == 1.0, doubt)
     felt = 1.0 - np.outer(TENT, TENT) / TENT.sum() ** 2
-    assert found[12:22:2, 6:16:2, 0] == pytest.approx(felt, abs=0.5 / 255 + 1e-6)
+    assert found[12:22:2, 6:16:2, 0] == pytest.approx(felt, abs=2**-11)
     assert (found[~doubt] == (1.0, 0.0)).all()
 
 
@@ -66,7 +66,7 @@ def test_on_a_plane_neighbours_count_by_how_near_they_are(device):
     places = np.minimum(np.arange(32) / 2, 15)
     rows = np.array([np.interp(places, np.arange(16), row) for row in means])
     between = np.array([np.interp(places, np.arange(16), column) for column in rows.T]).T
-    assert found[..., 0] == pytest.approx(between, abs=1 / 255 + 1e-6)  # rounded at the scouts, and again
+    assert found[..., 0] == pytest.approx(between, abs=2**-10)  # rounded at the scouts, and again
 
 
 def test_nothing_is_taken_from_another_surface(device):
@@ -76,7 +76,8 @@ def test_nothing_is_taken_from_another_surface(device):
     heights = draw(device, scene, view).target("position")[..., 2]
     on_plate = heights > heights.mean()
     found = predicted(device, scene, view, np.where(on_plate[::2, ::2], 0.0, 1.0))
-    assert np.array_equal(found[..., 0], np.where(on_plate, 0.0, 1.0))
+    # But for the little weight that all neighbours have, so that none are left without any.
+    assert found[..., 0] == pytest.approx(np.where(on_plate, 0.0, 1.0), abs=5e-4)
     assert found[..., 1].any()
     assert not found[..., 1].all()
 

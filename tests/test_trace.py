@@ -38,7 +38,7 @@ def predicting(
         for name in renderer.sample(scene, view, settings, sample, profile):
             if name == "Predict" and sample < until:
                 for texture in renderer.tables["predictions"].values():
-                    pixels = np.tile(np.array([255 * part, 255 * doubt], np.uint8), (texture.height, texture.width, 1))
+                    pixels = np.tile(np.array([part, doubt], np.float16), (texture.height, texture.width, 1))
                     texture.write(pixels)
                 for blocks in renderer.tables["found"].values():
                     blocks[:] = part > 0.0 or doubt > 0.0, part < 1.0 or doubt > 0.0
@@ -103,7 +103,7 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
             if name == "Predict":
                 of = np.frombuffer(renderer.targets["foreseen"].read(), "f4").reshape(32, 32, 4)
                 lit = of[..., 2] > of[..., 2].mean()
-                renderer.tables["predictions"][0].write(np.stack([255 * lit, 0 * lit], -1).astype(np.uint8))
+                renderer.tables["predictions"][0].write(np.stack([lit, 0 * lit], -1).astype(np.float16))
                 renderer.tables["found"][0][:] = True
     predicted, corrections = means(renderer)
     columns = predicted[:, 0].reshape(32, 32).mean(0)

@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 
+from ..sampling import RAY_STEPS, TURN_STEPS, fixed_point
 from ..scene import Lights, LightShape
 from .layout import CASTER, LIGHT, MEMBERSHIP
 from .passes import Frame
@@ -38,6 +39,11 @@ class Kind:
 def constants_of(kind: Kind, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
     """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
     return {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": least_chance, **asdict(kind)}
+
+
+def ray_sequence() -> dict[str, tuple[int, ...]]:
+    """Uniforms: which ray of a pixel goes where on its light, and when it is its turn."""
+    return {"ray_steps": fixed_point(RAY_STEPS), "turn_steps": fixed_point(TURN_STEPS)}
 
 
 def enough(frame: Frame) -> float:

@@ -52,6 +52,10 @@ RENEWED = {0, *(2**k for k in range(2, 32))}
 #: What a close look found of a light: rays that arrived, and rays.
 SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
+#: Of each light and pixel: the part that it is thought to see, and whether that is in doubt. In eight bits the part
+#: would be off by up to 0.002, which stays in the picture until corrections of that size stand out of their noise.
+PREDICTION = Target(2, "f2")
+
 
 def by_block(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
     """(rows,columns,N) of what a target of so many columns and rows of blocks holds in strips, (H,W,N)."""

@@ -8,7 +8,7 @@ many of them cost together is what one would. A light that is found is Predict's
 import moderngl
 import numpy as np
 
-from ...sampling import PIXEL_STEPS, additive_sequence
+from ...sampling import PIXEL_STEPS, Dimension, fixed_point, sequence
 from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
@@ -54,8 +54,8 @@ class Check(Pass):
             **frame.receivers,
             lights=frame.tables["lights"],
             offset=(frame.sample % SCOUTS_APART, frame.sample // SCOUTS_APART % SCOUTS_APART),
-            pixel_steps=PIXEL_STEPS,
-            place=tuple(additive_sequence(frame.sample, 1, 2)[0]),
+            pixel_steps=fixed_point(PIXEL_STEPS),
+            place=fixed_point(sequence(Dimension.RETEST_POINT, frame.sample, 1)[0]),
             **frame.tables["casters"],
         )
         self.draw_blocks(frame, target, self.pixels, blocks, block=SCOUTED_BLOCK)
@@ -67,7 +67,7 @@ class Check(Pass):
             self.hidden, self.sums = chances_of(frame.tables["reach"], frame.tables["found"], casts)
         if not len(self.hidden):
             return np.zeros(0, BLOCKS)
-        turn = additive_sequence(frame.sample, 1, 1)[0, 0]
+        turn = sequence(Dimension.RETEST_TURN, frame.sample, 1)[0, 0]
         picks = np.searchsorted(self.sums, np.arange(turn, self.sums[-1]), side="right")
         light, row, column = np.unravel_index(picks, (len(self.hidden), *frame.blocks[::-1]))
         blocks = np.zeros(len(picks), BLOCKS)

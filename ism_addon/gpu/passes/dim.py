@@ -8,11 +8,11 @@ fainter one is, the rarer is its turn after the first sample, and the more it co
 import moderngl
 import numpy as np
 
-from ...sampling import LIGHT_STEPS, PIXEL_STEPS, RAY_STEPS, additive_sequence
+from ...sampling import LIGHT_STEPS, PIXEL_STEPS, TURN_STEPS, fixed_point, members
 from ...scene import Change
 from ..context import Device
 from ..program import bind
-from ..refine import RECORDS, Kind, constants_of, count_used, enough
+from ..refine import RECORDS, Kind, constants_of, count_used, enough, ray_sequence
 from . import BLOCK, Frame, Pass
 
 #: The least chance of a ray.
@@ -59,9 +59,9 @@ class Dim(Pass):
                 program,
                 **frame.receivers,
                 lights=frame.tables["lights"],
-                pixel_steps=PIXEL_STEPS,
-                light_steps=LIGHT_STEPS,
-                ray_steps=RAY_STEPS,
+                pixel_steps=fixed_point(PIXEL_STEPS),
+                light_steps=fixed_point(LIGHT_STEPS[:3]),
+                **ray_sequence(),
                 enough=enough(frame) if rays else 0.0,
                 **frame.tables.get("casters", {}),
             )
@@ -96,6 +96,6 @@ def pairs_of(reach: dict) -> np.ndarray:
         pairs = np.zeros(len(block), PAIRS)
         pairs["block"], pairs["light"], pairs["part"] = block, light, part[block]
         pairs["chance"] = np.maximum(to.against_dim.ravel()[block], LEAST_TURN)
-        pairs["phase"] = np.mod(additive_sequence(0, part.size, 1)[block, 0] + light * LIGHT_STEPS[0], 1.0)
+        pairs["phase"] = np.mod(members(TURN_STEPS[:1], 0, part.size)[block, 0] + light * LIGHT_STEPS[3], 1.0)
         found.append(pairs)
     return np.concatenate(found)

@@ -8,7 +8,7 @@ light's radiance and area are exact (see gather), its points only say how much o
 import numpy as np
 
 from ...radiometry import plane_normals
-from ...sampling import additive_sequence, points_on_light, shares
+from ...sampling import Dimension, additive_sequence, points_on_light, sequence, shares
 from ...scene import Change, Lights
 from ...spaces import orthonormal
 from ..layout import LIGHT_POINT, POINTS_OF_LIGHT
@@ -37,7 +37,7 @@ def point_tables(
     normals = plane_normals(lights)
     tangents, bitangents = orthonormal(normals)
     owners = np.repeat(list(points_per_light), counts).astype(int)
-    shifts = additive_sequence(sample, 1, 2) + additive_sequence(0, len(normals), 2)
+    shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + additive_sequence(0, len(normals), 2)
     positions = [points_on_light(lights, light, count, shifts[light]) for light, count in points_per_light.items()]
     offsets = np.concatenate([np.zeros((0, 3)), *positions]) - lights.position[owners]
     angle = 2.0 * np.pi * additive_sequence(sample * len(owners), len(owners), 1)

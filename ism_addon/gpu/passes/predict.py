@@ -12,12 +12,9 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at, by_block
+from . import BLOCK, PREDICTION, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at, by_block
 
-#: Of each light and pixel: the part that it is thought to see, and whether that is in doubt.
-PREDICTION = Target(2, "f1")
-
-#: Likewise: rays that arrived so far, and rays.
+#: Of each light and pixel: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
 #: Of each light and block: whether any ray about it arrived, and whether any did not.
@@ -32,7 +29,7 @@ class Predict(Pass):
 
     reads = ("scouted", "spotted", "reach", "position", "normal", "depth")
     writes = {
-        "around": Target(2, "f1", divisor=SCOUTS_APART),  # a light's prediction where scouts were
+        "around": Target(2, "f2", divisor=SCOUTS_APART),  # a light's prediction where scouts were
         "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
     }
     makes = ("predictions", "seen", "found", "looks")
@@ -117,5 +114,6 @@ class Predict(Pass):
 
 def whole_blocks(arrived: np.ndarray, block: int, size: tuple[int, int]) -> np.ndarray:
     """(H,W) bool of blocks as pixels of PREDICTION: all of a light or nothing, and no doubt about it."""
-    pixels = np.where(arrived, np.uint16(255), np.uint16(0)).astype("<u2")  # the high byte, doubt, is 0
+    pixels = np.zeros((*arrived.shape, 2), np.float16)
+    pixels[..., 0] = arrived
     return np.ascontiguousarray(pixels.repeat(block, 1).repeat(block, 0)[: size[1], : size[0]])

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from ...cores import side_by_side
-from ...sampling import PIXEL_STEPS, additive_sequence
+from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
 from ..bounds import Bounds, Lamps, light_on
 from ..context import Device
@@ -41,7 +41,7 @@ FARTHER = 4
 FEW = 16
 
 #: Of each light that rays are sent to: its number, and the place on it.
-ASKED = Target(3, "f4")
+ASKED = Target(3, "u4")
 
 #: What bounds a block.
 OF_BLOCKS = Target(4, "f4", divisor=BLOCK, strips=True)
@@ -182,7 +182,7 @@ class Reach(Pass):
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
             asked = ASKED.create(gl, (len(some), 1))
-            asked.write(np.column_stack([some, places[some]]).astype(np.float32))
+            asked.write(np.array([(light, *fixed_point(places[light])) for light in some], np.uint32))
             bind(
                 self.rays.program,
                 **frame.receivers,
@@ -191,7 +191,7 @@ class Reach(Pass):
                 rows=rows,
                 apart=apart * BLOCK,
                 offset=(apart * BLOCK // 2, apart * BLOCK // 2),
-                pixel_steps=PIXEL_STEPS,
+                pixel_steps=fixed_point(PIXEL_STEPS),
                 **frame.tables["casters"],
             )
             strips = SCOUTED.create(gl, (columns, len(some) * rows))

@@ -3,7 +3,7 @@
 
 import moderngl
 
-from ...sampling import PIXEL_STEPS, additive_sequence
+from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
@@ -42,8 +42,8 @@ class Scout(Pass):
                 lights=frame.tables["lights"],
                 light_index=light,
                 offset=(0, 0),
-                pixel_steps=PIXEL_STEPS,
-                place=tuple(places[light]),
+                pixel_steps=fixed_point(PIXEL_STEPS),
+                place=fixed_point(places[light]),
                 **frame.tables["casters"],
             )
             blocks = blocks_at(frame.tables["reach"][light].scouted)

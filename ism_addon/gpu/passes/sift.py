@@ -8,7 +8,7 @@ it took part in. One whose error is below the threshold takes part only for the 
 
 import numpy as np
 
-from ...sampling import additive_sequence
+from ...sampling import TURN_STEPS, Dimension, members, sequence
 from ...scene import Change
 from ..context import Device
 from ..error import Error
@@ -58,7 +58,7 @@ class Sift(Pass):
             unsettled = ~frame.tables["error"].settled
             if frame.fitted and frame.settings.skip and frame.sample >= SAMPLES_FOR_ALL and unsettled.any():
                 self.share_out(noise, frame.tables["brightness"], unsettled)
-        error, turn = frame.tables["error"], additive_sequence(frame.sample, 1, 1)[0, 0]
+        error, turn = frame.tables["error"], sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
         takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & most_around(~error.settled)
         frame.tables["blocks"] = self.blocks(frame, takes_part)
         frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * BLOCK**2
@@ -72,7 +72,7 @@ class Sift(Pass):
         gl, (columns, rows) = self.device.gl, frame.blocks
         self.turns = np.zeros((rows, columns), np.float32)
         self.chance = np.ones((rows, columns), np.float32)
-        self.phase = additive_sequence(0, columns * rows, 1).reshape(rows, columns)
+        self.phase = members(TURN_STEPS[:1], 0, columns * rows).reshape(rows, columns)
         frame.tables["error"] = Error((rows, columns))
         for name, components in (("counts", 1), ("chances", 2)):
             frame.tables[name] = Target(components, "f4").create(gl, frame.blocks)

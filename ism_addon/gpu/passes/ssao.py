@@ -10,7 +10,7 @@ cosine, so that without attenuation the open part is the part of the world's lig
 import moderngl
 import numpy as np
 
-from ...sampling import additive_sequence
+from ...sampling import Dimension, additive_sequence, sequence
 from ...scene import Change
 from ..context import Device
 from ..program import bind
@@ -53,7 +53,7 @@ class SSAO(Pass):
             position=frame.targets["position"],
             normals=frame.targets["normal"],
             random=self.random,
-            turn=additive_sequence(frame.sample, 1, 1)[0, 0],
+            turn=sequence(Dimension.OCCLUSION_TURN, frame.sample, 1)[0, 0],
             radius=ssao.radius,
             cone_sine=np.sin(ssao.cone_angle / 2.0),
             intensity=ssao.intensity,

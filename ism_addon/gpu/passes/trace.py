@@ -12,13 +12,13 @@ tell whether there should be doubt.
 import moderngl
 import numpy as np
 
-from ...sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence
+from ...sampling import LIGHT_STEPS, PIXEL_STEPS, TURN_STEPS, fixed_point, members
 from ...scene import Change
 from ..context import Device
 from ..program import bind
-from ..refine import RECORDS, Kind, constants_of, count_used, enough
+from ..refine import RECORDS, Kind, constants_of, count_used, enough, ray_sequence
 from ..targets import Target
-from . import BLOCK, Frame, Pass
+from . import BLOCK, PREDICTION, Frame, Pass
 
 #: The least chance of a ray.
 LEAST_CHANCE = 0.1
@@ -44,8 +44,8 @@ class Trace(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.all_seen = Target(2, "f1").create(device.gl, (1, 1))
-        self.all_seen.write(bytes([255, 0]))
+        self.all_seen = PREDICTION.create(device.gl, (1, 1))
+        self.all_seen.write(np.array([1.0, 0.0], np.float16))
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -55,11 +55,11 @@ class Trace(Pass):
         frame.targets.into("predicted", "correction").clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        shifts = additive_sequence(0, len(lights.shape), 3)
+        shifts = members(LIGHT_STEPS, 0, len(lights.shape))
         frame.tables["used"] = used = set()
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
-            traced, shown = self.chosen(frame, light, shift[2])
+            traced, shown = self.chosen(frame, light, shift[3])
             if not len(traced) + len(shown):
                 continue
             used.add(light)
@@ -68,7 +68,7 @@ class Trace(Pass):
                 **frame.receivers,
                 "lights": frame.tables["lights"],
                 "light_index": light,
-                "pixel_steps": PIXEL_STEPS,
+                "pixel_steps": fixed_point(PIXEL_STEPS),
                 "depth": frame.targets["depth"],
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
@@ -78,7 +78,7 @@ class Trace(Pass):
             self.draw_blocks(frame, predicted, program, shown)
             frame.counts["pixels_refined"] += len(traced) * BLOCK**2
             if len(traced):
-                places = {"shift": tuple(shift[:2]), "ray_steps": RAY_STEPS}
+                places = {"shift": fixed_point(shift[:3]), **ray_sequence()}
                 with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
         for kind, uniforms, seen, traced in with_rays:
             program = self.in_blocks(*RECORDS, **constants_of(kind, 1, len(frame.grid.places), LEAST_CHANCE))
@@ -108,9 +108,9 @@ class Trace(Pass):
         if frame.sample == 0:
             return blocks[:0], blocks[seen]
         columns, rows = frame.blocks
-        phase = additive_sequence(0, columns * rows, 1)[row * columns + column, 0] + shift
+        phase = members(TURN_STEPS[:1], 0, columns * rows)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
-        phase += blocks["number"] // len(frame.grid.places) * RAY_STEPS[0]
+        phase += blocks["number"] // len(frame.grid.places) * TURN_STEPS[1]
         chance = np.minimum(SURE_CHANCE * reach.bright[row, column], MOST_SURE)
         turn = (blocks["number"] + 1.0) * chance + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))

@@ -3,7 +3,7 @@
 #include "lib/receiver.glsl"
 #include "lib/turn.glsl"
 uniform samplerBuffer lights;
-uniform vec2 light_steps;
+uniform uvec3 light_steps;
 flat in float own_light;
 flat in float own_part;
 flat in float own_chance;
@@ -23,14 +23,14 @@ void main() {
 #if RAYS
     if (light.casts_shadow == 0 || full <= 0.0) return;
     correction.a = all * abs(bright);
-    vec2 own = fract((own_light + 1.0) * light_steps);
+    uvec3 own = (uint(own_light + 0.5) + 1u) * light_steps;
     float chance = chance_of(light.radiance, here.albedo, all, known, known < 1.0);
-    Turn turn = turn_of(at, own, max(chance, LEAST_CHANCE / own_chance)); // as many rays as if it were always its turn
+    Turn turn = turn_of(at, own.z, max(chance, LEAST_CHANCE / own_chance)); // as many rays as if it were always its turn
     if (!turn.now) return;
-    vec3 to = light.position + point_on_light(light, place_of_pixel(at, own + turn.number * ray_steps));
-    float weight = sent(light, to - here.position, here.normal) / full;
-    if (weight <= 0.0) return;
-    float seen = sees(here, to, light) ? 1.0 : 0.0;
-    correction.rgb = light.radiance * (all * weight * (seen - known) / turn.chance);
+    vec2 place = place_of_pixel(at, own.xy + uint(turn.number) * ray_steps);
+    LightSample sampled = sample_light(light, here.position, here.normal, place);
+    if (sampled.irradiance <= 0.0) return;
+    float seen = sees(here, sampled.point, light) ? 1.0 : 0.0;
+    correction.rgb = light.radiance * (sampled.irradiance / own_chance * (seen - known) / turn.chance);
 #endif
 }

@@ -1,7 +1,7 @@
 // Irradiance: a light's exact value times the part of its light points that see the pixel, weighted by what they send.
 #include "lib/linked.glsl"
 #include "lib/octahedron.glsl"
-#include "lib/spread.glsl"
+#include "lib/light_sample.glsl"
 
 uniform sampler2D position;
 uniform sampler2D normals;
@@ -42,22 +42,31 @@ vec3 light_irradiance(Light light, PointsOfLight points, vec3 p, vec3 n, vec3 fa
     vec3 full = light.radiance * unshadowed_irradiance(light, p, n);
     if (!masked) return batch.x == 0 ? full : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
+    // Where no point of its own can light a receiver, those closest to where its light comes from say what is hidden.
+    vec3 from = light_from_anchor * (sample_light(light, p, n, vec2(0.5)).point - light.position);
     p = light_from_anchor * (p - light.position);
     n = light_from_anchor * n;
     facet = light_from_anchor * facet;
-    float sent = 0.0, arrived = 0.0;
+    float sent = 0.0, arrived = 0.0, close = 0.0, arrived_close = 0.0;
     int last = full == vec3(0.0) ? 0 : points.first + points.count;
     for (int k = points.first; k < last; ++k) {
         LightPoint point = fetch_LightPoint(light_points, k);
         vec3 v = vec3(p.xy - point.place, p.z);
         float square = dot(v, v);
         float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);
-        weight *= spread(light, p.z * inversesqrt(max(square, 1e-30)));
+        weight *= spread(light, p.z, length(v.xy));
+        vec2 off = point.place - from.xy;
+        float closeness = 1.0 / max(dot(off, off) * dot(off, off), 1e-30);
         sent += weight;
+        close += closeness;
         int index = k - batch.x;
-        if (index >= 0 && index < batch.y) arrived += weight * visibility(point.turn, index, v, facet);
+        if (index < 0 || index >= batch.y) continue;
+        float seen = visibility(point.turn, index, v, facet);
+        arrived += weight * seen;
+        arrived_close += closeness * seen;
     }
-    return sent > 0.0 ? full * (arrived / sent) : batch.x == 0 ? full : vec3(0.0);
+    if (close == 0.0) return vec3(0.0);
+    return full * (sent > 0.0 ? arrived / sent : arrived_close / close);
 }
 
 void main() {

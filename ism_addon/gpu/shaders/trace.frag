@@ -8,7 +8,7 @@ uniform int light_index;
 uniform sampler2D prediction;
 uniform sampler2D foreseen; // positions and normals of what was predicted
 uniform sampler2D depth;
-uniform vec2 shift; // of places on the light
+uniform uvec3 shift; // of places on the light, and of turns
 flat in float own_chance;
 layout(location = 0) out vec4 predicted; // in alpha, the luminance by which it would rise if all doubt were in vain
 #if RAYS
@@ -53,13 +53,13 @@ void main() {
 #if RAYS
     correction.a = known.y > 0.0 ? full * abs(bright) : 0.0;
     float chance = own_chance > 0.0 ? own_chance : chance_of(light.radiance, here.albedo, full, known.x, known.y > 0.0);
-    Turn turn = turn_of(at, vec2(0.0), chance);
+    Turn turn = turn_of(at, shift.z, chance);
     if (full <= 0.0 || !(turn.now || own_chance > 0.0)) return;
-    vec3 to = light.position + point_on_light(light, place_of_pixel(at, shift + turn.number * ray_steps));
-    float weight = sent(light, to - here.position, here.normal) / full;
-    if (weight <= 0.0) return;
-    seen = vec2(sees(here, to, light) ? 1.0 : 0.0, 1.0);
+    vec2 place = place_of_pixel(at, shift.xy + uint(turn.number) * ray_steps);
+    LightSample sampled = sample_light(light, here.position, here.normal, place);
+    if (sampled.irradiance <= 0.0) return;
+    seen = vec2(sees(here, sampled.point, light) ? 1.0 : 0.0, 1.0);
     if (own_chance > 0.0) return; // seen to tell whether there should be doubt: so rare, it would correct by far too much
-    correction.rgb = light.radiance * (full * weight * (seen.x - known.x) / turn.chance);
+    correction.rgb = light.radiance * (sampled.irradiance * (seen.x - known.x) / turn.chance);
 #endif
 }

@@ -2,11 +2,10 @@
 #include "lib/irradiance.glsl"
 #include "lib/cone.glsl"
 
-// Of the radiance towards an angle off the light's normal whose cosine is c.
-float spread(Light light, float c) {
+// Of the radiance towards a receiver so high over the light's plane, whose foot is so far from where it comes from.
+float spread(Light light, float height, float away) {
     if (light.spread_scale == 0.0) return 1.0;
-    float tangent = sqrt(max(1.0 - c * c, 0.0)) / max(c, 1e-20);
-    return max(light.spread_tangent - tangent, 0.0) * light.spread_scale;
+    return max(light.spread_tangent - away / max(height, 1e-30), 0.0) * light.spread_scale;
 }
 
 // Of a light seen as small, in units of the receiver's height: the mean at four points, of the third degree on its

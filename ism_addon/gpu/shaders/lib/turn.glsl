@@ -1,7 +1,8 @@
 // Whether it is a pixel's turn to have a ray: as often as that is worth it.
 #include "lib/luminance.glsl"
 #include "lib/shadow_ray.glsl"
-uniform vec2 ray_steps;
+uniform uvec2 ray_steps;
+uniform uvec2 turn_steps; // from pixel to pixel, and after each round of the places in the pixel
 uniform float enough; // change of luminance that is worth a ray
 flat in float own_number;
 
@@ -18,11 +19,12 @@ float chance_of(vec3 radiance, vec3 albedo, float full, float known, bool doubtf
     return clamp(exp2(floor(log2(worth))), LEAST_CHANCE, 1.0);
 }
 
-// Rays are numbered, so that they go through places that are spread evenly, however rare they are.
-Turn turn_of(ivec2 at, vec2 place, float chance) {
-    float phase = place_of_pixel(at / 4, place).x;
+// Rays are numbered, so that they go through places that are spread evenly, however rare they are. `phase`: of the light.
+Turn turn_of(ivec2 at, uint phase, float chance) {
     // After each round of the places in the pixel at another time, or rays would only ever start at some of them.
-    if (chance < 1.0) phase += floor(own_number / float(PLACES_IN_PIXEL)) * ray_steps.x;
-    float number = floor(own_number * chance + phase);
-    return Turn(floor((own_number + 1.0) * chance + phase) > number, number, chance);
+    uint rounds = uint(own_number) / uint(PLACES_IN_PIXEL);
+    float start = float((phase + pixel_member(at / 4) * turn_steps.x + rounds * turn_steps.y) >> 8u) / 16777216.0;
+    if (chance == 1.0) start = 0.0;
+    float number = floor(own_number * chance + start);
+    return Turn(floor((own_number + 1.0) * chance + start) > number, number, chance);
 }
