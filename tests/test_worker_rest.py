@@ -8,6 +8,8 @@ import pytest
 from .test_worker import LONG, begun, ended, request
 from .tools.memory import resident
 
+pytestmark = pytest.mark.alone
+
 
 def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
     job = worker.start(request(LONG), "client")

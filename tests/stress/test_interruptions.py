@@ -14,6 +14,8 @@ import pytest
 from ..blender import exr
 from ..tools import project
 
+pytestmark = pytest.mark.alone
+
 #: Renders a small picture, in an interpreter of its own; what comes before, between and after is the test's.
 SCRIPT = """
 import bpy, sys, threading, time
