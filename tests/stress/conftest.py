@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it.
 
-What it shows comes with the tests' reports, as those of several processes do. And how many are drawn, a snapshot, and the command line, for tests of several files.
+What it shows comes with the tests' reports, as those of several processes do. And how many are drawn, a snapshot, and
+the command line, for tests of several files.
 """
 
 import sys

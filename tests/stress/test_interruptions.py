@@ -18,7 +18,8 @@ pytestmark = pytest.mark.alone
 
 #: Renders a small picture, in an interpreter of its own; what comes before, between and after is the test's.
 SCRIPT = """
-import bpy, sys, threading, time
+import bpy, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # else it is ignored where it is by whoever started the tests
 from ism_addon import addon
 addon.register()
 folder = sys.argv[1]
@@ -42,7 +43,10 @@ def script(folder: Path, *lines: str) -> subprocess.Popen:
 
 def done(process: subprocess.Popen, status: int = 0) -> str:
     """What it said, when it has ended as it should and without complaint."""
-    out, error = process.communicate(timeout=60)
+    try:
+        out, error = process.communicate(timeout=60)
+    finally:
+        process.kill()  # else what does not end would draw on beside all other tests
     assert process.returncode == status, error
     assert "Traceback" not in error
     return out
