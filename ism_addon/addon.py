@@ -4,6 +4,8 @@
 import atexit
 from types import ModuleType
 
+import bpy
+
 from .blender import engine, operators
 from .ui import borrowed, developer, panels, presets, properties, shading, statistics
 
@@ -14,10 +16,23 @@ _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    for part in PARTS:
-        part.register()
-        _registered.append(part)
+    """If that fails, nothing is left registered, and it can be tried again."""
+    try:
+        for part in PARTS:
+            part.register()
+            _registered.append(part)
+    except BaseException:
+        _unregister_classes(part)
+        unregister()
+        raise
     atexit.register(_at_exit)
+
+
+def _unregister_classes(part: ModuleType) -> None:
+    """Those of a part that has not come to its end."""
+    for each in reversed(list(vars(part).values())):
+        if getattr(each, "is_registered", False) and each.__module__ == part.__name__:
+            bpy.utils.unregister_class(each)
 
 
 def unregister() -> None:
