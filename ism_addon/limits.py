@@ -14,7 +14,7 @@ from .quoting import cut
 from .scene import View
 from .settings import SECTIONS, Control, Settings, controls
 
-#: px. Drivers have no room for the weights of filters much wider; Blender has filters of up to 500.
+#: px. Wider ones take long, and show nothing but a blur; Blender has filters of up to 500.
 WIDEST_FILTER = 50.0
 
 
