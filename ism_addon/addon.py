@@ -16,7 +16,9 @@ _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    """If that fails, nothing is left registered, and it can be tried again."""
+    """If that fails, nothing is left registered, and it can be tried again. Nothing is new where we still are."""
+    if _registered:
+        return
     try:
         for part in PARTS:
             part.register()
@@ -36,7 +38,12 @@ def _unregister_classes(part: ModuleType) -> None:
 
 
 def unregister() -> None:
-    """Undo register. Blender may ask for it once more at its end: then nothing is left to do."""
+    """Undo register. Blender may ask for it once more at its end: then nothing is left to do.
+
+    Raises RuntimeError while a render is under way: then all stays as it is.
+    """
+    if engine.is_rendering():
+        raise RuntimeError("ISM is rendering: it can be disabled when the render has ended")
     atexit.unregister(_at_exit)
     while _registered:
         _registered.pop().unregister()

@@ -101,6 +101,31 @@ def test_exit_while_rendering(tmp_path, number, status, said):
     assert time.monotonic() - before < 5.0
 
 
+def test_unregistered_while_rendering(tmp_path):
+    """By another thread, or a handler of the render: Blender would crash, so it is refused, and can be done later."""
+    lines = (
+        "scene.ism.render.samples, scene.ism.render.error_threshold = 600, 0.0",
+        "def unregister(*_):",
+        "    try:",
+        "        addon.unregister()",
+        "    except RuntimeError as error:",
+        "        print(threading.current_thread() is thread, error, flush=True)",
+        "thread = threading.Timer(0.5, unregister)",
+        "thread.start()",
+        "bpy.app.handlers.render_stats.append(unregister)",
+        "render('picture')",
+        "bpy.app.handlers.render_stats.clear()",
+        "thread.join()",
+        "addon.register()",  # as Blender does where the extension is enabled again
+        "render('picture')",
+        "unregister()",
+        "unregister()",
+    )
+    said = done(script(tmp_path, *lines)).splitlines()
+    sentence = "ISM is rendering: it can be disabled when the render has ended"
+    assert {line for line in said if line.endswith(sentence)} == {f"True {sentence}", f"False {sentence}"}
+
+
 def test_two_renders_at_once(tmp_path, alone):
     """Of two processes, each has the picture that it would have alone."""
     with ThreadPoolExecutor(2) as pool:
