@@ -24,6 +24,9 @@ BENCHMARKS = sorted(
 STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
+#: As many tests at a time as there are cores, each with one thread for Mesa's pixels; further ones would want memory.
+SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
+ONE_THREAD = {"LP_NUM_THREADS": "1"}
 #: Our exit status where something cannot be tried here, as others have it too.
 SKIPPED = 77
 
@@ -37,9 +40,14 @@ def test(chosen: list[str]) -> int:
     """Run all checks, or with arguments for pytest the tests that they choose."""
     default, *others = environments()
     results = {} if chosen else {"ruff": default.run("ruff", "check")}
-    results[default.name] = default.run("pytest", *chosen)
-    for other in others:
-        results[other.name] = other.run("pytest", "--override-ini=testpaths=tests/blender", *chosen)
+    for environment in (default, *others):
+        which = () if environment is default else ("--override-ini=testpaths=tests/blender",)
+        if chosen or not environment.has_processes:
+            results[environment.name] = environment.run("pytest", *which, *chosen)
+        else:
+            beside = environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **ONE_THREAD)
+            alone = environment.run("pytest", *which, "-m=alone")
+            results |= {environment.name: beside, f"{environment.name}, one by one": alone}
     idle = [name for name, result in results.items() if result == NO_TEST_WAS_CHOSEN]
     failed = [name for name, result in results.items() if result not in (0, NO_TEST_WAS_CHOSEN)]
     if len(idle) == len(results):

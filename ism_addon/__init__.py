@@ -7,6 +7,7 @@ scene       what a picture is made of, as arrays
 ranges      how large its numbers may be
 snapshot    scene, view and settings to one .npz and back
 files       written whole or not at all
+quoting     what sentences quote of a file
 spaces      matrices between spaces, and the naming rule
 radiometry  Blender's watts and metres to radiance and irradiance
 color       linear light and sRGB

@@ -4,6 +4,8 @@
 import atexit
 from types import ModuleType
 
+import bpy
+
 from .blender import engine, operators
 from .ui import borrowed, developer, panels, presets, properties, shading, statistics
 
@@ -14,14 +16,34 @@ _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    for part in PARTS:
-        part.register()
-        _registered.append(part)
+    """If that fails, nothing is left registered, and it can be tried again. Nothing is new where we still are."""
+    if _registered:
+        return
+    try:
+        for part in PARTS:
+            part.register()
+            _registered.append(part)
+    except BaseException:
+        _unregister_classes(part)
+        unregister()
+        raise
     atexit.register(_at_exit)
 
 
+def _unregister_classes(part: ModuleType) -> None:
+    """Those of a part that has not come to its end."""
+    for each in reversed(list(vars(part).values())):
+        if getattr(each, "is_registered", False) and each.__module__ == part.__name__:
+            bpy.utils.unregister_class(each)
+
+
 def unregister() -> None:
-    """Undo register. Blender may ask for it once more at its end: then nothing is left to do."""
+    """Undo register. Blender may ask for it once more at its end: then nothing is left to do.
+
+    Raises RuntimeError while a render is under way: then all stays as it is.
+    """
+    if engine.is_rendering():
+        raise RuntimeError("ISM is rendering: it can be disabled when the render has ended")
     atexit.unregister(_at_exit)
     while _registered:
         _registered.pop().unregister()

@@ -10,10 +10,11 @@ from collections.abc import Iterator
 from dataclasses import Field, replace
 from typing import Any
 
+from .quoting import cut
 from .scene import View
 from .settings import SECTIONS, Control, Settings, controls
 
-#: px. Drivers have no room for the weights of filters much wider; Blender has filters of up to 500.
+#: px. Wider ones take long, and show nothing but a blur; Blender has filters of up to 500.
 WIDEST_FILTER = 50.0
 
 
@@ -29,7 +30,7 @@ def within_limits(settings: Settings) -> Settings:
 def beyond_limits(settings: Settings) -> tuple[str, ...]:
     """A sentence for each setting that within_limits changes."""
     return tuple(
-        f"{control.label} cannot be {getattr(section, member.name):,}: {nearest:,} is used instead."
+        f"{control.label} cannot be {cut(f'{getattr(section, member.name):,}')}: {nearest:,} is used instead."
         for section in (getattr(settings, name) for name in SECTIONS)
         for member, control, nearest in _beyond_limits(section)
     )

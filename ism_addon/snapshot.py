@@ -8,6 +8,8 @@ Members are not compressed, so no array can be larger than the file that claims 
 
 import json
 import math
+import os
+import stat
 import zipfile
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
@@ -16,6 +18,7 @@ from typing import IO, Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from .files import replacing
+from .quoting import cut
 from .ranges import FARTHEST, MOST, invertible, spanning, within
 from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from .settings import Choice, Settings
@@ -72,15 +75,18 @@ def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None
 
 def load(path: str | Path) -> tuple[Scene, View, Settings]:
     """Read a snapshot and check all of it. Raises SnapshotError, or OSError if the file cannot be opened."""
+    state = os.stat(path)
+    if not stat.S_ISREG(state.st_mode):  # such as /dev/zero, which never ends
+        raise SnapshotError(f"{path} is not a snapshot: it is no plain file.")
     with open(path, "rb") as file:
         try:
-            arrays = _members(file, Path(path).stat().st_size)
+            arrays = _members(file, state.st_size)
             told = json.loads(arrays.pop("snapshot").tobytes())
             version = told["version"]
         except Exception as error:  # whatever zipfile, numpy and json raise on bytes that are not theirs
-            raise SnapshotError(f"{path} is not a snapshot: {error}.") from error
+            raise SnapshotError(f"{path} is not a snapshot: {cut(str(error) or type(error).__name__)}.") from error
     if version != VERSION:
-        raise SnapshotError(f"{path} is a snapshot of version {version}; this one reads version {VERSION}.")
+        raise SnapshotError(f"{path} is a snapshot of version {cut(str(version))}; this one reads version {VERSION}.")
     scene, view, settings = (
         _built(kind, told.get(name), name, arrays)
         for name, kind in (("scene", Scene), ("view", View), ("settings", Settings))
@@ -140,12 +146,12 @@ def _built(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> A
         return tuple(_built(item, each, f"{place}/{index}", arrays) for index, each in enumerate(told))
     if issubclass(kind, Choice):
         if told not in list(kind):
-            raise SnapshotError(f"The snapshot's {place} is {told!r}, none of {', '.join(kind)}.")
+            raise SnapshotError(f"The snapshot's {place} is {cut(repr(told))}, none of {', '.join(kind)}.")
         return kind(told)
     if kind is float and type(told) is int and abs(told) < FARTHEST:
         told = float(told)
     if type(told) is not kind or (kind is float and not math.isfinite(told)):
-        raise SnapshotError(f"The snapshot's {place} is {told!r}, which is no {kind.__name__}.")
+        raise SnapshotError(f"The snapshot's {place} is {cut(repr(told))}, which is no {kind.__name__}.")
     return told
 
 
@@ -153,7 +159,7 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
     if not isinstance(told, dict):
         raise SnapshotError(f"The snapshot has no {place}.")
     if unknown := set(told) - {member.name for member in fields(kind)}:
-        raise SnapshotError(f"The snapshot's {place} has {', '.join(sorted(unknown))}, unknown to this version.")
+        raise SnapshotError(f"The snapshot's {place} has {cut(', '.join(sorted(unknown)))}, unknown to this version.")
     hints = get_type_hints(kind)
     lengths: dict[str, int] = {}
     values = {}
@@ -169,7 +175,7 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
     try:
         return kind(**values)
     except ValueError as error:
-        raise SnapshotError(f"The snapshot's {place} cannot be used: {error}.") from error
+        raise SnapshotError(f"The snapshot's {place} cannot be used: {cut(str(error))}.") from error
 
 
 def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
@@ -188,7 +194,7 @@ def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str,
         )
     ):
         seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
-        raise SnapshotError(f"The snapshot's {place} is {seen} where {expected} belongs.")
+        raise SnapshotError(f"The snapshot's {place} is {cut(seen)} where {expected} belongs.")
     return np.ascontiguousarray(array)
 
 

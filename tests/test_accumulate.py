@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """More samples mean a better picture: edges and penumbrae."""
 
+import math
+import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ism_addon.gpu.passes import BLOCK
+from ism_addon.gpu.passes.accumulate import BLUR, WIDE, margin
+from ism_addon.limits import WIDEST_FILTER
 
 from . import reference
 from .scenes.small import box_over_plane
@@ -35,12 +39,14 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     blocks = drawn.renderer.tables["blocks"]
     column, row = blocks["block"].astype(int).T
     place[row, column] = blocks["place"]
-    pixels = place.repeat(BLOCK, 0).repeat(BLOCK, 1)
-    part = drawn.part.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
     height, width = values.shape[:2]
-    total, margin = np.zeros(values.shape), 2
-    for y in range(-margin, margin + 1):
-        for x in range(-margin, margin + 1):
+    pixels = place.repeat(BLOCK, 0).repeat(BLOCK, 1)[:height, :width]
+    if margin(reach) >= WIDE:  # all count as at the centres, and the filter is narrower by a pixel
+        pixels, reach = np.zeros_like(pixels), math.sqrt(reach**2 - BLUR)
+    part = drawn.part.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
+    total, most = np.zeros(values.shape), math.ceil(reach + 0.5)
+    for y in range(-most, most + 1):
+        for x in range(-most, most + 1):
             weight = blackman_harris((pixels + (x, y)) / reach).prod(-1, keepdims=True) ** power
             there = np.s_[max(y, 0) : height + min(y, 0), max(x, 0) : width + min(x, 0)]
             here = np.s_[max(-y, 0) : height - max(y, 0), max(-x, 0) : width - max(x, 0)]
@@ -48,11 +54,11 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     return total
 
 
-@pytest.mark.parametrize("threshold", [0.0, 0.01])
-def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, threshold):
+@pytest.mark.parametrize(("reach", "threshold"), [(1.5, 0.0), (1.5, 0.01), (6.0, 0.0), (6.0, 0.005)])
+def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, threshold):
     """By rays: what was predicted, what corrects it, and the weights of both. Settled blocks have no more of them."""
     scene, view = box_over_plane(48, 32)
-    view = replace(view, filter_width=1.5)
+    view = replace(view, filter_width=reach)
     settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
     sums["sum_headroom"] = np.zeros((32, 48, 1))
@@ -63,11 +69,11 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, threshold
         bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
         amounts = (correction[..., :3] @ LUMINANCE)[..., None]
         weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:]], 2)
-        sums["sum"] += spread(color, drawn, 1.5)
-        sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, 1.5)
-        sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, 1.5, power=2)
-        sums["weights"] += spread(weights, drawn, 1.5)
-        sums["sum_headroom"] += spread(drawn.target("headroom"), drawn, 1.5)
+        sums["sum"] += spread(color, drawn, reach)
+        sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, reach)
+        sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, reach, power=2)
+        sums["weights"] += spread(weights, drawn, reach)
+        sums["sum_headroom"] += spread(drawn.target("headroom"), drawn, reach)
     assert not drawn.part.all(), "no block was left out of the last sample"
     assert drawn.renderer.error.settled.any() == (threshold > 0.0)
     assert not drawn.renderer.error.settled.all()
@@ -98,6 +104,27 @@ def test_edges_become_as_smooth_as_the_filter(device):
     assert errors[0] > 0.15
     assert errors[1] < 0.09
     assert errors[2] < 0.01, "blocks drawn more often do not outweigh others along their borders"
+
+
+@pytest.mark.parametrize("reach", [4.4, 5.0, 10.0, 30.0])
+def test_edges_are_as_smooth_as_wide_filters(device, reach):
+    """The same edge, in the middle of a picture that is wider than the filter."""
+    width = 4 * math.ceil(reach)
+    plate = quad((-50.0, -50.0, 0.0), (50.0 - 0.7 / 16.0, 0.0, 0.0), (0.0, 100.0, 0.0))
+    view = from_above(width / 16.0, (width, 4), filter_width=reach, transparent=True)
+    drawn = draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64))
+    inside = slice(width // 4, -width // 4)
+    truth = filtered_edge(width / 2 - 0.7 - (np.arange(width) + 0.5), reach)
+    assert np.abs(drawn.color[:, inside, 3] - truth[inside]).max() < 0.006
+
+
+def test_the_widest_filter_is_drawn_soon(device):
+    """It would be minutes if all pixels that it reaches were looked at for each pixel."""
+    scene, view = box_over_plane(160, 90)
+    view, began = replace(view, filter_width=WIDEST_FILTER), time.monotonic()
+    color = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=3)).color
+    assert time.monotonic() - began < 5.0
+    assert np.isfinite(color).all()
 
 
 def test_every_sample_adds_to_the_penumbra(device):

@@ -2,9 +2,11 @@
 """The door without Blender: pictures from snapshots, and a sentence and an exit code where there is none."""
 
 import os
+import signal
 import struct
 import subprocess
 import sys
+import time
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -81,6 +83,33 @@ def test_it_is_a_module_of_its_own(scene_file, tmp_path):
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert (run.returncode, run.stderr) == (0, "")
     assert "Trace" in run.stdout
+    assert read_png(out).shape == (16, 24, 4)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal as it is done elsewhere")
+def test_ctrl_c_is_one_line(scene_file, tmp_path):
+    out = tmp_path / "out.png"
+    begin = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # it may be ignored here
+    begin += "; import runpy; runpy.run_module('ism_addon.gpu', run_name='__main__')"
+    command = [sys.executable, "-c", begin, str(scene_file), "-o", str(out), "--samples", "65536"]
+    run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        time.sleep(2.0)
+        run.send_signal(signal.SIGINT)
+        said = run.communicate(timeout=10.0)
+    finally:
+        run.kill()
+    assert (run.returncode, *said) == (130, "", "Interrupted.\n")
+    assert not out.exists()
+
+
+def test_in_an_ascii_locale(scene_file, tmp_path):
+    """As Python is in one, or in Japanese Windows: it reads files in the locale's encoding."""
+    out = tmp_path / "out.png"
+    ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--shadow-method", "CLASSIC"]
+    run = subprocess.run(command, cwd=ROOT, env={**os.environ, **ascii_only}, capture_output=True, timeout=60)
+    assert (run.returncode, run.stderr) == (0, b"")
     assert read_png(out).shape == (16, 24, 4)
 
 

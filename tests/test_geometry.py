@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import PORTION, Geometry, portions
+from ism_addon.gpu.geometry import PORTION, Geometry, arrays_of, portions
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.scene import Image
@@ -46,6 +46,31 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
         positions = corners[own] / made.scales[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles[order]]).max() < 1e-6
         assert np.abs(normals[own] - mesh.corner_normals[order]).max() < 1e-4
+
+
+@pytest.mark.parametrize("portion", [0, 1])
+def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
+    """Another renderer may use the same geometry."""
+    meshes = rubble(5), rubble(PORTION, seed=1), rubble(7, seed=2)
+    made, done = Geometry(device, meshes, in_trees=False), []
+
+    def some(order, pieces):
+        if len(done) == portion:
+            raise MemoryError
+        done.append(arrays_of(order, pieces))
+        return done[-1]
+
+    made.add((2,), {})
+    with monkeypatch.context() as short, pytest.raises(MemoryError):
+        short.setattr(geometry, "AHEAD", 0)
+        short.setattr(geometry, "arrays_of", some)
+        made.add((0, 1), {})
+    assert made.add((0, 1), {}) == 44 * (PORTION + 5)
+    corners, _ = uploaded(made)
+    for k, mesh in enumerate(meshes):
+        own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
+        positions = corners[own] / made.scales[k] + made.centres[k]
+        assert np.abs(positions - mesh.positions[mesh.triangles]).max() < 1e-6
 
 
 def test_portions_are_whole_but_for_the_last():

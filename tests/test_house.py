@@ -22,6 +22,7 @@ COMMON = {"full_screen.vert": "full_screen", "blocks.vert": "in_blocks"}
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
 PURE = (
     "files",
+    "quoting",
     "ranges",
     "color",
     "settings",
@@ -57,7 +58,7 @@ FLOORS = {
     ),
     "ui": Floor(("settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"),
     "presets": Floor((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
-    "addon": Floor(("blender", "ui"), (), "it is the order of registration, and nothing else"),
+    "addon": Floor(("blender", "ui"), ("bpy",), "it is the order of registration, and how that is undone"),
 }
 
 
@@ -158,6 +159,12 @@ def test_the_first_line_names_the_licence(name):
 def test_a_file_holds_one_idea(name):
     lines = (project.ROOT / name).read_text("utf-8").count("\n")
     assert lines <= 300, f"{name} has {lines} lines: look for the second idea in it"
+
+
+@pytest.mark.parametrize("shader", sorted((ADDON / "gpu" / "shaders").rglob("*.*")), ids=lambda path: path.name)
+def test_shaders_are_ascii(shader):
+    """Drivers need not take anything else, not even in a comment."""
+    assert shader.read_bytes().isascii()
 
 
 FOREIGN = re.compile(

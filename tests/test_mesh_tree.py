@@ -2,7 +2,9 @@
 """Which triangles of a mesh are sorted, and which stay where they are; rays find the same through either tree."""
 
 import numpy as np
+import pytest
 
+from ism_addon.gpu import mesh_tree as mesh_tree_module
 from ism_addon.gpu.geometry import PORTION, Geometry, Order
 from ism_addon.gpu.mesh_tree import FEW, Runs, mesh_tree
 from ism_addon.gpu.passes.trees import MeshTrees
@@ -62,8 +64,22 @@ def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
     """It need not be asked for: it is made beside the pass that draws them."""
     runs = mesh_tree(sheet := bumps(MANY))
     Geometry(device, (sheet,), in_trees=True).add((0,), {0: runs})
-    assert runs.boxes is None
     assert runs.making.result(timeout=60.0) is runs.tree
+
+
+def test_a_tree_of_runs_that_has_failed_is_tried_again(monkeypatch, device):
+    """As where memory was short for a while: the mesh is not lost for all pictures to come."""
+    runs = mesh_tree(sheet := bumps(MANY))
+    with monkeypatch.context() as short:
+        short.setattr(mesh_tree_module, "tree_of_runs", no_memory)
+        Geometry(device, (sheet,), in_trees=True).add((0,), {0: runs})
+        with pytest.raises(MemoryError):
+            _ = runs.tree
+    assert runs.tree.leaves > 0
+
+
+def no_memory(*_arguments):
+    raise MemoryError
 
 
 def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The worker at rest, and stopped: nothing is drawn, and nothing is kept."""
 
+import threading
 import time
 
+import numpy as np
 import pytest
+
+from ism_addon.gpu.passes.shade import Shade
+from ism_addon.gpu.worker import PATIENCE
 
 from .test_worker import LONG, begun, ended, request
 from .tools.memory import resident
+
+pytestmark = pytest.mark.alone
 
 
 def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
@@ -37,6 +44,35 @@ def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
     assert time.monotonic() - began < 5.0
     assert job.finished
     assert worker.is_still
+
+
+def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
+    """A driver may hang, and Blender's window with it. Meanwhile, and afterwards, others draw."""
+    stuck, released = threading.Event(), threading.Event()
+    shade, caught = Shade.draw, []
+
+    def draw(step, frame):
+        if not caught:
+            caught.append(threading.current_thread())
+            stuck.set()
+            released.wait(60.0)
+        shade(step, frame)
+
+    monkeypatch.setattr(Shade, "draw", draw)
+    job = worker.start(request(), "client")
+    assert stuck.wait(30.0)
+    began = time.monotonic()
+    worker.stop()
+    assert time.monotonic() - began < PATIENCE + 1.0
+    assert job.finished
+    later = worker.start(request(), "client")
+    assert ended(later)
+    assert later.error == ""
+    released.set()
+    caught[0].join(10.0)
+    assert not caught[0].is_alive()
+    assert ended(again := worker.start(request(), "client"))
+    assert np.array_equal(again.picture().color, later.picture().color)
 
 
 @pytest.mark.skipif(not resident(), reason="this system does not say how much memory a process has")

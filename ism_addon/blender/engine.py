@@ -16,10 +16,14 @@ from . import account, frames, handlers, lookout
 if TYPE_CHECKING:
     from .viewport import Viewport
 
-__all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "register", "statistics", "stop", "unregister"]
+__all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "is_rendering", "register", "statistics", "stop", "unregister"]
 
 #: Python has imported Blender, rather than Blender Python.
 IS_BPY_MODULE = isinstance(bpy.__spec__.loader, ExtensionFileLoader)
+
+
+#: One for each render that Blender is in: a handler may begin another.
+_rendering: list[str] = []
 
 
 class ISMRenderEngine(bpy.types.RenderEngine):
@@ -46,6 +50,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         from . import final
 
+        _rendering.append(self.bl_idname)
         try:
             final.render(self, depsgraph)
         except KeyboardInterrupt:  # of the bpy module; Blender itself takes Ctrl+C for Escape
@@ -53,6 +58,8 @@ class ISMRenderEngine(bpy.types.RenderEngine):
         except Exception as error:
             self.report({"ERROR"}, f"The picture could not be made: {error}")
             raise
+        finally:
+            _rendering.pop()
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().update(context, depsgraph)
@@ -84,6 +91,11 @@ def stop(*_args: Any) -> None:
     """End all drawing, and the worker's thread: before another file is loaded, and at the end."""
     frames.forget()
     shared.stop()
+
+
+def is_rendering() -> bool:
+    """Whether Blender is in a render of ours, in any thread: it would crash if the engine were unregistered now."""
+    return bool(_rendering)
 
 
 def register() -> None:

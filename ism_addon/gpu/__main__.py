@@ -2,6 +2,7 @@
 """The door without Blender: draw a snapshot. python -m ism_addon.gpu scene.npz -o out.png"""
 
 import argparse
+import signal
 import sys
 from collections.abc import Callable
 from dataclasses import Field, replace
@@ -104,16 +105,26 @@ def resized(view: View, width: int, height: int) -> View:
 def draw(request: Request) -> tuple[Picture | None, Job]:
     """Draw on a worker of our own, to the end."""
     worker = Worker()
-    job = worker.start(request, "command line")
-    while not job.finished:
-        job.wait(1.0)
-    worker.stop()
+    try:
+        job = worker.start(request, "command line")
+        while not job.finished:
+            job.wait(1.0)
+    finally:
+        worker.stop()
     return job.picture(), job
 
 
 def main() -> int:
-    """Exit status: 0, or 1 with a sentence on stderr where there is no whole picture."""
-    options = parser().parse_args()
+    """Exit status: 0, or 1 with a sentence on stderr where there is no whole picture, or a shell's own after Ctrl+C."""
+    try:
+        return run(parser().parse_args())
+    except KeyboardInterrupt:
+        print("Interrupted.", file=sys.stderr)
+        return 128 + signal.SIGINT
+
+
+def run(options: argparse.Namespace) -> int:
+    """Draw what is asked for and write it: main's exit status."""
     try:
         scene, view, settings = snapshot.load(options.snapshot)
         request = Request(scene, resized(view, *options.size) if options.size else view, chosen(settings, options))

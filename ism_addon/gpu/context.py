@@ -6,6 +6,7 @@ own context would stay current and take our calls without a word.
 """
 
 import ctypes
+import os
 import sys
 from collections import deque
 from collections.abc import Callable, Hashable
@@ -101,8 +102,18 @@ class Device:
         self.gl.release()
 
 
+#: The processes that have opened OpenGL, of which this one may be a copy.
+_openers: set[int] = set()
+
+
 def open_device() -> Device:
     """Open a context without a window. Raises NoOpenGL."""
+    if _openers - {os.getpid()}:
+        raise NoOpenGL(
+            "OpenGL does not outlive a fork, and the process that this one was forked from has opened it: "
+            'start processes afresh, as multiprocessing does by "spawn"'
+        )
+    _openers.add(os.getpid())
     try:
         if ON_EGL:
             gl = moderngl.create_context(standalone=True, backend="egl", require=FLOOR)

@@ -141,10 +141,10 @@ class Geometry:
     def add(self, wanted: Iterable[int], trees: Mapping[int, MeshTree | Runs]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
         new = [number for number in wanted if number not in self.trees]
-        self.trees |= {number: trees[number] if self.in_trees else None for number in new}
-        order = self.order(new)
-        self.first_triangle[new] = self.count + order.first_triangle[:-1]
+        own = {number: trees[number] if self.in_trees else None for number in new}
+        order = Order([self.meshes[number] for number in new], list(own.values()))
         give_back()  # from reading and the trees: this is where most is in memory
+        self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
         self.corners.reserve(2 * order.count)
         self.normals.reserve(3 * order.count)
         for corners, normals in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
@@ -152,6 +152,9 @@ class Geometry:
             self.normals.append(normals)
         for runs in order.runs.values():
             runs.begin()
+        # Last: what has failed on the way is not there, and comes again for the next picture.
+        self.first_triangle[new] = self.count + order.first_triangle[:-1]
+        self.trees |= own
         self.count += order.count
         self.bytes += (32 + 12) * order.count
         return (32 + 12) * order.count

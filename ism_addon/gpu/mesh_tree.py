@@ -78,7 +78,7 @@ class Runs:
 
     def bound(self, first: int, corners: list[np.ndarray]) -> None:
         """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in steps."""
-        if self.boxes is None:
+        if self.making is not None:
             return
         begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
         found = np.empty((2, 3, begun.stop - begun.start), np.float32)
@@ -93,13 +93,20 @@ class Runs:
         """Make the tree, beside whatever else is done."""
         if self.making is None:
             core = ThreadPoolExecutor(1)
-            self.making, self.boxes = core.submit(tree_of_runs, self.lattice, self.boxes, self.count), None
+            self.making = core.submit(tree_of_runs, self.lattice, self.boxes, self.count)
             core.shutdown(wait=False)
 
     @property
     def tree(self) -> MeshTree:
-        """When it is made."""
-        return self.making.result()
+        """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
+        self.begin()
+        try:
+            made = self.making.result()
+        except BaseException:
+            self.making = None
+            raise
+        self.boxes = None
+        return made
 
 
 def mesh_tree(mesh: Mesh) -> MeshTree | Runs:

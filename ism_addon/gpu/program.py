@@ -34,7 +34,7 @@ def expand(path: Path, files: list[Path]) -> str:
     files.append(path)
     start = len(files) * LINES
     lines = [f"#line {start + 1}"]
-    for count, line in enumerate(path.read_text().splitlines(), 1):
+    for count, line in enumerate(path.read_text("utf-8").splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
@@ -47,7 +47,8 @@ def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
     """What stands before every shader's own text."""
     lines = ["#version 410 core"]
     lines += [f"#define {name.upper()} {value}" for name, value in constants.items()]
-    lines += [(FOLDER / "lib" / "fetch.glsl").read_text(), block.GLSL, *(record.glsl() for record in records), ""]
+    fetch = (FOLDER / "lib" / "fetch.glsl").read_text("utf-8")
+    lines += [fetch, block.GLSL, *(record.glsl() for record in records), ""]
     return "\n".join(lines)
 
 

@@ -12,12 +12,13 @@ import numpy as np
 
 from ..sampling import GRIDS, grid, narrow_grid
 from ..scene import Scene, View
-from ..settings import Settings
+from ..settings import Method, Settings
 from ..spaces import anchor_of, camera_position
 from . import block
 from .atlas import batches
 from .context import Device
 from .error import Error
+from .estimate import check, needed
 from .layout import directions_from_octahedron
 from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
@@ -124,7 +125,10 @@ class Renderer:
     def frame(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
     ) -> Frame:
-        """What the passes are told about this sample. Raises ValueError if there is no such target to show."""
+        """What the passes are told about this sample. Raises ValueError if there is no such target to show.
+
+        And MemoryError for a picture that would take more memory than there is.
+        """
         if settings.show not in SHOWABLE:
             raise ValueError(f"there is no target {settings.show} to show, only {', '.join(SHOWABLE)}")
         limit = self.device.texture_size
@@ -138,10 +142,20 @@ class Renderer:
         count = 1 if hurried and sample == 0 else places_in_pixel(view, settings.quality.samples, limit)
         narrow = margin(view.filter_width) == 0
         fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
+        if sample == 0:
+            self.estimate(scene, view, settings, int(fine.bounds(view.width, view.height)[1].prod()))
         self.block.write(block.frame_block(view, anchor))
         return Frame(
             self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
         )
+
+    def estimate(self, scene: Scene, view: View, settings: Settings, fine_pixels: int) -> None:
+        """Raises MemoryError if a picture would take more than there is."""
+        fitted = settings.shadow.method == Method.FITTED
+        others = (*CLASSIC, *FOR_EACH_BATCH) if fitted else FITTED
+        lights = int(scene.lights.casts_shadow.sum()) if fitted and settings.shadow.enabled else 0
+        wanted = needed([kind for kind in PASSES if kind not in others], view, fine_pixels, lights)
+        check(self.device.gl, wanted - self.targets.bytes, view, lights)
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
         """Draw one pass if the picture needs it and something that it depends on is new."""

@@ -6,8 +6,10 @@ so one thread does all OpenGL, a pass at a time, and takes turns between its cli
 Nobody waits for it unless they ask to.
 """
 
+import os
 import threading
 import time
+import weakref
 from collections.abc import Hashable
 from contextlib import closing
 from typing import TYPE_CHECKING
@@ -17,6 +19,9 @@ from .job import Job, Request
 
 if TYPE_CHECKING:
     from .studio import Studio
+
+#: s that stop() waits for the pass under way. Some take longer, and where a driver hangs it has no end.
+PATIENCE = 2.0
 
 
 class Worker:
@@ -31,6 +36,7 @@ class Worker:
         self._rests = False
         #: Of the shaders: pictures of another edition may differ.
         self.edition = 0
+        _workers.add(self)
 
     def start(self, request: Request, client: Hashable) -> Job:
         """Draw this instead of what the client asked for before."""
@@ -75,14 +81,23 @@ class Worker:
             return self._rests or self._thread is None or not self._has_work()
 
     def stop(self) -> None:
-        """End all jobs and the thread, and wait for it."""
+        """End all jobs and the thread. Where its pass is a long one, it frees what it has and ends later, by itself."""
         with self._news:
             thread, self._thread = self._thread, None
             for client in list(self._jobs):
                 self._drop(client)
             self._news.notify_all()
         if thread is not None:
-            thread.join()
+            thread.join(PATIENCE)
+
+    def _after_fork(self) -> None:
+        """In the child: its threads are not there, and whoever held the lock might never give it back."""
+        self._news, jobs, self._jobs = threading.Condition(), self._jobs, {}
+        self._thread, self._rests = None, False
+        self._forgotten.clear()
+        for job in jobs.values():
+            job._news = self._news
+            job.tell(error="The picture is drawn by the process that this one was forked from", finished=True)
 
     def _drop(self, client: Hashable) -> None:
         """End the client's job, even if the thread has not seen it yet. With the lock held."""
@@ -151,6 +166,16 @@ class Worker:
         for job in jobs:
             job.tell(error=reason, finished=True)
 
+
+def _after_fork() -> None:
+    for worker in _workers:
+        worker._after_fork()
+
+
+#: All there are.
+_workers: weakref.WeakSet[Worker] = weakref.WeakSet()
+if hasattr(os, "register_at_fork"):  # not in Windows
+    os.register_at_fork(after_in_child=_after_fork)
 
 #: The worker that Blender's engine uses.
 shared = Worker()

@@ -239,6 +239,7 @@ class CancelledRender(bpy.types.RenderEngine):
         CancelledRender.late = time.monotonic() - impatient.pressed
 
 
+@pytest.mark.alone
 def test_cancelled_render_stops_soon_and_keeps_its_picture(scene, rendered):
     bpy.utils.register_class(CancelledRender)
     try:

@@ -39,6 +39,34 @@ def test_registers_again_and_again():
             bpy.context.scene.render.engine = "ISM"
 
 
+def test_a_register_that_fails_half_way_can_be_tried_again(monkeypatch):
+    """Whichever class it is that Blender refuses."""
+    handlers, left = list(bpy.app.handlers.load_pre), 0
+    register_class = bpy.utils.register_class
+
+    def refused(cls):
+        nonlocal left
+        if not left:
+            raise ValueError("refused")
+        left -= 1
+        register_class(cls)
+
+    monkeypatch.setattr(bpy.utils, "register_class", refused)
+    for tried in range(1000):
+        left = tried
+        try:
+            addon.register()
+        except ValueError as error:
+            assert str(error) == "refused"
+            assert compatible() == set()
+            assert not hasattr(bpy.types.Scene, "ism")
+            assert list(bpy.app.handlers.load_pre) == handlers
+        else:
+            break
+    addon.unregister()
+    assert tried > 20
+
+
 def test_unregister_leaves_blender_as_it_was():
     handlers = list(bpy.app.handlers.load_pre)
     addon.register()

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it.
 
-And how many are drawn, a snapshot, and the command line, for tests of several files.
+What it shows comes with the tests' reports, as those of several processes do. And how many are drawn, a snapshot, and
+the command line, for tests of several files.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +24,8 @@ class Row:
     tried: int = 0
 
 
-ROWS = pytest.StashKey[dict[str, Row]]()
+#: The name of what `within` notes, among the properties of a test's report.
+OFF = "how far off"
 
 
 @pytest.fixture
@@ -72,18 +74,13 @@ def told(monkeypatch, capsys) -> Callable[..., str]:
     return told
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.stash[ROWS] = {}
-
-
 @pytest.fixture
 def within(request: pytest.FixtureRequest) -> Callable[[float, float], None]:
     """within(is, may_be): asserts it, and notes it for the table."""
-    rows, name = request.config.stash[ROWS], title(request.node.name)
+    name = title(request.node.name)
 
     def within(measured: float, bound: float) -> None:
-        row = rows.setdefault(f"{name}, {bound:g}", Row(bound))
-        row.worst, row.tried = max(row.worst, float(measured)), row.tried + 1
+        request.node.user_properties.append((OFF, (name, bound, float(measured))))
         assert measured <= bound, f"{name}: {measured:.3g}, may be {bound:.3g}"
 
     return within
@@ -94,12 +91,22 @@ def title(name: str) -> str:
     return name.removeprefix("test_").partition("[")[0].replace("_", " ")
 
 
+def rows(reports: Iterable[pytest.TestReport]) -> dict[str, Row]:
+    """Of the tests that noted something: all that they noted."""
+    rows: dict[str, Row] = {}
+    for report in reports:
+        for name, bound, measured in (value for key, value in report.user_properties if key == OFF):
+            row = rows.setdefault(f"{name}, {bound:g}", Row(bound))
+            row.worst, row.tried = max(row.worst, measured), row.tried + 1
+    return rows
+
+
 @pytest.hookimpl(trylast=True)
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """The table in Markdown."""
-    if rows := config.stash[ROWS]:
+    if found := rows([*terminalreporter.getreports("passed"), *terminalreporter.getreports("failed")]):
         terminalreporter.section("how far off cases may be, and are at worst")
         terminalreporter.write_line(HEAD)
-        for name, row in rows.items():
+        for name, row in found.items():
             case = name.rpartition(", ")[0]
             terminalreporter.write_line(f"| {case} | {row.tried} | {row.bound:g} | {row.worst:.2g} |")

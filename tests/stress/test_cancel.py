@@ -17,6 +17,8 @@ from ..blender import exr
 from ..scenes.small import box_over_plane
 from ..test_worker import LONG, begun
 
+pytestmark = pytest.mark.alone
+
 #: What the passes of samples by rays are, in their order.
 PASSES = [kind.__name__ for kind in (*renderer.BEFORE, *renderer.FITTED, *renderer.AFTER, renderer.JUDGED)]
 

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of files that are missing or cannot be written; and nothing is lost by them."""
 
+import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from pathlib import Path
 
 import bpy
 import pytest
 
 from ism_addon import addon, snapshot
 from ism_addon.blender import extract
+from ism_addon.files import replacing
 
 from ..scenes.small import pillar_field
 from ..studio import SMALL_SETTINGS
@@ -76,6 +81,58 @@ def test_a_file_that_is_replaced_stays_what_it_is(path):
     assert link.is_symlink()
     assert path.stat().st_mode & 0o777 == 0o600
     assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
+
+
+def test_what_a_killed_process_has_left_is_in_nobodys_way(path):
+    """In a container, the next process has the same number."""
+    left = path.with_name(f".{os.getpid()}.part")
+    left.write_text("half a snapshot")
+    snapshot.save(path, *pillar_field(24, 16), SMALL_SETTINGS)
+    assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
+    assert sorted(path.parent.iterdir()) == [left, path]
+
+
+def test_files_that_are_written_at_the_same_time(path):
+    """By threads, into one folder: each is whole."""
+
+    def write(number: int) -> None:
+        with replacing(path.with_name(f"{number % 3}")) as file:
+            file.write(b"%d" % (number % 3) * 10_000)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(write, range(400)))
+    path.unlink()
+    assert {each.name: each.read_bytes() for each in path.parent.iterdir()} == {
+        f"{number}": b"%d" % number * 10_000 for number in range(3)
+    }
+
+
+@contextmanager
+def somebody() -> Iterator[None]:
+    """Not root, who may write everywhere."""
+    before = os.geteuid()
+    os.seteuid(os.getuid() or 65534)
+    try:
+        yield
+    finally:
+        os.seteuid(before)
+
+
+@ON_LINUX
+def test_a_file_in_a_folder_in_which_no_other_may_be_made():
+    """It is written over; a new one cannot be."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder, "out.png")
+        place.write_bytes(b"an older one")
+        place.chmod(0o666)
+        Path(folder).chmod(0o555)
+        with somebody():
+            with replacing(place) as file:
+                file.write(b"newer")
+            with pytest.raises(PermissionError, match=r"other\.png"), replacing(Path(folder, "other.png")):
+                pass
+        Path(folder).chmod(0o755)
+        assert place.read_bytes() == b"newer"
 
 
 @ON_LINUX

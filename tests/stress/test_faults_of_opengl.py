@@ -21,6 +21,7 @@ from ..studio import MAPS
 from ..test_reload import edit, shaders  # noqa: F401 (a fixture)
 from ..test_worker import LONG, begun, ended, request
 
+pytestmark = pytest.mark.alone
 ROOT = Path(__file__).parents[2]
 
 #: Asks twice, in an interpreter of its own, and prints both errors.

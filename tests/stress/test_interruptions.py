@@ -14,9 +14,12 @@ import pytest
 from ..blender import exr
 from ..tools import project
 
+pytestmark = pytest.mark.alone
+
 #: Renders a small picture, in an interpreter of its own; what comes before, between and after is the test's.
 SCRIPT = """
-import bpy, sys, threading, time
+import bpy, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # else it is ignored where it is by whoever started the tests
 from ism_addon import addon
 addon.register()
 folder = sys.argv[1]
@@ -40,7 +43,10 @@ def script(folder: Path, *lines: str) -> subprocess.Popen:
 
 def done(process: subprocess.Popen, status: int = 0) -> str:
     """What it said, when it has ended as it should and without complaint."""
-    out, error = process.communicate(timeout=60)
+    try:
+        out, error = process.communicate(timeout=60)
+    finally:
+        process.kill()  # else what does not end would draw on beside all other tests
     assert process.returncode == status, error
     assert "Traceback" not in error
     return out
@@ -93,6 +99,31 @@ def test_exit_while_rendering(tmp_path, number, status, said):
     before = time.monotonic()
     assert said in done(process, status)
     assert time.monotonic() - before < 5.0
+
+
+def test_unregistered_while_rendering(tmp_path):
+    """By another thread, or a handler of the render: Blender would crash, so it is refused, and can be done later."""
+    lines = (
+        "scene.ism.render.samples, scene.ism.render.error_threshold = 600, 0.0",
+        "def unregister(*_):",
+        "    try:",
+        "        addon.unregister()",
+        "    except RuntimeError as error:",
+        "        print(threading.current_thread() is thread, error, flush=True)",
+        "thread = threading.Timer(0.5, unregister)",
+        "thread.start()",
+        "bpy.app.handlers.render_stats.append(unregister)",
+        "render('picture')",
+        "bpy.app.handlers.render_stats.clear()",
+        "thread.join()",
+        "addon.register()",  # as Blender does where the extension is enabled again
+        "render('picture')",
+        "unregister()",
+        "unregister()",
+    )
+    said = done(script(tmp_path, *lines)).splitlines()
+    sentence = "ISM is rendering: it can be disabled when the render has ended"
+    assert {line for line in said if line.endswith(sentence)} == {f"True {sentence}", f"False {sentence}"}
 
 
 def test_two_renders_at_once(tmp_path, alone):

@@ -22,7 +22,10 @@ from ism_addon.gpu.worker import shared
 
 from ..tools.memory import resident
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux")
+pytestmark = [
+    pytest.mark.alone,
+    pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux"),
+]
 
 MEGABYTE = 1e6
 #: Rounds until caches are full, such as the allocator's arenas.

@@ -30,6 +30,7 @@ class Environment:
     module: tuple[str, ...]  # runs a Python module when its name follows
     extension: tuple[str, ...]  # Blender's tool, when a verb follows
     target: tuple[str, ...] = ()  # pip's arguments, where packages go elsewhere than to the interpreter
+    has_processes: bool = True  # whether the interpreter can start others that have Blender in them, as xdist does
 
     def add(self, *requirements: str) -> None:
         """Install further packages, once."""
@@ -38,9 +39,10 @@ class Environment:
             pip.run(self.python, "install", *self.target, *requirements)
             stamp.write_text("\n".join(requirements))
 
-    def run(self, module: str, *arguments: str) -> int:
-        """`python -m module arguments` in the project's root: its exit status."""
-        return subprocess.run([*self.module, module, *arguments], cwd=project.ROOT).returncode
+    def run(self, module: str, *arguments: str, **variables: str) -> int:
+        """`python -m module arguments` in the project's root, with environment variables: its exit status."""
+        environment = {**os.environ, **variables}
+        return subprocess.run([*self.module, module, *arguments], cwd=project.ROOT, env=environment).returncode
 
 
 def environments() -> Iterator[Environment]:
@@ -71,7 +73,8 @@ def _with_blender() -> Environment:
     target = ("--target", str(packages), "--only-binary=:all:", "--python-version", python_version)
     python = _set_up(FOLDER / name, *target, *project.PACKAGES["gpu"], *project.PACKAGES["test"])
     start = (program, "--background", "--factory-startup", "--python-exit-code", "1", "--python", str(INSIDE_BLENDER))
-    return Environment(name, python, (*start, "--", str(packages)), (program, "--command", "extension"), target)
+    tool = (program, "--command", "extension")
+    return Environment(name, python, (*start, "--", str(packages)), tool, target, has_processes=False)
 
 
 def _ask_blender(program: str) -> tuple[tuple[int, ...], str]:

@@ -43,7 +43,12 @@ def _wheels(python: Path, platform: str) -> list[Path]:
                 version,
                 *(f"--platform={tag}" for tag in carried["tags"]),
             ]
-            pip.run(python, "download", *target, "--only-binary=:all:", "--no-deps", "--dest", str(folder), package)
+            options = *target, "--only-binary=:all:", "--no-deps"
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder) as part:  # another process may look for the same wheel now
+                pip.run(python, "download", *options, "--dest", part, package)
+                for wheel in Path(part).iterdir():
+                    wheel.replace(folder / wheel.name)
         wheels += folder.glob(name)
     return wheels
 

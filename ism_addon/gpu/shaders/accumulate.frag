@@ -1,4 +1,5 @@
 // The samples of one block, added by blending to all pixels that they count for.
+#include "lib/blackman_harris.glsl"
 #include "lib/luminance.glsl"
 uniform sampler2D color;
 uniform sampler2D correction;
@@ -12,12 +13,8 @@ layout(location = 1) out vec4 sum_correction; // in alpha, squares of weighted l
 layout(location = 2) out vec4 weights;        // of squared luminances, samples, corrections without sign, luminances in doubt
 layout(location = 3) out float sum_headroom;
 
-// Blackman-Harris at x from its middle (Harris 1978). Without a margin the samples themselves are spread like it.
-float blackman_harris(float x) {
-    if (MARGIN == 0) return 1.0;
-    float c = cos(3.141592653589793 * (x / reach + 1.0));
-    return abs(x) < reach ? 0.35875 - 0.48829 * c + 0.14128 * (2.0 * c * c - 1.0) - 0.01168 * c * (4.0 * c * c - 3.0) : 0.0;
-}
+// Without a margin the samples themselves are spread like the filter.
+float weight_at(float x) { return MARGIN == 0 ? 1.0 : blackman_harris(x, reach); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(color, 0), first = ivec2(own_block) * BLOCK;
@@ -31,7 +28,7 @@ void main() {
     sum_headroom = 0.0;
     vec2 texel = texel_size(color), filters[2 * MARGIN + 1];
     for (int k = -MARGIN; k <= MARGIN; ++k)
-        filters[k + MARGIN] = vec2(blackman_harris(float(k) + place.z), share * blackman_harris(float(k) + place.w));
+        filters[k + MARGIN] = vec2(weight_at(float(k) + place.z), share * weight_at(float(k) + place.w));
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);

@@ -27,7 +27,7 @@ float open_part(ivec2 at, Surface here) {
 #endif
 }
 
-// Of a target that is 1 × 1 where nobody draws it.
+// Of a target that is 1 x 1 where nobody draws it.
 vec4 at_pixel(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {

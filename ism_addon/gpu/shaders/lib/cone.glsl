@@ -3,7 +3,7 @@
 #include "lib/arc.glsl"
 #include "lib/polygon.glsl"
 
-// Integrals over the radius from 0 to r of (reach - r) r / (1 + r²)² and of the same times r.
+// Integrals over the radius from 0 to r of (reach - r) r / (1 + r^2)^2 and of the same times r.
 vec2 radial(float r, float reach) {
     float s = r * r, part = s / (1.0 + s);
     vec2 b = 0.5 * vec2(arc(r, 1.0) - r / (1.0 + s), log(1.0 + s) - part);

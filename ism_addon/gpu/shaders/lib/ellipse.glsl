@@ -1,8 +1,8 @@
 // Irradiance by an ellipse of radiance 1 in closed form: the principal axes of its cone, see radiometry.py.
 #include "lib/arc.glsl"
 
-// The only positive root of x³ + p x² + q x - r, none of them complex, by Laguerre's method from x above it; without
-// x³ there is a bound that is close where the light is.
+// The only positive root of x^3 + p x^2 + q x - r, none of them complex, by Laguerre's method from x above it; without
+// x^3 there is a bound that is close where the light is.
 float positive_root(float x, float p, float q, float r) {
     float root = sqrt(max(q * q + 4.0 * p * r, 0.0));
     if (p > 0.0) x = min(x, q > 0.0 ? 2.0 * r / (root + q) : (root - q) / (2.0 * p));
@@ -19,7 +19,7 @@ float atan_step(float k, vec2 x) {
     return k > 1e-4 ? sign(step) * arc(k * abs(step), 1.0 + k * k * x.x * x.y) / k : step;
 }
 
-// (atanh(k x.y) - atanh(k x.x)) / k for given roots = sqrt(1 - k² x²).
+// (atanh(k x.y) - atanh(k x.x)) / k for given roots = sqrt(1 - k^2 x^2).
 float atanh_step(float k, vec2 x, vec2 roots) {
     float step = (x.y - x.x) / (1.0 - k * k * x.x * x.y), s = k * k * step * step;
     if (s < 0.06) return step * ((((s / 9.0 + 1.0 / 7.0) * s + 1.0 / 5.0) * s + 1.0 / 3.0) * s + 1.0);
@@ -89,7 +89,7 @@ float ellipse_irradiance(vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
     float square = dot(centre, centre), volume = dot(centre, c);
     float p = dot(u, u) + dot(v, v) - square, q = dot(c, c) - dot(a, a) - dot(b, b), r = volume * volume;
     float m = positive_root(square, p, q, r);
-    float slope = (3.0 * m + 2.0 * p) * m + q; // (m + m wide²) (m + m narrow²)
+    float slope = (3.0 * m + 2.0 * p) * m + q; // (m + m wide^2) (m + m narrow^2)
     vec3 t = centre * inversesqrt(square) - normal; // no right angle with the cone's axis
     vec3 s = u * dot(u, t) + v * dot(v, t) - centre * dot(centre, t);
     vec3 axis = normalize(m * ((m + p) * t - s) + c * dot(c, t) - a * dot(a, t) - b * dot(b, t));

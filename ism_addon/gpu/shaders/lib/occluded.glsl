@@ -1,6 +1,6 @@
 // Whether anything stands between two points, by the trees of boxes of tree.py: one over the instances, in whose leaves
 // one over the triangles of a mesh begins. Four boxes are looked at together, for what takes long is to fetch them.
-// Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Möller 2013, for complete trees).
+// Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Moller 2013, for complete trees).
 // Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
 // that walk through both sides of every "if".
 #include "lib/corners.glsl"
@@ -51,7 +51,7 @@ Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec
 
 bool crosses(int triangle, vec3 origin, vec3 ray) {
     Corners corners = corners_of(triangle);
-    vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Möller & Trumbore 1997
+    vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
     float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
     return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
