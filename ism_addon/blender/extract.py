@@ -64,7 +64,7 @@ class Reader:
         if changed.images:
             self._materials.forget_images()
         for material in changed.materials:
-            self._materials.renew(material)
+            whole |= self._materials.renew(material)  # meshes have to be read with other UV layers
         if whole or changed.whole or self._scene is None:
             self._walk(depsgraph, shown)
         else:

@@ -22,10 +22,11 @@ class _Row(NamedTuple):
 
     base_color: np.ndarray
     image: int
+    layer: str  # the UV layer that its image lies on; "": the one that renders
     findings: tuple[Findings, ...]  # those of its image are shared with the others that have it
 
 
-GREY_ROW = _Row(np.full(3, GREY), -1, ())
+GREY_ROW = _Row(np.full(3, GREY), -1, "", ())
 
 
 class MaterialTable:
@@ -55,11 +56,17 @@ class MaterialTable:
         self._met.add(index)
         return index
 
-    def renew(self, material: bpy.types.Material) -> None:
-        """A material has changed; one that was never met is still none of ours."""
+    def uv_layer(self, index: int) -> str:
+        """The UV layer that a material's image lies on; "": the one that renders."""
+        return self._rows[index].layer
+
+    def renew(self, material: bpy.types.Material) -> bool:
+        """A material has changed; one that was never met is still none of ours. Whether it has another UV layer now."""
         index = self._indices.get(material.original.session_uid)
-        if index is not None:
-            self._rows[index] = self._row(material)
+        if index is None:
+            return False
+        last, self._rows[index] = self._rows[index], self._row(material)
+        return last is not None and last.layer != self._rows[index].layer
 
     def forget_images(self) -> None:
         """Some image has changed: all materials are to be read anew when they are next met."""
@@ -89,14 +96,14 @@ class MaterialTable:
         findings = Findings()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
         shader = nodes.surface(node_tree)
         if shader is None:
-            return _Row(np.zeros(3), -1, (findings,))
+            return _Row(np.zeros(3), -1, "", (findings,))
         if shader.bl_idname not in SHADERS:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
             findings.note(kind, material.name)
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
         return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
 
     def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Findings) -> _Row:
@@ -104,16 +111,17 @@ class MaterialTable:
         plain = nodes.color(socket.default_value, GREY)
         fed_by = nodes.source(socket)
         if fed_by is None:
-            return _Row(plain, -1, (findings,))
+            return _Row(plain, -1, "", (findings,))
         node = fed_by.node
         if node.bl_idname == "ShaderNodeRGB":
-            return _Row(nodes.color(fed_by.default_value, GREY), -1, (findings,))
+            return _Row(nodes.color(fed_by.default_value, GREY), -1, "", (findings,))
         if node.bl_idname == "ShaderNodeTexImage" and fed_by.identifier == "Color":
             index, of_image = self._image(material, node, findings)
-            return _Row(plain, index, (findings, of_image))
+            layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else ""
+            return _Row(plain, index, layer, (findings, of_image))
         kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
         findings.note(kind, material.name)
-        return _Row(plain, -1, (findings,))
+        return _Row(plain, -1, "", (findings,))
 
     def _image(
         self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings

@@ -40,6 +40,12 @@ def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
     return None
 
 
+def uv_layer(vector: bpy.types.NodeSocket) -> str:
+    """The UV layer that a UV Map node names for a texture's Vector input; "" where it is the one that renders."""
+    placed_by = source(vector)
+    return placed_by.node.uv_map if placed_by is not None and placed_by.node.bl_idname == "ShaderNodeUVMap" else ""
+
+
 def color(values: bpy.types.bpy_prop_array, otherwise: float) -> np.ndarray:
     """(3,) of a colour socket, with a stand-in for what is no number."""
     rgb = np.array(values[:3], np.float32)
