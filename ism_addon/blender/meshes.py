@@ -86,6 +86,8 @@ def _normals(source: bpy.types.Mesh, positions: np.ndarray, vertices: np.ndarray
 def _flat(source: bpy.types.Mesh) -> np.ndarray | None:
     """(T,) bool: the triangles of faces that are shaded flat; None where their normals are those of their faces."""
     sharp = source.attributes.get("sharp_face")
+    if source.normals_domain == "CORNER" and bpy.app.version >= (5, 2):
+        return None  # Cycles shades corners by their own normals since then
     if sharp is None or source.has_custom_normals or faces.corners_of_every_face(source) == 3:
         return None
     return faces.read(sharp.data, "value", len(source.polygons), np.bool_)[faces.face_of_each(source)]
