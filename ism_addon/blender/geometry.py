@@ -121,7 +121,7 @@ class Geometry:
     ) -> _Row:
         of_object = source.original.session_uid
         if of_object not in self._unlike:
-            self._unlike[of_object] = _unlike(source)
+            self._unlike[of_object] = _unlike(source, shown[-1], view_layer)
         return _Row(
             self._mesh(source, shown, view_layer),
             world_from_object.copy(),
@@ -173,11 +173,13 @@ def _triangles(source: bpy.types.Object, materials: tuple[int, ...], layers: tup
         source.to_mesh_clear()
 
 
-def _unlike(source: bpy.types.Object) -> Findings:
-    """What of an object will look otherwise than the artist meant it."""
+def _unlike(source: bpy.types.Object, standing: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Findings:
+    """What of an object, and of what makes it stand, will look otherwise than the artist meant it."""
     findings = Findings()
-    if source.is_holdout:
+    if source.is_holdout or standing.holdout_get(view_layer=view_layer):
         findings.note("Holdouts are drawn as plain surfaces", source.name)
+    if source.is_shadow_catcher or standing.is_shadow_catcher:
+        findings.note("Shadow catchers are drawn as plain surfaces", source.name)
     settings = (system.settings for system in source.particle_systems)
     if any(each.type == "HAIR" and each.render_type == "PATH" for each in settings):
         findings.note("Hair strands are not drawn by this engine", source.name)

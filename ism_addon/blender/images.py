@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's images, of a file, packed or generated, to sRGB-encoded texels."""
 
+import os
+
 import bpy
 import numpy as np
 
@@ -44,6 +46,20 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
         part = slice(first, first + PORTION)
         rows[part] = _stored(image, _four_channels(pixels[part]), on_black)
     return stored
+
+
+def texels_of_frame(image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
+    """The same of a file of an image sequence: of the sequence itself, Blender tells the texels of no frame."""
+    if not os.path.isfile(path):
+        return None
+    with bpy.data.temp_data() as apart:  # a new image in the open file would change all depsgraphs
+        return _loaded(apart, image, path, on_black)
+
+
+def _loaded(apart: bpy.types.BlendData, image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
+    frame = apart.images.load(path)
+    frame.colorspace_settings.name, frame.alpha_mode = image.colorspace_settings.name, image.alpha_mode
+    return texels(frame, on_black)
 
 
 def _stored(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
