@@ -6,13 +6,22 @@ import os
 import bpy
 import numpy as np
 
-from ..color import srgb_from_linear
+from ..color import between_spaces, linear_from_srgb, srgb_from_linear
 
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
 #: Texels that are converted at a time: they stay in the processor's cache from step to step.
 PORTION = 1 << 15
+
+
+#: Whose primaries the numbers of byte images are amounts of, but for data, which are taken as they are.
+REC709, DATA = "Linear Rec.709", ("Non-Color", "Raw")
+
+
+def working_space() -> str:
+    """The linear space of all colours in the open file: since Blender 5.0 it may be another than Rec.709's."""
+    return bpy.data.colorspace.working_space if bpy.app.version >= (5, 0) else REC709
 
 
 def is_known_space(image: bpy.types.Image) -> bool:
@@ -24,12 +33,13 @@ def origin(image: bpy.types.Image) -> tuple | None:
     """What makes an image's texels, where that is at hand: a packed file that nobody has painted on since."""
     if image.source != "FILE" or image.packed_file is None or image.is_dirty:
         return None
-    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode
+    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode, working_space()
 
 
 def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     """(H,W,4) uint8, sRGB-encoded, bottom row first; None where there is nothing to read.
 
+    Of amounts of the working space's primaries, which floating point images have already.
     On black, what is transparent is dark, as where Cycles is not asked for an image's alpha.
     A space that is not known is taken for sRGB. Light beyond 1 is cut off.
     """
@@ -67,7 +77,12 @@ def _stored(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.nd
     color, alpha = pixels[:, :3], pixels[:, 3:]
     if on_black and _has_straight_alpha(image) and (alpha < 1.0).any():
         color *= alpha
-    if image.is_float or image.colorspace_settings.name in LINEAR:
+    space, working = image.colorspace_settings.name, working_space()
+    is_linear, has_primaries = image.is_float or space in LINEAR, not (image.is_float or space in DATA)
+    if has_primaries and working != REC709:
+        linear = color if is_linear else linear_from_srgb(color)
+        color[:] = encoded(linear @ between_spaces(working, REC709).T)
+    elif is_linear:
         color[:] = encoded(color)
     if image.is_float:
         alpha[:] = _within_bounds(alpha)
