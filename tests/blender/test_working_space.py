@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The working space of a file's colours, beside Cycles: byte, linear and floating point images, lights and the world."""
+"""The working space of a file's colours, beside Cycles: images of all kinds, lights and the world."""
 
 import math
 
