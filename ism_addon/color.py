@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear light and how screens and image files encode it (sRGB, IEC 61966-2-1)."""
+"""Linear light, its primaries, and how screens and image files encode it (sRGB, IEC 61966-2-1)."""
 
 import numpy as np
 
@@ -15,3 +15,28 @@ def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
 def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
     """Encoded values of linear light in [0,1]."""
     return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055)
+
+
+#: Places (x,y) of the red, green and blue primaries and the white of linear spaces, by Blender's names.
+PRIMARIES = {
+    "Linear Rec.709": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)),
+    "Linear Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), (0.3127, 0.3290)),
+    "ACEScg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),
+}
+
+#: What the eye's cones make of XYZ, by which whites are made one another's (Lam 1985, as in ICC profiles).
+BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+
+
+def xyz_from(space: str) -> np.ndarray:
+    """(3,3): CIE XYZ of linear light in a space of PRIMARIES; the second row is its luminance."""
+    *primaries, white = (np.array([x, y, 1.0 - x - y]) / y for x, y in PRIMARIES[space])
+    columns = np.stack(primaries, 1)
+    return columns * np.linalg.solve(columns, white)
+
+
+def between_spaces(to: str, given: str) -> np.ndarray:
+    """(3,3): linear light in one space of PRIMARIES from that in another, white to white."""
+    cones = [BRADFORD @ xyz_from(space) @ np.ones(3) for space in (to, given)]
+    adapted = np.linalg.solve(BRADFORD, np.diag(cones[0] / cones[1]) @ BRADFORD)
+    return np.linalg.solve(xyz_from(to), adapted @ xyz_from(given))

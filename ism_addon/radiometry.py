@@ -37,6 +37,11 @@ def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
     return np.asarray(power, np.float64) / (np.pi * area)
 
 
+def is_upright(axis_u: np.ndarray, axis_v: np.ndarray) -> bool:
+    """Whether a light's axes (3,) are at right angles, as far as Blender's float32 matrices tell."""
+    return abs(float(axis_u @ axis_v)) <= 1e-5 * float(np.linalg.norm(axis_u) * np.linalg.norm(axis_v))
+
+
 def plane_normals(lights: Lights) -> np.ndarray:
     """(L,3) unit normals of the planes that the axes span, on the side that shines. A sheared light's may differ."""
     normals = np.cross(lights.axis_u, lights.axis_v)
@@ -45,7 +50,7 @@ def plane_normals(lights: Lights) -> np.ndarray:
 
 
 def light_areas(lights: Lights) -> np.ndarray:
-    """(L,) m²: products of the axes' lengths, as in Cycles; an ellipse fills pi/4 of its box."""
+    """(L,) m²: products of the axes' lengths, more than a sheared light has; an ellipse fills pi/4 of its box."""
     box = np.linalg.norm(lights.axis_u, axis=1) * np.linalg.norm(lights.axis_v, axis=1)
     return np.where(lights.shape == LightShape.ELLIPSE, np.pi / 4.0, 1.0) * box
 

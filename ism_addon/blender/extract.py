@@ -10,7 +10,7 @@ from collections.abc import Callable
 import bpy
 
 from ..scene import Scene
-from . import libraries, updates, world
+from . import asked, libraries, updates, world
 from .findings import Findings
 from .geometry import Geometry
 from .lights import LightTable
@@ -64,7 +64,7 @@ class Reader:
         if changed.images:
             self._materials.forget_images()
         for material in changed.materials:
-            self._materials.renew(material)
+            whole |= self._materials.renew(material)  # meshes have to be read with other UV layers
         if whole or changed.whole or self._scene is None:
             self._walk(depsgraph, shown)
         else:
@@ -93,6 +93,8 @@ class Reader:
                 continue
             kind = instance.object.type
             if kind == "MESH":
+                if not view_layer.use_solid:
+                    continue
                 self._geometry.add(instance, view_layer)
             elif kind == "LIGHT":
                 self._lights.add(instance)
@@ -110,6 +112,7 @@ class Reader:
     def _tables(self, depsgraph: bpy.types.Depsgraph) -> Scene:
         findings, last = Findings(), self._scene
         findings.include(self._others)
+        asked.note(depsgraph, findings)
         meshes, instances = self._geometry.tables(findings)
         read = Scene(
             meshes=meshes,
@@ -117,7 +120,14 @@ class Reader:
             materials=self._materials.table(findings),
             images=self._materials.images(),
             lights=self._lights.table(findings),
-            world=world.read(depsgraph.scene_eval.world, findings),
+            world=world.read(_world(depsgraph), findings),
             warnings=findings.sentences(),
         )
         return read if last is None else read.sharing(last)
+
+
+def _world(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    """The view layer's own, or the scene's, unless the view layer wants none."""
+    view_layer = depsgraph.view_layer_eval
+    override = getattr(view_layer, "world_override", None)  # since Blender 4.3
+    return (override or depsgraph.scene_eval.world) if view_layer.use_sky else None

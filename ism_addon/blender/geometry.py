@@ -121,7 +121,7 @@ class Geometry:
     ) -> _Row:
         of_object = source.original.session_uid
         if of_object not in self._unlike:
-            self._unlike[of_object] = _unlike(source)
+            self._unlike[of_object] = _unlike(source, shown[-1], view_layer)
         return _Row(
             self._mesh(source, shown, view_layer),
             world_from_object.copy(),
@@ -139,20 +139,21 @@ class Geometry:
         override = view_layer.material_override
         slots = [override or slot.material for slot in source.material_slots] or [override]
         materials = tuple(self._materials.index(material) for material in slots)
-        key = (source.data.as_pointer(), materials)
+        layers = tuple(self._materials.uv_layer(index) for index in materials)
+        key = (source.data.as_pointer(), materials, layers)
         changed = any(each.original.session_uid in self._changed for each in shown)
         if key not in self._readings or (changed and key not in self._renewed):
-            self._readings[key] = self._read(source, materials)
+            self._readings[key] = self._read(source, materials, layers)
             self._renewed.add(key)
         return self._readings[key]
 
-    def _read(self, source: bpy.types.Object, materials: tuple[int, ...]) -> _Reading:
+    def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> _Reading:
         """Read it; one that turns out to be what it was before is the same Mesh."""
-        read, findings = _triangles(source, materials), Findings()
+        read, findings = _triangles(source, materials, layers), Findings()
         findings.note("Triangles without area are left out", source.name, read.without_area)
         kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
         findings.note(kind, source.name, read.out_of_reach)
-        key = (source.original.session_uid, materials)
+        key = (source.original.session_uid, materials, layers)
         mesh, last = read.mesh, self._last.get(key)
         if mesh is not None and last is not None and mesh.equals(last):
             mesh = last
@@ -161,22 +162,24 @@ class Geometry:
         return _Reading(mesh, findings)
 
 
-def _triangles(source: bpy.types.Object, materials: tuple[int, ...]) -> meshes.Reading:
+def _triangles(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> meshes.Reading:
     """An object's mesh, from a copy: it shares all arrays, but Blender makes its own of those that are read.
 
     What is in edit mode is in its editor's form, and has to be copied out of it in any case.
     """
     try:
-        return meshes.read(source.to_mesh(), materials)
+        return meshes.read(source.to_mesh(), materials, layers)
     finally:
         source.to_mesh_clear()
 
 
-def _unlike(source: bpy.types.Object) -> Findings:
-    """What of an object will look otherwise than the artist meant it."""
+def _unlike(source: bpy.types.Object, standing: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Findings:
+    """What of an object, and of what makes it stand, will look otherwise than the artist meant it."""
     findings = Findings()
-    if source.is_holdout:
+    if source.is_holdout or standing.holdout_get(view_layer=view_layer):
         findings.note("Holdouts are drawn as plain surfaces", source.name)
+    if source.is_shadow_catcher or standing.is_shadow_catcher:
+        findings.note("Shadow catchers are drawn as plain surfaces", source.name)
     settings = (system.settings for system in source.particle_systems)
     if any(each.type == "HAIR" and each.render_type == "PATH" for each in settings):
         findings.note("Hair strands are not drawn by this engine", source.name)

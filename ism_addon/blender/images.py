@@ -1,16 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's images, of a file, packed or generated, to sRGB-encoded texels."""
 
+import os
+
 import bpy
 import numpy as np
 
-from ..color import srgb_from_linear
+from ..color import between_spaces, linear_from_srgb, srgb_from_linear
 
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
 #: Texels that are converted at a time: they stay in the processor's cache from step to step.
 PORTION = 1 << 15
+
+
+#: Whose primaries the numbers of byte images are amounts of, but for data, which are taken as they are.
+REC709, DATA = "Linear Rec.709", ("Non-Color", "Raw")
+
+
+def working_space() -> str:
+    """The linear space of all colours in the open file: since Blender 5.0 it may be another than Rec.709's."""
+    return bpy.data.colorspace.working_space if bpy.app.version >= (5, 0) else REC709
 
 
 def is_known_space(image: bpy.types.Image) -> bool:
@@ -22,12 +33,13 @@ def origin(image: bpy.types.Image) -> tuple | None:
     """What makes an image's texels, where that is at hand: a packed file that nobody has painted on since."""
     if image.source != "FILE" or image.packed_file is None or image.is_dirty:
         return None
-    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode
+    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode, working_space()
 
 
 def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     """(H,W,4) uint8, sRGB-encoded, bottom row first; None where there is nothing to read.
 
+    Of amounts of the working space's primaries, which floating point images have already.
     On black, what is transparent is dark, as where Cycles is not asked for an image's alpha.
     A space that is not known is taken for sRGB. Light beyond 1 is cut off.
     """
@@ -46,12 +58,31 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     return stored
 
 
+def texels_of_frame(image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
+    """The same of a file of an image sequence: of the sequence itself, Blender tells the texels of no frame."""
+    if not os.path.isfile(path):
+        return None
+    with bpy.data.temp_data() as apart:  # a new image in the open file would change all depsgraphs
+        return _loaded(apart, image, path, on_black)
+
+
+def _loaded(apart: bpy.types.BlendData, image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
+    frame = apart.images.load(path)
+    frame.colorspace_settings.name, frame.alpha_mode = image.colorspace_settings.name, image.alpha_mode
+    return texels(frame, on_black)
+
+
 def _stored(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
     """(N,4) uint8 of the image's own values (N,4) in some of its pixels, which are spoilt."""
     color, alpha = pixels[:, :3], pixels[:, 3:]
     if on_black and _has_straight_alpha(image) and (alpha < 1.0).any():
         color *= alpha
-    if image.is_float or image.colorspace_settings.name in LINEAR:
+    space, working = image.colorspace_settings.name, working_space()
+    is_linear, has_primaries = image.is_float or space in LINEAR, not (image.is_float or space in DATA)
+    if has_primaries and working != REC709:
+        linear = color if is_linear else linear_from_srgb(color)
+        color[:] = encoded(linear @ between_spaces(working, REC709).T)
+    elif is_linear:
         color[:] = encoded(color)
     if image.is_float:
         alpha[:] = _within_bounds(alpha)

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights to axes and radiance. Under an object's scale and shear they are what Cycles makes of them."""
+"""Area lights to axes and radiance. Under an object's scale they are what Cycles makes of them.
+
+Sheared ones send their watts evenly from the parallelogram or ellipse that they are. So do the places that Cycles
+chooses on an ellipse; those on its rectangles lie off their plane, and rays that hit either meet another shape.
+"""
 
 from dataclasses import dataclass, fields
 
@@ -9,6 +13,7 @@ import numpy as np
 from .. import radiometry
 from ..ranges import BRIGHTEST, spanning, within
 from ..scene import MOST_GROUPS, Lights, LightShape
+from . import emission
 from .findings import Findings
 from .links import Links
 
@@ -89,24 +94,32 @@ class LightTable:
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) -> tuple[_Row | None, Findings]:
-    """A light where it stands, (4,4); None if it is no area light, has no size or no power."""
+    """A light where it stands, (4,4); None if it is no area light, has no size or lights nothing."""
     findings, light = Findings(), source.data
     if light.type != "AREA":
         kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
         findings.note(kind, source.name)
         return None, findings
-    power = watts(light)
+    portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
+    if portal or not source.visible_diffuse:
+        return None, findings  # as in Cycles, where portals only guide rays to the world
+    power = watts(light) * emission.factor(light, source.name, findings)
     if not power.any():
         return None, findings
+    if source.visible_camera:
+        findings.note("Lights are not seen by the camera", source.name)
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
     if None in linked:
         findings.note(f"Lights are linked to no more than {MOST_GROUPS} groups, others are not linked", source.name)
     row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
     if row is None:
         findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
-    elif not within(row.radiance, BRIGHTEST).all():
+        return None, findings
+    if not radiometry.is_upright(row.axis_u, row.axis_v):
+        findings.note("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
+    if not within(row.radiance, BRIGHTEST).all():
         findings.note("Area lights too bright to be drawn are left out", source.name)
-        row = None
+        return None, findings
     return row, findings
 
 
@@ -128,12 +141,15 @@ def _row(
     backwards = world_from_light[:3, 2]
     depth = np.linalg.norm(backwards)
     sides = np.linalg.norm([axis_u, axis_v], axis=1)
-    area = float(sides.prod())
+    area = box = float(sides.prod())
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
     has_size = within(sides).all() and spanning(axis_u[None], axis_v[None]).item()
     if not (has_size and within(world_from_light).all() and depth > 0):
         return None
+    # A sheared one sends out as much as if it were not, from less area.
+    if not radiometry.is_upright(axis_u, axis_v):
+        power = power * (box / np.linalg.norm(np.cross(axis_u, axis_v)))
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0
     return _Row(

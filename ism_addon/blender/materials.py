@@ -7,8 +7,11 @@ import bpy
 import numpy as np
 
 from ..scene import Image, Materials
-from . import images, nodes
+from . import images, nodes, unlike
 from .findings import Findings
+
+#: The session_uid of an image, whether it repeats and is on black, and the file of its sequence's frame.
+ImageKey = tuple[int, bool, bool, str]
 
 #: The colour of what has no material, as in Blender.
 GREY = 0.8
@@ -22,10 +25,11 @@ class _Row(NamedTuple):
 
     base_color: np.ndarray
     image: int
+    layer: str  # the UV layer that its image lies on; "": the one that renders
     findings: tuple[Findings, ...]  # those of its image are shared with the others that have it
 
 
-GREY_ROW = _Row(np.full(3, GREY), -1, ())
+GREY_ROW = _Row(np.full(3, GREY), -1, "", ())
 
 
 class MaterialTable:
@@ -35,10 +39,10 @@ class MaterialTable:
         self._indices: dict[int, int] = {}
         self._rows: list[_Row | None] = []
         self._met: set[int] = set()
-        self._read_images: dict[tuple[int, bool, bool], tuple[int, Findings]] = {}
+        self._read_images: dict[ImageKey, tuple[int, Findings]] = {}
         self._images: list[Image] = []
         #: By the same keys: those that need not be read again as long as their origin is the same.
-        self._of_origin: dict[tuple[int, bool, bool], tuple[tuple, Image]] = {}
+        self._of_origin: dict[ImageKey, tuple[tuple, Image]] = {}
 
     def begin(self) -> None:
         """Before all materials of the scene are asked for anew."""
@@ -55,11 +59,18 @@ class MaterialTable:
         self._met.add(index)
         return index
 
-    def renew(self, material: bpy.types.Material) -> None:
-        """A material has changed; one that was never met is still none of ours."""
+    def uv_layer(self, index: int) -> str:
+        """The UV layer that a material's image lies on; "": the one that renders."""
+        return self._rows[index].layer
+
+    def renew(self, material: bpy.types.Material) -> bool:
+        """A material has changed; one that was never met is still none of ours. Whether it has another UV layer now."""
         index = self._indices.get(material.original.session_uid)
-        if index is not None:
-            self._rows[index] = self._row(material)
+        if index is None:
+            return False
+        last, self._rows[index] = self._rows[index], None
+        self._rows[index] = self._row(material)
+        return last is not None and last.layer != self._rows[index].layer
 
     def forget_images(self) -> None:
         """Some image has changed: all materials are to be read anew when they are next met."""
@@ -89,31 +100,32 @@ class MaterialTable:
         findings = Findings()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
-        shader = nodes.surface(node_tree)
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
+        output = nodes.output(node_tree)
+        unlike.note_output(material, output, findings)
+        shader = nodes.surface(output)
         if shader is None:
-            return _Row(np.zeros(3), -1, (findings,))
+            findings.note("Materials without a surface are drawn black", material.name)
+            return _Row(np.zeros(3), -1, "", (findings,))
         if shader.bl_idname not in SHADERS:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
             findings.note(kind, material.name)
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, (findings,))
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
+        unlike.note_shader(material, shader, findings)
         return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
 
     def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Findings) -> _Row:
         """A row from a shader's colour socket."""
-        plain = nodes.color(socket.default_value, GREY)
-        fed_by = nodes.source(socket)
-        if fed_by is None:
-            return _Row(plain, -1, (findings,))
-        node = fed_by.node
-        if node.bl_idname == "ShaderNodeRGB":
-            return _Row(nodes.color(fed_by.default_value, GREY), -1, (findings,))
-        if node.bl_idname == "ShaderNodeTexImage" and fed_by.identifier == "Color":
+        plain, node = nodes.rgb(socket, GREY)
+        if node is None:
+            return _Row(plain, -1, "", (findings,))
+        if node.bl_idname == "ShaderNodeTexImage" and nodes.source(socket).identifier == "Color":
             index, of_image = self._image(material, node, findings)
-            return _Row(plain, index, (findings, of_image))
+            layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else ""
+            return _Row(plain, index, layer, (findings, of_image))
         kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
         findings.note(kind, material.name)
-        return _Row(plain, -1, (findings,))
+        return _Row(plain, -1, "", (findings,))
 
     def _image(
         self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings
@@ -123,14 +135,15 @@ class MaterialTable:
         if image is None:
             findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
             return -1, Findings()
-        _note_placement(material, node, findings)
+        unlike.note_placement(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
-        key = (image.original.session_uid, repeat, on_black)
+        of_frame = image.filepath_from_user(image_user=node.image_user) if image.source == "SEQUENCE" else ""
+        key = (image.original.session_uid, repeat, on_black, of_frame)
         if key not in self._read_images:
             self._read_images[key] = self._read_image(key, image)
         return self._read_images[key]
 
-    def _read_image(self, key: tuple[int, bool, bool], image: bpy.types.Image) -> tuple[int, Findings]:
+    def _read_image(self, key: ImageKey, image: bpy.types.Image) -> tuple[int, Findings]:
         findings = Findings()
         found = self._texels(key, image)
         if found is None:
@@ -140,33 +153,32 @@ class MaterialTable:
             return -1, findings
         if not images.is_known_space(image):
             findings.note("Images in a colour space that is not known are taken for sRGB", image.name)
-        if image.source in ("TILED", "SEQUENCE", "MOVIE"):
-            findings.note("Of image sequences, movies and tiled images one picture is drawn", image.name)
-        self._images.append(found)
-        return len(self._images) - 1, findings
+        if image.source == "TILED":
+            findings.note("Of tiled images one tile is drawn", image.name)
+        if image.source == "MOVIE":
+            findings.note("Of movies one frame is drawn", image.name)
+        index = self._frame_gone()
+        self._images[index:] = [found, *self._images[index + 1 :]]
+        return index, findings
 
-    def _texels(self, key: tuple[int, bool, bool], image: bpy.types.Image) -> Image | None:
+    def _frame_gone(self) -> int:
+        """The index of an image whose frame of its sequence no material shows any more; else a new one."""
+        shown = {row.image for row in self._rows if row is not None}
+        for key, (index, _) in self._read_images.items():
+            if key[-1] and index >= 0 and index not in shown:
+                del self._read_images[key]
+                return index
+        return len(self._images)
+
+    def _texels(self, key: ImageKey, image: bpy.types.Image) -> Image | None:
         """Those of an image; that of the time before, where it has the same origin."""
-        _, repeat, on_black = key
+        _, repeat, on_black, of_frame = key
         origin, kept = images.origin(image.original), self._of_origin.pop(key, None)
         if kept is None or origin is None or kept[0] != origin:
-            texels = images.texels(image, on_black)
+            texels = images.texels_of_frame(image, of_frame, on_black) if of_frame else images.texels(image, on_black)
             if texels is None:
                 return None
             kept = origin, Image(texels, repeat)
         if origin is not None:
             self._of_origin[key] = kept
         return kept[1]
-
-
-def _note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings) -> None:
-    """Say where a texture will not lie as the artist meant it."""
-    placed_by = nodes.source(node.inputs["Vector"])
-    if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
-        kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
-        findings.note(kind, material.name)
-    if node.projection != "FLAT":
-        findings.note("Textures projected otherwise than flat lie on the active UV map", material.name)
-    if node.extension not in ("REPEAT", "EXTEND"):
-        kind = "Textures that are clipped or mirrored at their border have the border's colour there"
-        findings.note(kind, material.name)

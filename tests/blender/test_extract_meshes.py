@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from ism_addon.blender import meshes
+from tests.scenes.cycles import direct_light
 
 NAN, INF = math.nan, math.inf
 
 
 def test_a_mesh_is_blenders_own_triangles(add, extracted):
     bpy.ops.mesh.primitive_monkey_add()
-    monkey = bpy.context.object
-    source = monkey.data
+    bpy.ops.object.shade_smooth()
+    source = bpy.context.object.data
     source.calc_loop_triangles()
     (mesh,) = extracted().meshes
     assert mesh.positions.tolist() == [list(vertex.co) for vertex in source.vertices]
@@ -73,6 +74,54 @@ def test_flat_faces_have_their_own_normals_and_smooth_ones_share(add, extracted)
     assert np.allclose(np.abs(smooth.normals), 1 / math.sqrt(3), atol=1e-6)
 
 
+#: A bent quad and one that is plane, which share an edge.
+BENT = ([(-1, -1, 0), (0, -1, 0), (0, 1, 0.6), (-1, 1, 0), (1, -1, 0), (1, 1, 0.6)], [(0, 1, 2, 3), (1, 4, 5, 2)])
+
+
+@pytest.mark.parametrize("smooth", [(False, False), (False, True), (True, True)])
+@pytest.mark.parametrize("custom", [False, True])
+def test_bent_flat_faces_have_their_triangles_normals_as_in_cycles(add, extracted, empty_scene, smooth, custom):
+    thing = add("Bent", BENT)
+    thing.data.polygons.foreach_set("use_smooth", smooth)
+    if custom:
+        thing.data.normals_split_custom_set([(0.6, 0.0, 0.8)] * 8)
+    material = bpy.data.materials.new("Normals")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output, emission, seen = (
+        tree.nodes.new(f"ShaderNode{name}") for name in ("OutputMaterial", "Emission", "NewGeometry")
+    )
+    tree.links.new(seen.outputs["Normal"], emission.inputs["Color"])
+    tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
+    thing.data.materials.append(material)
+    camera = empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2.0, (0, 0, 9)
+    empty_scene.render.resolution_x = empty_scene.render.resolution_y = 16
+    (mesh,) = extracted().meshes
+    truth = direct_light(1)[..., :3]
+    places = (np.arange(16) + 0.5) / 8.0 - 1.0
+    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    # Cycles shades a smooth face beside a flat one as if both were smooth, Blender does not.
+    for row, column in [(12, 2), (3, 5), (12, 10), (3, 13)][: 2 if smooth[0] != smooth[1] else 4]:
+        at = np.array([places[column], places[row]])
+        flat = np.concatenate([corners[:, :, :2], np.ones((len(corners), 3, 1))], 2)
+        parts = np.linalg.solve(flat.transpose(0, 2, 1), np.broadcast_to([[*at, 1.0]], (len(flat), 3))[..., None])
+        inside = int(np.argmax(parts[..., 0].min(1)))
+        normal = parts[inside, :, 0] @ mesh.corner_normals[inside]
+        assert np.allclose(normal / np.linalg.norm(normal), truth[row, column], atol=0.02)
+
+
+def test_plane_flat_faces_keep_their_faces_normals(add, extracted):
+    bpy.ops.mesh.primitive_cylinder_add(rotation=(0.3, 0.4, 0.5))
+    bpy.ops.object.transform_apply()
+    source = bpy.context.object.data
+    (mesh,) = extracted().meshes
+    source.calc_loop_triangles()
+    normals = [list(source.polygon_normals[triangle.polygon_index].vector) for triangle in source.loop_triangles]
+    assert mesh.normals[:, 0].tolist() == normals
+
+
 def test_custom_normals_are_kept(add, extracted):
     source = add("Bent").data
     source.normals_split_custom_set([(0.6, 0.0, 0.8)] * 4)
@@ -90,6 +139,24 @@ def test_the_layer_that_renders_gives_the_uvs(add, extracted):
     (mesh,) = extracted().meshes
     assert mesh.uvs.shape == (2, 3, 2)
     assert np.all(mesh.uvs == 0.75)
+
+
+def mapped(add, names=("First", "Second", "Third")):
+    """Two triangles of two slots, with layers whose UVs are .1, .2 and .3."""
+    source = add("Mapped", ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])).data
+    for number, name in enumerate(names):
+        source.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(number + 1) / 10] * 12))
+    source.polygons.foreach_set("material_index", [1, 0])
+    return source
+
+
+@pytest.mark.parametrize(
+    ("layers", "uvs"), [(("Second",), (0.2, 0.2)), (("", "Third"), (0.3, 0.1)), (("Gone", "Second"), (0.2, 0.0))]
+)
+def test_each_slot_has_the_uvs_of_the_layer_that_it_names(add, layers, uvs):
+    source = mapped(add)
+    found = meshes.read(source, tuple(range(len(layers))), layers).mesh.uvs
+    assert np.array_equal(found, np.broadcast_to(np.float32(uvs)[:, None, None], (2, 3, 2)))
 
 
 def test_a_mesh_without_uvs_has_none(add, extracted):

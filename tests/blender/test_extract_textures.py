@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where textures lie, and which frame of them is drawn."""
+
+import bpy
+import numpy as np
+import pytest
+from bpy.app.handlers import depsgraph_update_post, frame_change_post
+
+from ism_addon.blender import extract
+
+
+@pytest.fixture
+def textured(add):
+    """textured(image, layers): a square whose material has the image; its Image Texture node."""
+
+    def textured(image, layers=("UV",)):
+        thing = add("Square")
+        for number, name in enumerate(layers):
+            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([number / 4] * 8))
+        material = bpy.data.materials.new("Paint")
+        material.use_nodes = True
+        tree = material.node_tree
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image = image
+        tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        thing.data.materials.append(material)
+        return node
+
+    return textured
+
+
+def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted):
+    node = textured(bpy.data.images.new("Picture", 2, 2), ("First", "Second"))
+    uv_map = node.id_data.nodes.new("ShaderNodeUVMap")
+    node.id_data.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
+    bpy.context.view_layer.update()
+    reader = extract.Reader()
+    followed = [reader.read(bpy.context.evaluated_depsgraph_get())]
+    handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
+    depsgraph_update_post.append(handler)
+    for name, value in (("Second", 0.25), ("First", 0.0), ("Second", 0.25), ("Gone", 0.0)):
+        uv_map.uv_map = name
+        bpy.context.view_layer.update()
+        for scene in (followed[-1], extracted()):
+            assert np.all(scene.meshes[0].uvs == value)
+            assert scene.warnings == ()
+    depsgraph_update_post.remove(handler)
+
+
+@pytest.fixture
+def sequence(tmp_path):
+    """Five pictures in files 0001 to 0005, red by fifths."""
+    for number in range(1, 6):
+        image = bpy.data.images.new("Frame", 2, 2)
+        image.pixels.foreach_set(np.float32([number / 5, 0, 0, 1] * 4))
+        image.filepath_raw, image.file_format = str(tmp_path / f"s{number:04}.png"), "PNG"
+        image.save()
+    loaded = bpy.data.images.load(str(tmp_path / "s0001.png"))
+    loaded.source = "SEQUENCE"
+    return loaded
+
+
+def test_a_sequence_shows_the_frame_that_its_user_says(textured, extracted, sequence, empty_scene):
+    node = textured(sequence)
+    user = node.image_user
+    user.frame_duration, user.use_auto_refresh = 5, True
+    reader = extract.Reader()
+    bpy.context.view_layer.update()
+    reader.read(bpy.context.evaluated_depsgraph_get())
+    followed = []
+    handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
+    frame_change_post.append(handler)
+    for frame, offset, shown in [(1, 0, 1), (3, 0, 3), (9, 0, 5), (2, 2, 4), (2, 0, 2), (3, 0, 3)]:
+        user.frame_offset = offset
+        empty_scene.frame_set(frame)
+        for scene in (extracted(), followed[-1]):
+            assert [image.texels[0, 0].tolist() for image in scene.images] == [[51 * shown, 0, 0, 255]]
+            assert scene.warnings == ()
+    frame_change_post.remove(handler)
+
+
+def test_a_frame_that_is_not_there_is_named(textured, extracted, sequence, empty_scene, tmp_path):
+    textured(sequence).image_user.frame_duration = 5
+    (tmp_path / "s0002.png").unlink()
+    empty_scene.frame_set(2)
+    assert extracted().warnings == (
+        "Images that are missing or cannot be read are left out, and the base colour is drawn: 's0001.png'.",
+    )
+
+
+def test_a_sequence_of_one_user_in_two_frames_is_two_images(textured, extracted, sequence, empty_scene):
+    for offset in (0, 2):
+        user = textured(sequence).image_user
+        user.frame_duration, user.frame_offset, user.use_auto_refresh = 5, offset, True
+    empty_scene.frame_set(1)
+    assert [image.texels[0, 0, 0] for image in extracted().images] == [51, 153]
+
+
+def test_of_a_movie_one_frame_is_drawn_and_that_is_said(textured, extracted, empty_scene, tmp_path):
+    empty_scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    render = empty_scene.render
+    render.engine, empty_scene.cycles.samples, render.resolution_x, render.resolution_y = "CYCLES", 1, 64, 32
+    render.filepath, empty_scene.frame_end = str(tmp_path / "movie"), 2
+    if hasattr(render.image_settings, "media_type"):
+        render.image_settings.media_type = "VIDEO"
+    render.image_settings.file_format = "FFMPEG"
+    bpy.ops.render.render(animation=True)
+    (movie,) = tmp_path.iterdir()
+    textured(bpy.data.images.load(str(movie)))
+    scene = extracted()
+    assert scene.images[0].texels.shape == (32, 64, 4)
+    assert scene.warnings == (f"Of movies one frame is drawn: '{movie.name}'.",)
+
+
+def test_an_interpolation_and_a_mapping_are_said(textured, extracted):
+    node = textured(bpy.data.images.new("Picture", 2, 2))
+    node.interpolation, node.texture_mapping.scale = "Closest", (2, 1, 1)
+    assert extracted().warnings == (
+        "Textures with a mapping of their own lie on the active UV map as it is: 'Paint'.",
+        "Textures that are interpolated otherwise than linearly are interpolated linearly: 'Paint'.",
+    )
