@@ -33,7 +33,7 @@ SOME = 1 << 14
 #: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
 LOOSE, MOSTLY = 3.0, 0.9
 
-#: Boxes of a mesh by which its instances are bounded; a power of two.
+#: Most boxes of a mesh by which its instances are bounded; a power of two.
 PARTS = 32
 
 #: Triangles whose boxes are found at a time: so many stay in a processor's cache.
@@ -44,8 +44,9 @@ PORTION = 1 << 15
 class MeshTree:
     """A mesh's tree in its lattice's steps, and where its leaves' triangles are."""
 
-    lattice: Lattice
-    parts: np.ndarray  # (PARTS,2,3) steps: boxes around all of the mesh, closer than one box when it is turned
+    parts: (
+        np.ndarray
+    )  # (P,2,3) steps, P = min(PARTS, leaves): boxes around all of the mesh, closer than one when turned
     nodes: np.ndarray  # (leaves // 2,) NODE
     starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
     per_leaf: int  # triangles from there on that a leaf looks at
@@ -93,7 +94,7 @@ class Runs:
         """Make the tree, beside whatever else is done."""
         if self.making is None:
             core = ThreadPoolExecutor(1)
-            self.making, self.boxes = core.submit(tree_of_runs, self.lattice, self.boxes, self.count), None
+            self.making, self.boxes = core.submit(tree_of_runs, self.boxes, self.count), None
             core.shutdown(wait=False)
 
     @property
@@ -107,7 +108,7 @@ def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
     lattice = Lattice.of(mesh)
     if len(mesh.triangles) > FEW and lie_together(mesh, lattice):
         return Runs(lattice, len(mesh.triangles))
-    return tree_of_triangles(lattice, lattice.steps(mesh.positions, np.float32), mesh.triangles)
+    return tree_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
 
 
 def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
@@ -120,7 +121,7 @@ def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
     return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= LOOSE * inside) >= MOSTLY)
 
 
-def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
+def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
     """Sorted triangle by triangle; steps are (3,V)."""
     tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
@@ -128,15 +129,15 @@ def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray
     # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
     starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
     order = tree.order[real].astype(np.uint32)
-    return MeshTree(lattice, parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+    return MeshTree(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
 
 
-def tree_of_runs(lattice: Lattice, boxes: np.ndarray, count: int) -> MeshTree:
+def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
     """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
     run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_RUN))
     rows, nodes = rows_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
-    return MeshTree(lattice, parts_of(nodes), rows, starts, run, None)
+    return MeshTree(parts_of(nodes), rows, starts, run, None)
 
 
 def run_of(count: int) -> int:
@@ -168,4 +169,4 @@ def parts_of(nodes: np.ndarray) -> np.ndarray:
     level = min(PARTS, nodes.shape[2] // 2)
     boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
     boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(PLANE)
-    return boxes[np.arange(PARTS) % len(boxes)]
+    return boxes[np.arange(level) % len(boxes)]
