@@ -54,7 +54,7 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
     meshes = (rubble(5), sheet)
     trees = tuple(map(mesh_tree, meshes))
     order = Order(meshes, trees)
-    list(order.made(lambda pieces: [order.places(piece) for piece in pieces], with_vertices=True))
+    list(order.made(lambda pieces: [piece.places() for piece in pieces], with_vertices=True))
     runs, steps = trees[1], trees[1].lattice.steps(sheet.positions)
     assert isinstance(runs, Runs)
     assert (PORTION - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0

@@ -32,12 +32,12 @@ class Together:
         first = (np.cumsum(self.vertices) - self.vertices).astype(np.uint32)
         return np.concatenate([mesh.triangles for mesh in self.meshes]) + first.repeat(self.counts)[:, None]
 
-    @property
+    @cached_property
     def materials(self) -> np.ndarray:
         """(T,) uint32."""
         return np.concatenate([mesh.materials for mesh in self.meshes])
 
-    @property
+    @cached_property
     def uvs(self) -> np.ndarray:
         """(T,3,2), zero where a mesh has none."""
         found = np.zeros((int(self.counts.sum()), 3, 2), np.float32)
@@ -46,7 +46,7 @@ class Together:
             found[having.repeat(self.counts)] = np.concatenate([mesh.uvs for mesh in self.meshes])
         return found
 
-    @property
+    @cached_property
     def normals(self) -> np.ndarray:
         """(T,3,3) of the corners, or (V,3) where all meshes have them by vertex."""
         by_vertex = np.array([mesh.normals.ndim == 2 for mesh in self.meshes], np.bool_)
