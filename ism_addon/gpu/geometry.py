@@ -141,7 +141,9 @@ class Geometry:
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
         """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
-        count = sum(len(mesh.triangles) for mesh in meshes)
+        #: Triangles of each mesh.
+        self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
+        count = int(self.counts.sum())
         if count > MOST_TRIANGLES:
             raise ValueError(
                 f"the meshes have {count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "

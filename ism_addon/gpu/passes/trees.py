@@ -12,10 +12,10 @@ import numpy as np
 
 from ...cores import side_by_side
 from ...scene import Change, Mesh
-from ..buffers import anchor_from_steps
 from ..context import Device
 from ..layout import CASTER
 from ..mesh_tree import MeshTree, Runs
+from ..placement import anchor_from_steps
 from ..small_trees import mesh_trees
 from ..together import in_groups, joined
 from ..tree import NOTHING, build, in_planes, packed, scale_of
