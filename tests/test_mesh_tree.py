@@ -111,3 +111,11 @@ def test_small_meshes_with_a_large_one_cast_their_shadows(device):
     counts = (1, 3, 12, 30, 100, SMALL + 500)
     meshes = [rubble(count, size=0.5 if count < 50 else 0.1, seed=count) for count in counts]
     compare(device, stage(meshes, light()), *rays(1000))
+
+
+@pytest.mark.parametrize("count", [5, 6, 17, 24, 65, 96, 1030, 4200])
+def test_leaves_are_filled(count):
+    """Also of meshes of a few triangles more than a power of four, times four: leaves would hold hardly one each."""
+    tree = mesh_tree(rubble(count))
+    assert tree.per_leaf <= 6
+    assert tree.leaves == 1 or 1.5 * tree.leaves <= count

@@ -17,14 +17,12 @@ from ..scene import Mesh
 from .lattice import Lattice
 from .tree import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
 
-#: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
-TRIANGLES_PER_LEAF = 4
+#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they hold 1.5
+#: on average at least. An even number, as quads are two.
+TRIANGLES_PER_LEAF = 6
 
 #: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
 FEW = 1 << 17
-
-#: Most triangles in a leaf of other meshes; an even number, as quads are two.
-TRIANGLES_PER_RUN = 6
 
 #: Triangles that are looked at to see whether neighbours in a mesh lie together.
 SOME = 1 << 14
@@ -134,7 +132,7 @@ def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
 
 def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
     """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
-    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_RUN))
+    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
     rows, nodes = rows_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
     return MeshTree(parts_of(nodes), rows, starts, run, None)
@@ -142,7 +140,7 @@ def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
 
 def run_of(count: int) -> int:
     """Triangles in a run, of so many in all: no quad's two are in different ones."""
-    return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_RUN)))
+    return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_LEAF)))
 
 
 def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
