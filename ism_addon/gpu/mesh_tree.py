@@ -17,8 +17,8 @@ from ..scene import Mesh
 from .lattice import Lattice
 from .tree import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
 
-#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they hold 1.5
-#: on average at least. An even number, as quads are two.
+#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
+#: hold 1.5 on average at least. An even number, as quads are two.
 TRIANGLES_PER_LEAF = 6
 
 #: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
