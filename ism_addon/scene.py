@@ -6,6 +6,7 @@ SI units, radians, linear Rec.709, float32 unless said; world space is float64 (
 A mesh, an image, a light table that did not change must be passed on as the same object.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from enum import Enum, IntEnum
 from functools import cached_property
@@ -16,6 +17,9 @@ import numpy as np
 
 #: Groups of instances that lights may be linked to: as many as a float32 has bits for.
 MOST_GROUPS = 24
+
+#: Vertices of a mesh that is bounded together with others.
+FEW = 1 << 12
 
 #: A picture's width and height, as in Blender.
 MOST_PIXELS = 1 << 16
@@ -59,9 +63,21 @@ class Mesh(Arrays):
         return self.normals if self.normals.ndim == 3 else self.normals[self.triangles]
 
     @cached_property
-    def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest corner (3,), float64."""
-        return self.positions.min(0).astype(np.float64), self.positions.max(0).astype(np.float64)
+    def box(self) -> np.ndarray:
+        """(2,3) float64: lowest and highest corner."""
+        return np.stack([self.positions.min(0), self.positions.max(0)]).astype(np.float64)
+
+
+def bounding_boxes(meshes: Sequence[Mesh]) -> np.ndarray:
+    """(M,2,3) float64: Mesh.box of each. Those of small meshes that nobody has asked for yet are found together."""
+    new = [mesh for mesh in meshes if "box" not in vars(mesh) and len(mesh.positions) <= FEW]
+    if new:
+        counts = np.array([len(mesh.positions) for mesh in new])
+        positions, first = np.concatenate([mesh.positions for mesh in new]), np.cumsum(counts) - counts
+        corners = [either.reduceat(positions, first, 0) for either in (np.minimum, np.maximum)]
+        for mesh, box in zip(new, np.stack(corners, 1).astype(np.float64), strict=True):
+            vars(mesh)["box"] = box  # where cached_property looks
+    return np.concatenate([np.zeros((0, 3)), *(mesh.box for mesh in meshes)]).reshape(-1, 2, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +168,7 @@ class Scene:
         """Largest side of the box around all instances, m, from their bounding spheres."""
         if not len(self.instances.mesh):
             return 1.0
-        low, high = (np.array(corners) for corners in zip(*(mesh.box for mesh in self.meshes), strict=True))
+        low, high = bounding_boxes(self.meshes).swapaxes(0, 1)
         centre = ((low + high) / 2.0)[self.instances.mesh]
         radius = np.linalg.norm(high - low, axis=1)[self.instances.mesh] / 2.0
         linear = self.instances.world_from_object[:, :3, :3]

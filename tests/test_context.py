@@ -9,7 +9,7 @@ from ism_addon.gpu.program import compile_program
 
 def test_other_threads_go_on_while_triangles_are_drawn(device):
     """Software drivers are at it until the call returns: the interpreter's lock is not held for so long."""
-    program = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", by_nearness=1)
+    program = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", by_nearness=1, together=0)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()
     turns, done = [], Event()

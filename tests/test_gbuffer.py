@@ -9,7 +9,7 @@ import pytest
 
 from ism_addon.color import linear_from_srgb
 from ism_addon.gpu import depth
-from ism_addon.gpu.buffers import Draw, mip_chain, portions
+from ism_addon.gpu.buffers import mip_chain
 from ism_addon.gpu.context import open_device
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
@@ -19,7 +19,19 @@ from ism_addon.scene import Image
 
 from . import reference
 from .scenes.small import sphere
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, perspective, placed, quad, rubble, stage, with_quality
+from .studio import (
+    MAPS,
+    SMALL_SETTINGS,
+    draw,
+    from_above,
+    look,
+    perspective,
+    placed,
+    quad,
+    rubble,
+    stage,
+    with_quality,
+)
 
 #: Pixels whose centre lies on an edge more exactly than float32 can tell.
 EDGE = 0.01
@@ -273,15 +285,3 @@ def test_a_hurried_first_sample_is_drawn_for_itself_and_the_picture_is_the_same(
     every = scene.triangle_count
     assert drawn == {True: [every, every, 0, 0], False: [every, 0, 0, 0]}
     assert np.abs(pictures[True] - pictures[False]).mean() < 1e-3 * pictures[True].mean()
-
-
-@pytest.mark.parametrize("most", [1, 7, 64, 1000])
-def test_portions_are_all_triangles_of_all_draws_once(most):
-    draws = [Draw(5, 100, 0, 3), Draw(105, 7, 3, 1), Draw(112, 0, 4, 2), Draw(112, 4, 6, 50)]
-    parts = list(portions(iter(draws), most))
-    assert all(0 < part.triangles * part.instances <= max(most, part.instances) for part in parts)
-    for draw_call in draws:
-        own = [part for part in parts if part.first_instance == draw_call.first_instance]
-        assert all(part.instances == draw_call.instances for part in own)
-        drawn = [k for part in own for k in range(part.first_triangle, part.first_triangle + part.triangles)]
-        assert drawn == list(range(draw_call.first_triangle, draw_call.first_triangle + draw_call.triangles))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import PORTION, Geometry, arrays_of, portions
+from ism_addon.gpu.geometry import PORTION, Coordinates, Geometry, arrays_of, portions
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.scene import Image
@@ -54,10 +54,10 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
     meshes = rubble(5), rubble(PORTION, seed=1), rubble(7, seed=2)
     made, done = Geometry(device, meshes, in_trees=False), []
 
-    def some(order, pieces):
+    def some(pieces):
         if len(done) == portion:
             raise MemoryError
-        done.append(arrays_of(order, pieces))
+        done.append(arrays_of(pieces))
         return done[-1]
 
     made.add((2,), {})
@@ -71,6 +71,24 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
         own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
         positions = corners[own] / made.scales[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles]).max() < 1e-6
+
+
+@pytest.mark.parametrize("sorted_by_trees", [False, True])
+def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(device, sorted_by_trees):
+    """Some have none: theirs are zero."""
+    random = np.random.default_rng(0)
+    counts = (3, 12, 40, 7)
+    uvs = [random.random((count if k != 1 else 0, 3, 2), np.float32) for k, count in enumerate(counts)]
+    meshes = tuple(replace(rubble(count, seed=k), uvs=uvs[k]) for k, count in enumerate(counts))
+    trees = dict(enumerate(map(mesh_tree, meshes))) if sorted_by_trees else {}
+    made = Geometry(device, meshes, sorted_by_trees)
+    made.add(range(4), trees)
+    coordinates = Coordinates(device, made)
+    coordinates.follow()
+    found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
+    orders = [trees[k].order if trees else np.arange(count) for k, count in enumerate(counts)]
+    uvs[1] = np.zeros((counts[1], 3, 2), np.float32)
+    assert np.array_equal(found, np.concatenate([own[order] for own, order in zip(uvs, orders, strict=True)]))
 
 
 def test_portions_are_whole_but_for_the_last():

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which triangles of a mesh are sorted, and which stay where they are; rays find the same through either tree."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from ism_addon.gpu import mesh_tree as mesh_tree_module
 from ism_addon.gpu.geometry import PORTION, Geometry, Order
-from ism_addon.gpu.mesh_tree import FEW, Runs, mesh_tree
+from ism_addon.gpu.mesh_tree import FEW, MeshTree, Runs, mesh_tree
 from ism_addon.gpu.passes.trees import MeshTrees
+from ism_addon.gpu.small_trees import mesh_trees
+from ism_addon.gpu.together import PORTION as TOGETHER
+from ism_addon.gpu.together import SMALL, in_groups
 from ism_addon.gpu.tree import in_planes
 
 from .rays import compare, occluded, rays
@@ -50,7 +55,7 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
     meshes = (rubble(5), sheet)
     trees = tuple(map(mesh_tree, meshes))
     order = Order(meshes, trees)
-    list(order.made(lambda pieces: [order.places(piece) for piece in pieces], with_vertices=True))
+    list(order.made(lambda pieces: [piece.places() for piece in pieces], with_vertices=True))
     runs, steps = trees[1], trees[1].lattice.steps(sheet.positions)
     assert isinstance(runs, Runs)
     assert (PORTION - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0
@@ -90,3 +95,42 @@ def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
     assert MeshTrees.kept[sheet].boxes is None
     more = stage([rubble(3, size=1e-3), sheet], light())
     assert np.array_equal(occluded(device, more, starts, ends), before)
+
+
+def same_tree(one: MeshTree, other: MeshTree) -> bool:
+    return one.per_leaf == other.per_leaf and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("parts", "nodes", "starts", "order")
+    )
+
+
+def test_the_trees_of_small_meshes_are_the_same_alone_and_together():
+    """Of all small shapes of trees, several of a shape with different counts, and large ones between them."""
+    counts = [*range(1, 70), 255, 256, 257, 1000, SMALL, SMALL + 1, 5000, *range(69, 0, -1)]
+    meshes = [rubble(count, seed=number) for number, count in enumerate(counts)]
+    together = mesh_trees(meshes)
+    assert all(same_tree(tree, mesh_tree(mesh)) for tree, mesh in zip(together, meshes, strict=True))
+
+
+@pytest.mark.parametrize("counts", [[], [1], [SMALL, SMALL + 1, 1, 2], [1, 9 * SMALL, 2], [SMALL] * 40], ids=str)
+def test_small_neighbours_are_in_groups_and_others_alone(counts):
+    groups = in_groups(counts)
+    assert [number for group in groups for number in range(len(counts))[group]] == list(range(len(counts)))
+    sizes = [counts[group] for group in groups]
+    assert all(len(some) == 1 or (max(some) <= SMALL and sum(some) <= TOGETHER) for some in sizes)
+    apart = [max(one + other) <= SMALL and sum(one + other[:1]) <= TOGETHER for one, other in pairwise(sizes)]
+    assert not any(apart), "neighbours that might be in one group are not"
+
+
+def test_small_meshes_with_a_large_one_cast_their_shadows(device):
+    """Rays find all of them where the tree over the instances has boxes of meshes of several sizes."""
+    counts = (1, 3, 12, 30, 100, SMALL + 500)
+    meshes = [rubble(count, size=0.5 if count < 50 else 0.1, seed=count) for count in counts]
+    compare(device, stage(meshes, light()), *rays(1000))
+
+
+@pytest.mark.parametrize("count", [5, 6, 17, 24, 65, 96, 1030, 4200])
+def test_leaves_are_filled(count):
+    """Also of meshes of a few triangles more than a power of four, times four: leaves would hold hardly one each."""
+    tree = mesh_tree(rubble(count))
+    assert tree.per_leaf <= 6
+    assert tree.leaves == 1 or 1.5 * tree.leaves <= count

@@ -69,8 +69,11 @@ def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
     for name in ("geometry", "surfaces"):
         assert first.renderer.tables[name] is second.renderer.tables[name]
     uploaded = [drawn.profile.counts["bytes_uploaded"] for drawn in (first, second)]
+    owners, others = (drawn.renderer.tables["placement"].owners for drawn in (first, second))
+    assert owners is others
     geometry, surfaces = first.renderer.tables["geometry"], first.renderer.tables["surfaces"]
-    assert uploaded[0] - uploaded[1] == geometry.bytes + surfaces.bytes + surfaces.texels.bytes
+    shared = (geometry, owners, surfaces, surfaces.texels)
+    assert uploaded[0] - uploaded[1] == sum(each.bytes for each in shared)
 
 
 def test_another_colour_uploads_no_image(device):

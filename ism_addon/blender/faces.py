@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..cores import side_by_side
+from .raw import Raw
 
 #: Faces at a time: so many stay in a processor's cache.
 PORTION = 1 << 15
@@ -38,27 +39,21 @@ def read(
     return array
 
 
-def triangles(source: bpy.types.Mesh, positions: np.ndarray) -> Triangles:
-    """Those of a mesh that has faces, by its positions (V,3)."""
-    vertices = read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32).view(np.uint32)
-    axes = [np.ascontiguousarray(along) for along in positions.T]
-    sides = corners_of_every_face(source)
-    if sides == 4:
+def triangles(raw: Raw) -> Triangles:
+    """Those of a mesh that has faces."""
+    vertices, axes = raw.vertices, [np.ascontiguousarray(along) for along in raw.positions.T]
+    if raw.sides == 4:
         firsts = np.arange(0, len(vertices), 4, dtype=np.int32)
         return in_portions(firsts, 2, lambda given: of_quads(given, vertices, axes))
-    if sides == 3:
-        corners = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
-    else:
-        corners = read(source.loop_triangles, "loops", (len(source.loop_triangles), 3), np.int32)
+    corners = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3) if raw.sides == 3 else raw.triangles
     return in_portions(corners, 1, lambda given: of_corners(given, vertices, axes))
 
 
-def face_of_each(source: bpy.types.Mesh) -> np.ndarray:
+def face_of_each(raw: Raw) -> np.ndarray:
     """(T,) int32: the face that each of these triangles is of."""
-    sides, count = corners_of_every_face(source), len(source.polygons)
-    if sides in (3, 4):
-        return np.repeat(np.arange(count, dtype=np.int32), sides - 2)
-    return read(source.loop_triangle_polygons, "value", len(source.loop_triangles), np.int32)
+    if raw.face_of_each is not None:
+        return raw.face_of_each
+    return np.repeat(np.arange(raw.faces, dtype=np.int32), raw.sides - 2)
 
 
 def corners_of_every_face(source: bpy.types.Mesh) -> int:
@@ -66,9 +61,10 @@ def corners_of_every_face(source: bpy.types.Mesh) -> int:
     corners, count = len(source.loops), len(source.polygons)
     if corners == 3 * count:
         return 3
-    if corners == 4 * count and (np.diff(read(source.polygons, "loop_start", count, np.int32)) == 4).all():
-        return 4
-    return 0
+    if corners != 4 * count:
+        return 0
+    uneven = read(source.polygons, "loop_start", count, np.int32) != np.arange(0, corners, 4, np.int32)
+    return 0 if uneven.any() else 4
 
 
 def in_portions(given: np.ndarray, each: int, make: Callable[[np.ndarray], Triangles]) -> Triangles:

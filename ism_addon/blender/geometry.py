@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where meshes stand. Each is read once for each list of materials that it stands with, and kept until it changes."""
 
+from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
@@ -14,13 +15,27 @@ from . import meshes
 from .findings import Findings
 from .links import Links
 from .materials import MaterialTable
+from .raw import Raw
+
+#: Corners of meshes that are read before they are made into triangles.
+PORTION = 1 << 15
 
 
-class _Reading(NamedTuple):
-    """What was read of a mesh, None where it has no triangle."""
+@dataclass(eq=False)
+class _Reading:
+    """What was read of a mesh, None where it has no triangle, or before it is made."""
 
     mesh: Mesh | None
     findings: Findings
+
+
+class _Waiting(NamedTuple):
+    """A mesh that was read and is to be made, with others."""
+
+    reading: _Reading
+    raw: Raw
+    name: str  # of the object
+    key: tuple  # its session_uid, materials, and their UV layers
 
 
 class _Row(NamedTuple):
@@ -44,6 +59,8 @@ class Geometry:
         self._readings: dict[tuple, _Reading] = {}  # by the evaluated mesh's address, which may come to hold another
         self._changed: frozenset[int] = frozenset()
         self._renewed: set[tuple] = set()
+        self._waiting: list[_Waiting] = []
+        self._corners = 0  # of those
         self._last: dict[tuple, Mesh] = {}
         self._unlike: dict[int, Findings] = {}
         self._rows: list[_Row] = []
@@ -57,6 +74,7 @@ class Geometry:
     def distrust_all(self) -> None:
         """Nothing that was read holds."""
         self._readings.clear()
+        self._waiting.clear()
 
     def begin(self) -> None:
         """Before all instances are added."""
@@ -81,6 +99,7 @@ class Geometry:
 
     def tables(self, findings: Findings) -> tuple[tuple[Mesh, ...], Instances]:
         """The meshes that stand somewhere, and where. What stands nowhere is let go of."""
+        self._make()
         self._tidy()
         rows = [row for row in self._rows if row.reading.mesh is not None]
         numbers_of = chain.from_iterable(chain.from_iterable(row.world_from_object for row in rows))
@@ -148,21 +167,34 @@ class Geometry:
         return self._readings[key]
 
     def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> _Reading:
-        """Read it; one that turns out to be what it was before is the same Mesh."""
-        read, findings = _triangles(source, materials, layers), Findings()
-        findings.note("Triangles without area are left out", source.name, read.without_area)
-        kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
-        findings.note(kind, source.name, read.out_of_reach)
-        key = (source.original.session_uid, materials, layers)
-        mesh, last = read.mesh, self._last.get(key)
-        if mesh is not None and last is not None and mesh.equals(last):
-            mesh = last
-        if mesh is not None:
-            self._last[key] = mesh
-        return _Reading(mesh, findings)
+        """Read it; what is read is made into triangles when it is enough, or asked for."""
+        reading, raw = _Reading(None, Findings()), _raw(source, materials, layers)
+        if raw is not None:
+            key = source.original.session_uid, materials, layers
+            self._waiting.append(_Waiting(reading, raw, source.name, key))
+            self._corners += len(raw.vertices)
+            if self._corners > PORTION:
+                self._make()
+        return reading
+
+    def _make(self) -> None:
+        """The meshes of what was read; one that turns out to be what it was before is the same Mesh."""
+        for waiting, made in zip(self._waiting, meshes.made([each.raw for each in self._waiting]), strict=True):
+            findings = waiting.reading.findings
+            findings.note("Triangles without area are left out", waiting.name, made.without_area)
+            kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
+            findings.note(kind, waiting.name, made.out_of_reach)
+            mesh, last = made.mesh, self._last.get(waiting.key)
+            if mesh is not None and last is not None and mesh.equals(last):
+                mesh = last
+            if mesh is not None:
+                self._last[waiting.key] = mesh
+            waiting.reading.mesh = mesh
+        self._waiting.clear()
+        self._corners = 0
 
 
-def _triangles(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> meshes.Reading:
+def _raw(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> Raw | None:
     """An object's mesh, from a copy: it shares all arrays, but Blender makes its own of those that are read.
 
     What is in edit mode is in its editor's form, and has to be copied out of it in any case.

@@ -1,81 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the scene's meshes stand, and what they are made of, on the GPU."""
-
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+"""What the scene's meshes are made of, on the GPU."""
 
 import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
-from ..scene import Image, Instances, Materials
+from ..scene import Image, Materials
 from .context import Device
-from .cull import in_view, runs
-from .geometry import Geometry
-from .layout import INSTANCE, MATERIAL, MEMBERSHIP
+from .layout import MATERIAL
 
 SRGB8_ALPHA8 = 0x8C43
 
 #: Texels along a line of the texture that holds images.
 WIDTH = 4096
-
-
-@dataclass(frozen=True)
-class Draw:
-    """Instances of one mesh: one draw call."""
-
-    first_triangle: int
-    triangles: int
-    first_instance: int
-    instances: int
-
-
-def portions(draws: Iterator[Draw], most: int) -> Iterator[Draw]:
-    """The same in draws of `most` triangles at most, or of one an instance."""
-    for draw in draws:
-        each = max(most // draw.instances, 1)
-        for first in range(0, draw.triangles, each):
-            count = min(each, draw.triangles - first)
-            yield replace(draw, first_triangle=draw.first_triangle + first, triangles=count)
-
-
-class Placement:
-    """Where the instances stand in anchor space, those of a mesh one behind the other."""
-
-    def __init__(self, device: Device, geometry: Geometry, instances: Instances, anchor: np.ndarray):
-        shown = np.flatnonzero(instances.visible)
-        order = shown[np.argsort(instances.mesh[shown], kind="stable")]
-        #: Where in the table an instance is; -1 for one that is not seen.
-        self.rows = np.full(len(instances.mesh), -1)
-        self.rows[order] = np.arange(len(order))
-        mesh = instances.mesh[order]
-        linear, offsets = anchor_from_steps(geometry, instances, order, anchor)
-        self.matrices = np.concatenate([linear, offsets[:, :, None]], 2)
-        table = np.zeros(len(order), INSTANCE.dtype)
-        for k in range(3):
-            table[f"row{k}"] = self.matrices[:, k]
-        self.table = INSTANCE.upload(device, table)
-        groups = np.zeros(len(order), MEMBERSHIP.dtype)
-        groups["groups"] = instances.groups[order]
-        self.memberships = MEMBERSHIP.upload(device, groups)
-        self.bytes = table.nbytes + groups.nbytes
-        numbers, first, count = np.unique(mesh, return_index=True, return_counts=True)
-        #: By number, all instances of each mesh that is there; and each instance's mesh, -1 if that is not there.
-        self.meshes = {
-            k: Draw(int(geometry.first_triangle[k]), len(geometry.meshes[k].triangles), int(f), int(c))
-            for k, f, c in zip(numbers, first, count, strict=True)
-            if k in geometry.trees
-        }
-        self.mesh = np.where(np.isin(mesh, list(self.meshes)), mesh, -1)
-        self.half_sizes = geometry.half_sizes[mesh]
-
-    def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[Draw]:
-        """The instances that can be in the picture, or as far beyond it as cull.py says."""
-        clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
-        clip_from_centre[..., 3] += clip_from_anchor[:, 3]
-        seen = in_view(self.half_sizes, clip_from_centre, margin)
-        for first, count in runs(seen, self.mesh):
-            yield replace(self.meshes[self.mesh[first]], first_instance=first, instances=count)
 
 
 class Texels:
@@ -111,16 +48,6 @@ class Surfaces:
         self.table = MATERIAL.upload(device, table)
         self.texels = texels
         self.bytes = table.nbytes
-
-
-def anchor_from_steps(
-    geometry: Geometry, instances: Instances, rows: np.ndarray, anchor: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the steps of their meshes' lattices."""
-    mesh, matrices = instances.mesh[rows], instances.world_from_object[rows]
-    linear = matrices[:, :3, :3]
-    offsets = np.einsum("nij,nj->ni", linear, geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
-    return linear / geometry.scales[mesh, None, None], offsets
 
 
 def lines_for(lines: int) -> int:

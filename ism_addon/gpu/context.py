@@ -48,6 +48,8 @@ class Device:
     #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
     #: interpreter's lock either: software drivers are done with all vertices before they return.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
+    #: Draws many such portions of triangles at once, (N,) first ones and (N,) how many, once each.
+    draw_ranges: Callable[[moderngl.VertexArray, np.ndarray, np.ndarray], None]
     #: Whether the driver still has the context.
     is_alive: Callable[[], bool]
     buffer_textures: BufferTextures
@@ -129,8 +131,8 @@ def open_device() -> Device:
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
-    hand_over, draw, is_alive = portion_by_portion(load), unlocked(load), pulse(load)
-    return Device(gl, limit, name, finish, hand_over, draw, is_alive, arrays, depth.prepare(gl))
+    hand_over, is_alive = portion_by_portion(load), pulse(load)
+    return Device(gl, limit, name, finish, hand_over, *unlocked(load), is_alive, arrays, depth.prepare(gl))
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
@@ -152,18 +154,27 @@ def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
     return hand_over
 
 
-def unlocked(load: Callable[[str], int]) -> Callable[[moderngl.VertexArray, int, int, int], None]:
-    """What Device.draw is."""
+def unlocked(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[..., None]]:
+    """What Device.draw and Device.draw_ranges are."""
     use_program = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glUseProgram"))
     bind_vertex_array = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glBindVertexArray"))
     draw_arrays = ctypes.CFUNCTYPE(None, ctypes.c_uint, *[ctypes.c_int] * 3)(load("glDrawArraysInstanced"))
+    # moderngl has no such call that OpenGL 4.1 offers.
+    ints = ctypes.POINTER(ctypes.c_int)
+    draw_many = ctypes.CFUNCTYPE(None, ctypes.c_uint, ints, ints, ctypes.c_int)(load("glMultiDrawArrays"))
 
     def draw(vertex_array: moderngl.VertexArray, first: int, count: int, instances: int) -> None:
         use_program(vertex_array.program.glo)
         bind_vertex_array(vertex_array.glo)
         draw_arrays(moderngl.TRIANGLES, 3 * first, 3 * count, instances)
 
-    return draw
+    def draw_ranges(vertex_array: moderngl.VertexArray, first: np.ndarray, count: np.ndarray) -> None:
+        use_program(vertex_array.program.glo)
+        bind_vertex_array(vertex_array.glo)
+        firsts, counts = ((3 * each).astype(np.int32) for each in (first, count))
+        draw_many(moderngl.TRIANGLES, firsts.ctypes.data_as(ints), counts.ctypes.data_as(ints), len(firsts))
+
+    return draw, draw_ranges
 
 
 def pulse(load: Callable[[str], int]) -> Callable[[], bool]:

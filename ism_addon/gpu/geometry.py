@@ -9,17 +9,19 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
 
-from ..scene import Mesh
+from ..scene import Mesh, bounding_boxes
 from .array import Array
 from .context import Device
-from .lattice import Lattice
+from .lattice import Lattice, lattices
 from .layout import octahedron_from_directions
 from .memory import give_back
 from .mesh_tree import MeshTree, Runs
+from .together import Together, in_groups
 
 #: Triangles that are made ready and uploaded at a time: little enough for a processor's cache.
 PORTION = 1 << 15
@@ -35,30 +37,73 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Vertices:
-    """Of a mesh, as they are uploaded."""
+    """As they are uploaded."""
 
     steps: np.ndarray  # (3,V) int32
     octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
 
 
 @dataclass(frozen=True)
-class Piece:
-    """Some triangles of a mesh."""
+class Source:
+    """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
 
-    mesh: int
+    arrays: Mesh | Together
+    steps: Callable[[], np.ndarray]  # makes (3,V) int32
+    order: np.ndarray | None  # (T,): which triangle is where; None: all are where they were
+    runs: Runs | None
+
+    @classmethod
+    def of(cls, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]) -> "Source":
+        """That of one mesh, or of some small ones."""
+        if len(meshes) == 1:
+            (mesh,), (tree,) = meshes, trees
+            steps = partial(Lattice.of(mesh).steps, mesh.positions)
+            return cls(mesh, steps, tree.order if tree else None, tree if isinstance(tree, Runs) else None)
+        together = Together(meshes)
+        order = None
+        if trees[0] is not None:
+            order = np.concatenate([tree.order for tree in trees]) + together.first.repeat(together.counts)
+        return cls(together, partial(together.steps, np.int32), order, None)
+
+    def vertices(self) -> Vertices:
+        """Its own."""
+        normals = self.arrays.normals
+        return Vertices(self.steps(), snorm(normals) if normals.ndim == 2 else None)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Some triangles of a source."""
+
+    source: Source
     chosen: np.ndarray | slice
     vertices: Vertices | None
 
+    @property
+    def triangles(self) -> np.ndarray:
+        """(N,3) uint32 into the positions of its source."""
+        return self.source.arrays.triangles[self.chosen]
+
+    def places(self) -> list[np.ndarray]:
+        """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
+        runs, triangles = self.source.runs, self.triangles
+        if runs is None:
+            return places_of(triangles, self.vertices)
+        first, count = self.chosen.start, len(triangles)
+        places = places_of(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
+        runs.bound(first, places)
+        return [along[:count] for along in places]
+
 
 class Order:
-    """The triangles of some meshes one behind the other, those of a mesh as its tree wants them if there are trees."""
+    """The triangles of some meshes one behind the other."""
 
     def __init__(self, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]):
-        self.meshes = meshes
-        self.lattices = [Lattice.of(mesh) for mesh in meshes]
-        self.orders = [tree.order if tree else None for tree in trees]
-        self.runs = {number: tree for number, tree in enumerate(trees) if isinstance(tree, Runs)}
-        self.first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in meshes])
+        counts = [len(mesh.triangles) for mesh in meshes]
+        self.groups = in_groups(counts)
+        self.meshes, self.trees = meshes, trees
+        self.runs = [tree for tree in trees if isinstance(tree, Runs)]
+        self.first_triangle = np.cumsum([0, *counts])
 
     @property
     def count(self) -> int:
@@ -66,22 +111,18 @@ class Order:
         return int(self.first_triangle[-1])
 
     def portions(self, with_vertices: bool) -> Iterator[list[Piece]]:
-        """All triangles, PORTION by PORTION. Vertices are kept as long as pieces of their mesh are."""
-        latest, vertices = -1, None
-        for pieces in portions(np.diff(self.first_triangle), PORTION):
+        """All triangles, PORTION by PORTION. Vertices are kept as long as pieces of their source are."""
+        latest, source, vertices = -1, None, None
+        ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
+        for pieces in portions(np.diff(ends), PORTION):
             portion = []
-            for mesh, part in pieces:
-                if with_vertices and mesh != latest:
-                    latest, vertices = mesh, self.vertices(mesh)
-                order = self.orders[mesh]
-                portion.append(Piece(mesh, part if order is None else order[part], vertices))
+            for number, part in pieces:
+                if number != latest:
+                    group = self.groups[number]
+                    latest, source = number, Source.of(self.meshes[group], self.trees[group])
+                    vertices = source.vertices() if with_vertices else None
+                portion.append(Piece(source, part if source.order is None else source.order[part], vertices))
             yield portion
-
-    def vertices(self, mesh: int) -> Vertices:
-        """A mesh's."""
-        source = self.meshes[mesh]
-        octahedra = snorm(source.normals) if source.normals.ndim == 2 else None
-        return Vertices(self.lattices[mesh].steps(source.positions), octahedra)
 
     def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[Made]:
         """What `make` makes of each portion, by all cores, in their order."""
@@ -94,27 +135,15 @@ class Order:
             for ready in waiting:
                 yield ready.result()
 
-    def triangles(self, piece: Piece) -> np.ndarray:
-        """(N,3) uint32 into the positions of its mesh."""
-        return self.meshes[piece.mesh].triangles[piece.chosen]
-
-    def places(self, piece: Piece) -> list[np.ndarray]:
-        """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
-        runs, triangles = self.runs.get(piece.mesh), self.triangles(piece)
-        if runs is None:
-            return places_of(triangles, piece.vertices)
-        first, count = piece.chosen.start, len(triangles)
-        places = places_of(self.meshes[piece.mesh].triangles[first : runs.end_of(first + count)], piece.vertices)
-        runs.bound(first, places)
-        return [along[:count] for along in places]
-
 
 class Geometry:
     """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
         """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
-        count = sum(len(mesh.triangles) for mesh in meshes)
+        #: Triangles of each mesh.
+        self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
+        count = int(self.counts.sum())
         if count > MOST_TRIANGLES:
             raise ValueError(
                 f"the meshes have {count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "
@@ -126,11 +155,9 @@ class Geometry:
         #: Of each mesh; -1 before it is there.
         self.first_triangle = np.full(len(meshes), -1)
         self.count = self.bytes = 0
-        lattices = [Lattice.of(mesh) for mesh in meshes]
-        self.centres = np.array([lattice.centre for lattice in lattices]).reshape(-1, 3)
-        self.scales = np.array([lattice.scale for lattice in lattices])
-        halves = [np.subtract(*mesh.box[::-1]) / 2.0 for mesh in meshes]
-        self.half_sizes = np.array(halves).reshape(-1, 3) * self.scales[:, None] + 1.0  # steps are rounded
+        self.centres, self.scales = lattices(meshes)
+        low, high = bounding_boxes(meshes).swapaxes(0, 1)
+        self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
         self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
 
     @property
@@ -147,10 +174,10 @@ class Geometry:
         self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
         self.corners.reserve(2 * order.count)
         self.normals.reserve(3 * order.count)
-        for corners, normals in order.made(lambda pieces: arrays_of(order, pieces), with_vertices=True):
+        for corners, normals in order.made(arrays_of, with_vertices=True):
             self.corners.append(corners)
             self.normals.append(normals)
-        for runs in order.runs.values():
+        for runs in order.runs:
             runs.begin()
         # Last: what has failed on the way is not there, and comes again for the next picture.
         self.first_triangle[new] = self.count + order.first_triangle[:-1]
@@ -164,20 +191,19 @@ class Geometry:
         return Order([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
 
 
-def arrays_of(order: Order, pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
+def arrays_of(pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
-    corners, normals = zip(*(arrays_of_piece(order, piece) for piece in pieces), strict=True)
+    corners, normals = zip(*map(arrays_of_piece, pieces), strict=True)
     return np.concatenate(corners), np.concatenate(normals)
 
 
-def arrays_of_piece(order: Order, piece: Piece) -> tuple[np.ndarray, np.ndarray]:
-    """The same of one mesh's."""
-    mesh, triangles, vertices = order.meshes[piece.mesh], order.triangles(piece), piece.vertices
-    places = order.places(piece)
-    corners = packed_corners(places, mesh.materials[piece.chosen]).reshape(-1, 4)
+def arrays_of_piece(piece: Piece) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one source's."""
+    arrays, vertices = piece.source.arrays, piece.vertices
+    corners = packed_corners(piece.places(), arrays.materials[piece.chosen]).reshape(-1, 4)
     if vertices.octahedra is None:
-        return corners, snorm(mesh.normals[piece.chosen]).reshape(-1, 2)
-    return corners, vertices.octahedra.view(np.uint32).take(triangles).view(np.int16).reshape(-1, 2)
+        return corners, snorm(arrays.normals[piece.chosen]).reshape(-1, 2)
+    return corners, vertices.octahedra.view(np.uint32).take(piece.triangles).view(np.int16).reshape(-1, 2)
 
 
 def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
@@ -196,18 +222,18 @@ class Coordinates:
         """Upload those of the meshes that have come: bytes."""
         order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
         self.uvs.reserve(3 * order.count)
-        for uvs in order.made(lambda pieces: uvs_of(order, pieces), with_vertices=False):
+        for uvs in order.made(uvs_of, with_vertices=False):
             self.uvs.append(uvs)
         self.meshes += len(order.meshes)
         self.bytes += 24 * order.count
         return 24 * order.count
 
 
-def uvs_of(order: Order, pieces: list[Piece]) -> np.ndarray:
+def uvs_of(pieces: list[Piece]) -> np.ndarray:
     """(3 N,2) float32 of N triangles."""
     nothing = np.zeros((PORTION, 3, 2), np.float32)
-    every = ((order.meshes[piece.mesh].uvs, piece) for piece in pieces)
-    found = [uvs[piece.chosen] if len(uvs) else nothing[: len(order.triangles(piece))] for uvs, piece in every]
+    every = ((piece.source.arrays.uvs, piece) for piece in pieces)
+    found = [uvs[piece.chosen] if len(uvs) else nothing[: len(piece.triangles)] for uvs, piece in every]
     return np.concatenate(found).reshape(-1, 2)
 
 

@@ -5,11 +5,12 @@ A step is as fine as float32 tells apart at the farthest corner. What is closer 
 ray's own rounding is as large everywhere.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import Mesh
+from ..scene import Mesh, bounding_boxes
 from .tree import REACH
 
 #: Vertices at a time: so many stay in a processor's cache.
@@ -26,13 +27,24 @@ class Lattice:
     @classmethod
     def of(cls, mesh: Mesh) -> "Lattice":
         """That which just holds the mesh."""
-        low, high = mesh.box
-        return cls((low + high) / 2.0, REACH / max((high - low).max() / 2.0, 1e-20))
+        (centre,), (scale,) = lattices((mesh,))
+        return cls(centre, scale)
 
     def steps(self, positions: np.ndarray, dtype: type = np.int32) -> np.ndarray:
         """(3,V) whole numbers, which float32 holds too, of positions (V,3)."""
         found = np.empty((3, len(positions)), dtype)
         for first in range(0, len(positions), PORTION):
             part = slice(first, first + PORTION)
-            found[:, part] = np.rint((positions[part] - self.centre).T * self.scale)
+            found[:, part] = steps_of(positions[part], self.centre, self.scale)
         return found
+
+
+def lattices(meshes: Sequence[Mesh]) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (M,3) and scales (M,) of those which just hold the meshes."""
+    low, high = bounding_boxes(meshes).swapaxes(0, 1)
+    return (low + high) / 2.0, REACH / np.maximum((high - low).max(1, initial=0.0) / 2.0, 1e-20)
+
+
+def steps_of(positions: np.ndarray, centre: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
+    """(3,V) float64 whole numbers, by the lattices' centres (3,) or (V,3) and scales, one or (V,)."""
+    return np.rint((positions - centre).T * scale)

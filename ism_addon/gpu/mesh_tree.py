@@ -17,14 +17,12 @@ from ..scene import Mesh
 from .lattice import Lattice
 from .tree import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
 
-#: Most triangles in a leaf: fewer make larger trees, more are tested in vain.
-TRIANGLES_PER_LEAF = 4
+#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
+#: hold 1.5 on average at least. An even number, as quads are two.
+TRIANGLES_PER_LEAF = 6
 
 #: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
 FEW = 1 << 17
-
-#: Most triangles in a leaf of other meshes; an even number, as quads are two.
-TRIANGLES_PER_RUN = 6
 
 #: Triangles that are looked at to see whether neighbours in a mesh lie together.
 SOME = 1 << 14
@@ -33,7 +31,7 @@ SOME = 1 << 14
 #: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
 LOOSE, MOSTLY = 3.0, 0.9
 
-#: Boxes of a mesh by which its instances are bounded; a power of two.
+#: Most boxes of a mesh by which its instances are bounded; a power of two.
 PARTS = 32
 
 #: Triangles whose boxes are found at a time: so many stay in a processor's cache.
@@ -44,8 +42,9 @@ PORTION = 1 << 15
 class MeshTree:
     """A mesh's tree in its lattice's steps, and where its leaves' triangles are."""
 
-    lattice: Lattice
-    parts: np.ndarray  # (PARTS,2,3) steps: boxes around all of the mesh, closer than one box when it is turned
+    parts: (
+        np.ndarray
+    )  # (P,2,3) steps, P = min(PARTS, leaves): boxes around all of the mesh, closer than one when turned
     nodes: np.ndarray  # (leaves // 2,) NODE
     starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
     per_leaf: int  # triangles from there on that a leaf looks at
@@ -93,7 +92,7 @@ class Runs:
         """Make the tree, beside whatever else is done."""
         if self.making is None:
             core = ThreadPoolExecutor(1)
-            self.making = core.submit(tree_of_runs, self.lattice, self.boxes, self.count)
+            self.making = core.submit(tree_of_runs, self.boxes, self.count)
             core.shutdown(wait=False)
 
     @property
@@ -114,7 +113,7 @@ def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
     lattice = Lattice.of(mesh)
     if len(mesh.triangles) > FEW and lie_together(mesh, lattice):
         return Runs(lattice, len(mesh.triangles))
-    return tree_of_triangles(lattice, lattice.steps(mesh.positions, np.float32), mesh.triangles)
+    return tree_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
 
 
 def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
@@ -127,7 +126,7 @@ def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
     return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= LOOSE * inside) >= MOSTLY)
 
 
-def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
+def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
     """Sorted triangle by triangle; steps are (3,V)."""
     tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
@@ -135,20 +134,20 @@ def tree_of_triangles(lattice: Lattice, steps: np.ndarray, triangles: np.ndarray
     # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
     starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
     order = tree.order[real].astype(np.uint32)
-    return MeshTree(lattice, parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+    return MeshTree(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
 
 
-def tree_of_runs(lattice: Lattice, boxes: np.ndarray, count: int) -> MeshTree:
+def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
     """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
-    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_RUN))
+    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
     rows, nodes = rows_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
-    return MeshTree(lattice, parts_of(nodes), rows, starts, run, None)
+    return MeshTree(parts_of(nodes), rows, starts, run, None)
 
 
 def run_of(count: int) -> int:
     """Triangles in a run, of so many in all: no quad's two are in different ones."""
-    return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_RUN)))
+    return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_LEAF)))
 
 
 def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -175,4 +174,4 @@ def parts_of(nodes: np.ndarray) -> np.ndarray:
     level = min(PARTS, nodes.shape[2] // 2)
     boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
     boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(PLANE)
-    return boxes[np.arange(PARTS) % len(boxes)]
+    return boxes[np.arange(level) % len(boxes)]

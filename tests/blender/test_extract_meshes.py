@@ -155,7 +155,7 @@ def mapped(add, names=("First", "Second", "Third")):
 )
 def test_each_slot_has_the_uvs_of_the_layer_that_it_names(add, layers, uvs):
     source = mapped(add)
-    found = meshes.read(source, tuple(range(len(layers))), layers).mesh.uvs
+    found = meshes.made([meshes.read(source, tuple(range(len(layers))), layers)])[0].mesh.uvs
     assert np.array_equal(found, np.broadcast_to(np.float32(uvs)[:, None, None], (2, 3, 2)))
 
 
@@ -170,9 +170,9 @@ def test_faces_of_slots_that_are_not_there_have_the_last_slots_material(add):
     for name in ("A", "B"):
         source.materials.append(bpy.data.materials.new(name))
     source.polygons.foreach_set("material_index", [1, 0])
-    assert meshes.read(source, (7, 5)).mesh.materials.tolist() == [5, 7]
+    assert meshes.made([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
     source.attributes["material_index"].data.foreach_set("value", [9, -3])
-    assert meshes.read(source, (7, 5)).mesh.materials.tolist() == [5, 7]
+    assert meshes.made([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
 
 
 @pytest.mark.parametrize("bad", [NAN, INF, -INF, 1e30])

@@ -267,7 +267,7 @@ def test_after_any_edits_the_scene_is_what_a_new_reader_reads(stage, followed, s
 )
 def test_only_what_changed_is_another_object(stage, followed, name, new, monkeypatch):
     before = followed()
-    monkeypatch.setattr(geometry, "_triangles", None)  # no mesh is read
+    monkeypatch.setattr(geometry, "_raw", None)  # no mesh is read
     EDITS[name](stage)
     after = followed()
     parts = ("meshes", "instances", "materials", "images", "lights", "world")

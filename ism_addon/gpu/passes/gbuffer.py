@@ -12,10 +12,11 @@ import numpy as np
 
 from ...scene import Change
 from ..block import clip_from_anchor
-from ..buffers import WIDTH, portions
+from ..buffers import WIDTH
 from ..context import Device
 from ..depth import logarithm, nearness
 from ..layout import INSTANCE, MATERIAL
+from ..placement import Draw, Placement, Ranges, portions
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import FAR_AWAY, Frame, Pass
@@ -48,10 +49,15 @@ class GBuffer(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.triangles = compile_program(
-            device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", by_nearness=int(device.by_nearness)
-        )
+        self.triangles = self.program(together=False)
         self.drawn: tuple = ()
+
+    def program(self, together: bool) -> moderngl.Program:
+        """That which draws instances of a mesh, or small meshes together."""
+        names, by_nearness = ("gbuffer_triangle.vert", "gbuffer_triangle.frag"), int(self.device.by_nearness)
+        return compile_program(
+            self.device, *names, records=(INSTANCE,), by_nearness=by_nearness, together=int(together)
+        )
 
     def draw(self, frame: Frame) -> None:
         count = len(frame.grid.places)
@@ -94,33 +100,47 @@ class GBuffer(Pass):
         most = self.device.texture_size  # viewports may be as large
         beyond = [min(math.ceil(BEYOND * side), (most - side) // 2) for side in size]
         target.viewport = *np.negative(beyond), *np.add(size, np.multiply(2, beyond))
-        geometry = frame.tables["geometry"]
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
-        mesh = gl.vertex_array(self.triangles, [])
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
         part = np.divide(size, target.viewport[2:])
-        depth = (nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view)
-        bind(
-            self.triangles,
-            turn=tuple((part[:, None] * turn).T.ravel()),
-            shift=tuple(part * shift),
-            depth=depth,
-            corners=geometry.arrays["corners"],
-        )
-        a_pixel = 2.0 / min(frame.view.width, frame.view.height)
-        placement, row = frame.tables["placement"], INSTANCE.dtype.itemsize
-        visible = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
-        draws, waiting = visible if frame.settings.skip else iter(placement.meshes.values()), 0
+        placement = frame.tables["placement"]
+        uniforms = {
+            "turn": tuple((part[:, None] * turn).T.ravel()),
+            "shift": tuple(part * shift),
+            "depth": (nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view),
+            "corners": frame.tables["geometry"].arrays["corners"],
+        }
+        bind(self.triangles, **uniforms)
+        mesh = gl.vertex_array(self.triangles, [])
+        if placement.owners is not None:
+            program = self.program(together=True)
+            bind(program, **uniforms, owners=placement.owners.array, instances=placement.table)
+            meshes = gl.vertex_array(program, [])
+        if frame.settings.skip:
+            a_pixel = 2.0 / min(frame.view.width, frame.view.height)
+            draws = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
+        else:
+            draws = placement.chosen(np.ones(len(placement.mesh), np.bool_))
+        waiting = 0
         for draw in portions(draws, PORTION):
-            count = draw.triangles * draw.instances
+            if isinstance(draw, Ranges):
+                count = int(draw.triangles.sum())
+                self.device.draw_ranges(meshes, draw.first_triangle, draw.triangles)
+            else:
+                count = draw.triangles * draw.instances
+                self.draw_instances(mesh, placement, draw)
             frame.counts["triangles_drawn"] += count
-            bind(self.triangles, first_instance=draw.first_instance)
-            for name, (_, offset) in INSTANCE.dtype.fields.items():
-                place = self.triangles[name].location, "f", placement.table.buffer, "4f"
-                mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
-            self.device.draw(mesh, draw.first_triangle, draw.triangles, draw.instances)
             waiting += count
             if waiting >= PORTION:
                 self.device.hand_over()
                 waiting = 0
+
+    def draw_instances(self, mesh: moderngl.VertexArray, placement: Placement, draw: Draw) -> None:
+        """Those of one mesh."""
+        row = INSTANCE.dtype.itemsize
+        bind(self.triangles, first_instance=draw.first_instance)
+        for name, (_, offset) in INSTANCE.dtype.fields.items():
+            place = self.triangles[name].location, "f", placement.table.buffer, "4f"
+            mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
+        self.device.draw(mesh, draw.first_triangle, draw.triangles, draw.instances)

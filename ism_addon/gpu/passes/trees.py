@@ -12,10 +12,12 @@ import numpy as np
 
 from ...cores import side_by_side
 from ...scene import Change, Mesh
-from ..buffers import anchor_from_steps
 from ..context import Device
 from ..layout import CASTER
-from ..mesh_tree import PARTS, MeshTree, Runs, mesh_tree
+from ..mesh_tree import MeshTree, Runs
+from ..placement import anchor_from_steps
+from ..small_trees import mesh_trees
+from ..together import in_groups, joined
 from ..tree import NOTHING, build, in_planes, packed, scale_of
 from . import Frame, Pass
 
@@ -44,11 +46,20 @@ class MeshTable:
         return tuple(each.tree for each in self.made.values())
 
     @cached_property
-    def boxes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Middles and halves (3,W,PARTS) of the parts of each."""
-        parts = np.array([tree.parts for tree in self.trees], np.float64).reshape(-1, PARTS, 2, 3)
-        low, high = parts.transpose(2, 3, 0, 1)
-        return (low + high) / 2.0, (high - low) / 2.0
+    def boxes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of all that have P parts, for each such P: which (W,) they are, and middles and halves (3,N,P) of the parts.
+
+        Which of them it is by mesh: -1 for others.
+        """
+        counts, found = np.array([len(tree.parts) for tree in self.trees], np.int64), []
+        for count in np.unique(counts).tolist():
+            own = np.flatnonzero(counts == count)
+            which = np.full(len(counts), -1)
+            which[own] = np.arange(len(own))
+            parts = np.concatenate([self.trees[number].parts for number in own]).astype(np.float64)
+            low, high = parts.reshape(-1, count, 2, 3).transpose(2, 3, 0, 1)
+            found.append((which, (low + high) / 2.0, (high - low) / 2.0))
+        return found
 
     @cached_property
     def leaves(self) -> np.ndarray:
@@ -80,8 +91,7 @@ class MeshTrees(Pass):
         meshes = frame.scene.meshes
         wanted = {number: meshes[number] for number in frame.tables["wanted"]}
         new = [mesh for mesh in wanted.values() if mesh not in self.kept]
-        made = side_by_side(mesh_tree, new, sum(len(mesh.triangles) for mesh in new))
-        self.kept.update(zip(new, made, strict=True))
+        self.kept.update(zip(new, mesh_trees(new), strict=True))
         frame.tables["mesh_trees"] = MeshTable(meshes, {number: self.kept[mesh] for number, mesh in wanted.items()})
 
 
@@ -93,9 +103,10 @@ class MeshArrays:
         self.first_starts = np.cumsum([0] + [tree.leaves for tree in trees])
         self.nodes = device.room(2 * int(self.first_nodes[-1]), 4, "u4")
         self.starts = device.room(int(self.first_starts[-1]), 1, "u4")
-        for number, tree in enumerate(trees):
-            self.nodes.write(rows_of(tree.nodes), 2 * int(self.first_nodes[number]))
-            self.starts.write(tree.starts, int(self.first_starts[number]))
+        for group in in_groups([tree.leaves for tree in trees]):  # small ones in one write
+            some, first = trees[group], group.start
+            self.nodes.write(rows_of(joined([tree.nodes for tree in some])), 2 * int(self.first_nodes[first]))
+            self.starts.write(joined([tree.starts for tree in some]), int(self.first_starts[first]))
         self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees)
 
 
@@ -125,7 +136,10 @@ class InstanceTree(Pass):
         mesh = instances.mesh[chosen]
         row, geometry = meshes.rows[mesh], frame.tables["geometry"]
         linear, offsets = anchor_from_steps(geometry, instances, chosen, frame.anchor)
-        low, high = boxes_around(linear, offsets, row, *meshes.boxes)
+        low, high = (np.empty((len(chosen), 3), np.float32) for _ in range(2))
+        for which, middles, halves in meshes.boxes:
+            own = np.flatnonzero(which[row] >= 0)
+            low[own], high[own] = boxes_around(linear[own], offsets[own], which[row[own]], middles, halves)
         middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), NOTHING)
         tree = build(boxes, 1)
         if self.arrays is None or self.meshes is not meshes:

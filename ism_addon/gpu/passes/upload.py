@@ -2,9 +2,10 @@
 """The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
 
 from ...scene import Change
-from ..buffers import Placement, Surfaces, Texels
+from ..buffers import Surfaces, Texels
 from ..geometry import Coordinates, Geometry
 from ..mesh_tree import MeshTree, Runs
+from ..placement import Owners, Placement
 from . import Frame, Pass
 
 
@@ -52,7 +53,9 @@ class Place(Pass):
     depends_on = (Change.INSTANCES,)
 
     def draw(self, frame: Frame) -> None:
-        placement = Placement(self.device, frame.tables["geometry"], frame.scene.instances, frame.anchor)
+        geometry = frame.tables["geometry"]
+        placement = Placement(self.device, geometry, frame.scene.instances, frame.anchor)
+        placement.own(lambda pairs: frame.shared(Owners, geometry, pairs))
         frame.tables["placement"] = placement
         frame.counts["bytes_uploaded"] += placement.bytes
 

@@ -7,7 +7,7 @@ The others are not uploaded, and have no trees. A mesh that was needed once stay
 import numpy as np
 
 from ...radiometry import plane_normals
-from ...scene import Change, Lights, Mesh, Scene
+from ...scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ..block import clip_from_anchor
 from ..context import Device
 from ..cull import in_view
@@ -59,7 +59,7 @@ class Wanted(Pass):
 
 def boxes_around(scene: Scene, anchor: np.ndarray) -> np.ndarray:
     """(2,3,I) float64, anchor space: lowest and highest corners of all instances."""
-    instances, corners = scene.instances, np.array([mesh.box for mesh in scene.meshes])
+    instances, corners = scene.instances, bounding_boxes(scene.meshes)
     low, high = corners[instances.mesh].swapaxes(0, 1)
     linear, offsets = instances.world_from_object[:, :3, :3], instances.world_from_object[:, :3, 3]
     middle = np.einsum("nij,nj->in", linear, (low + high) / 2.0) + (offsets - anchor).T
