@@ -48,7 +48,7 @@ class Studio:
         """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
         if edition != self.edition:
             self.edition = edition
-            self.device.programs.clear()
+            self.device.forget_programs()
             self.renderers.clear()
             self.device.collect()
 
