@@ -18,6 +18,7 @@ import numpy as np
 
 from . import depth
 from .array import Array, BufferTextures, Growing
+from .clock import Clock
 from .faults import ContextLost, GraphicsError, NoOpenGL
 from .held import Held
 from .points import Points
@@ -54,6 +55,7 @@ class Device:
     buffer_textures: BufferTextures
     #: Whether depth is nearness, see depth.py.
     by_nearness: bool
+    clock: Clock
     #: For the points that passes draw once.
     points: Points
     #: Compiled shaders by what they were made of: renderers share them.
@@ -129,7 +131,9 @@ def open_device() -> Device:
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
     hand_over, draw, is_alive = portion_by_portion(load), unlocked(load), pulse(load)
-    return Device(gl, limit, name, finish, hand_over, draw, is_alive, arrays, depth.prepare(gl), Points(gl))
+    return Device(
+        gl, limit, name, finish, hand_over, draw, is_alive, arrays, depth.prepare(gl), Clock(load), Points(gl)
+    )
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
