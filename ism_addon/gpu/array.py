@@ -12,6 +12,8 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
+from .held import MODERNGL_UNIT
+
 TEXTURE_BUFFER = 0x8C2A
 TEXTURE0 = 0x84C0
 
@@ -46,7 +48,7 @@ class BufferTextures:
         """The name of a texture of a buffer, for as long as there is its owner."""
         made = ctypes.c_uint()
         self._generate(1, made)
-        self.use(made.value, 0)
+        self.use(made.value, MODERNGL_UNIT)
         self._attach(TEXTURE_BUFFER, format, buffer.glo)
         weakref.finalize(owner, self._let_go.append, made.value).atexit = False
         return made.value
@@ -83,9 +85,12 @@ class Array:
         if len(rows):
             self.buffer.write(np.ascontiguousarray(rows), offset=first * self.row)
 
-    def use(self, unit: int, program: moderngl.Program, name: str) -> None:
-        """Let a sampler of a program read it, by way of a texture unit."""
-        self._textures.use(self._texture, unit)
+    def use(self, location: int) -> None:
+        """Put it into a texture unit."""
+        self._textures.use(self._texture, location)
+
+    def tell(self, program: moderngl.Program, name: str, unit: int) -> None:
+        """Let a sampler of a program read from a texture unit with an array in it."""
         self._textures.tell(program, name, unit)
 
 

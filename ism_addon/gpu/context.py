@@ -19,7 +19,10 @@ import numpy as np
 
 from . import depth
 from .array import Array, BufferTextures, Growing
+from .clock import Clock
 from .faults import ContextLost, GraphicsError, NoOpenGL
+from .held import Held
+from .points import Points
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
 FLOOR = 410
@@ -55,6 +58,9 @@ class Device:
     buffer_textures: BufferTextures
     #: Whether depth is nearness, see depth.py.
     by_nearness: bool
+    clock: Clock
+    #: For the points that passes draw once.
+    points: Points
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
@@ -90,6 +96,11 @@ class Device:
             )
         if error != "GL_NO_ERROR":
             raise GraphicsError(f"the graphics driver refuses it ({error})")
+
+    def forget_programs(self) -> None:
+        """Compile shaders again for those who ask from now on."""
+        self.programs.clear()
+        self.points.forget()
 
     def collect(self) -> None:
         """Free what was let go of. In the thread that opened it."""
@@ -127,12 +138,16 @@ def open_device() -> Device:
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
     gl.gc_mode = "context_gc"  # what is let go of is freed by collect(), in this thread
+    gl.extra = Held(gl)
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
     hand_over, is_alive = portion_by_portion(load), pulse(load)
-    return Device(gl, limit, name, finish, hand_over, *unlocked(load), is_alive, arrays, depth.prepare(gl))
+    clock, points = Clock(load), Points(gl)
+    return Device(
+        *(gl, limit, name, finish, hand_over, *unlocked(load), is_alive, arrays, depth.prepare(gl), clock, points)
+    )
 
 
 def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:

@@ -91,14 +91,16 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
 
 def bind(program: moderngl.Program, **values: object) -> None:
     """Give uniforms their values, and samplers their textures; what the compiler left out is passed over."""
-    for unit, (name, value) in enumerate(values.items()):
+    held = program.ctx.extra
+    for name, value in values.items():
         uniform = program.get(name, None)
         if uniform is None:
             continue
         if isinstance(value, Array):
-            value.use(unit, program, name)
-        elif isinstance(value, moderngl.Texture):
-            value.use(unit)
-            uniform.value = unit
+            unit = held.unit_with(name, value)
+            if held.is_new(program, name, unit):
+                value.tell(program, name, unit)
         else:
-            uniform.value = value
+            content = held.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
+            if held.is_new(program, name, content):
+                uniform.value = content

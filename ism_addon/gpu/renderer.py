@@ -20,6 +20,7 @@ from .context import Device
 from .error import Error
 from .estimate import check, needed
 from .layout import directions_from_octahedron
+from .pace import Pace
 from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
 from .passes.blur import Blur
@@ -88,6 +89,7 @@ class Renderer:
 
     def __init__(self, device: Device):
         self.device = device
+        self.pace = Pace(device)
         self.passes = {kind: kind(device) for kind in PASSES}
         self.targets = Targets(device.gl)
         self.tables: dict = {}
@@ -102,10 +104,11 @@ class Renderer:
     def sample(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
     ) -> Iterator[str]:
-        """Draw one sample, and yield the name of each pass when the GPU is done with it.
+        """Draw one sample, and yield the name of each pass when the GPU has been asked for it, see pace.py.
 
         A `hurried` first sample comes the sooner, and all that follow come later.
         """
+        self.pace.begin(sample)
         frame = self.frame(scene, view, settings, sample, profile, hurried)
         for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
@@ -118,6 +121,7 @@ class Renderer:
             yield self.run(kind, frame, profile)
         for kind in (AT_LAST, JUDGED) if is_due(sample) else (JUDGED,):
             yield self.run(kind, frame, profile)
+        self.pace.end()
         profile.counts["bytes_of_targets"] = self.targets.bytes
         self.last = frame, profile
         self.device.collect()
@@ -176,9 +180,8 @@ class Renderer:
         if needed:
             self.block.bind_to_uniform_block(block.BINDING)  # another renderer may have drawn since the last pass
             step.draw(frame)
-            self.device.wait()
+            self.pace.passed(row, start)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
-        row.ms += 1e3 * (time.perf_counter() - start)
         self.keys[kind] = key
         self.revise(kind, key, frame.sample)
         return kind.__name__
@@ -211,6 +214,7 @@ class Renderer:
     def picture(self) -> np.ndarray:
         """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first. Raises as Device.check."""
         self.run(AT_LAST, *self.last)
+        self.pace.finish()
         width, height = self.targets["resolved"].size
         color = np.empty((height, width, 4), np.float32)
         self.targets["resolved"].read_into(color)

@@ -48,7 +48,7 @@ class Studio:
         """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
         if edition != self.edition:
             self.edition = edition
-            self.device.programs.clear()
+            self.device.forget_programs()
             self.renderers.clear()
             self.device.collect()
 
@@ -58,7 +58,6 @@ class Studio:
             if job not in self.running:
                 self.running[job] = draw(*self.of(client), job)
             goes_on = not job.cancelled and next(self.running[job], job) is not job
-            self.device.check()
         except ContextLost:
             raise
         except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
@@ -104,6 +103,7 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
     if request.coarse > 1:
         view = request.view.coarse(request.coarse)
         for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile, hurried=True):
+            coarse_renderer.device.check()
             yield
         job._picture = Picture(coarse_renderer.picture(), None, None, 0)
         job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
@@ -113,12 +113,17 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
     while not ended_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
         for _ in renderer.sample(*sample, hurried=request.coarse > 0):
+            if job.samples_done == 0:  # later ones do nothing new
+                renderer.device.check()
             yield
+        renderer.device.check()
         now = time.perf_counter()
         if job.samples_done == 0 and request.surfaces:
             surfaces = renderer.depth_and_normal()
         job.samples_done += 1
         ended_by = what_ends(request.settings.quality, job.samples_done, now - start, renderer.error)
+        if ended_by:
+            renderer.pace.finish()
         job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
         job.statistics = profile.statistics(
             request.scene, job.samples_done, now - start, renderer.error.of_picture, ended_by

@@ -104,6 +104,12 @@ class Targets:
                     del self.framebuffers[around]
 
 
+def draw_into(target: moderngl.Framebuffer) -> None:
+    """Let what is drawn from now on go there. To choose what is chosen already would be a dozen calls of OpenGL."""
+    if target.ctx.fbo is not target:
+        target.use()
+
+
 def pixels(texture: moderngl.Texture) -> np.ndarray:
     """(H,W,components) float32 of a texture of floats or of bytes, these as parts of 255."""
     whole = np.frombuffer(texture.read(alignment=1), np.uint8 if texture.dtype == "f1" else np.float32)

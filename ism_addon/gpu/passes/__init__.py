@@ -19,7 +19,7 @@ from ..block import clip_from_anchor
 from ..context import Device
 from ..layout import Record
 from ..program import bind, compile_program
-from ..targets import Target, Targets
+from ..targets import Target, Targets, draw_into
 
 #: Depth of the background, as in Cycles' depth pass. m
 FAR_AWAY = 1e10
@@ -44,6 +44,9 @@ BLOCKS = np.dtype(
         *(("chance", "f4"), ("light", "f4"), ("part", "f4")),
     ]
 )
+
+#: The same for Points.
+BLOCKS_LAYOUT = "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
 
 #: Samples before which predictions are made: as often as the number of samples has doubled, once the pixels' own rays
 #: say more than those that scouted.
@@ -217,21 +220,23 @@ class Pass:
         blocks = frame.tables["blocks"] if blocks is None else blocks
         if not len(blocks):
             return
-        gl, (columns, rows) = self.device.gl, frame.blocks
-        target.viewport = 0, 0, columns * block, rows * block
-        target.use()
-        gl.enable(moderngl.PROGRAM_POINT_SIZE)
+        columns, rows = frame.blocks
+        whole = 0, 0, columns * block, rows * block
+        draw_into(target)
+        if target.viewport != whole:
+            target.viewport = whole
+        self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
-        content = gl.buffer(blocks), "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
-        gl.vertex_array(program, [content], skip_errors=True).render(moderngl.POINTS, vertices=len(blocks))
-        target.viewport = 0, 0, *target.size
+        self.device.points.draw(program, blocks, BLOCKS_LAYOUT)
+        if whole[2:] != target.size:
+            target.viewport = 0, 0, *target.size
 
     def draw_by_block(
         self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any
     ) -> None:
         """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
         self.device.gl.enable_only(moderngl.NOTHING)
-        target.use()
+        draw_into(target)
         bind(shader.program, columns=frame.blocks[0], strip=target.width, **uniforms)
         shader.render(moderngl.TRIANGLES, vertices=3)
 

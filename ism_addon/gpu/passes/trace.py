@@ -46,6 +46,7 @@ class Trace(Pass):
         super().__init__(device)
         self.all_seen = PREDICTION.create(device.gl, (1, 1))
         self.all_seen.write(np.array([1.0, 0.0], np.float16))
+        self.framebuffers: dict[int, moderngl.Framebuffer] = {}
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and frame.fitted
@@ -79,13 +80,22 @@ class Trace(Pass):
             frame.counts["pixels_refined"] += len(traced) * BLOCK**2
             if len(traced):
                 places = {"shift": fixed_point(shift[:3]), **ray_sequence()}
-                with_rays.append((kind, shared | places, frame.tables["seen"][light], traced))
-        for kind, uniforms, seen, traced in with_rays:
+                with_rays.append((light, kind, shared | places, traced))
+        for light, kind, uniforms, traced in with_rays:
             program = self.in_blocks(*RECORDS, **constants_of(kind, 1, len(frame.grid.places), LEAST_CHANCE))
             bind(program, **uniforms, enough=enough(frame), **frame.tables["casters"])
-            target = gl.framebuffer([frame.targets["predicted"], frame.targets["correction"], seen])
-            self.draw_blocks(frame, target, program, traced)
+            self.draw_blocks(frame, self.into(frame, light), program, traced)
         count_used(frame, used)
+
+    def into(self, frame: Frame, light: int) -> moderngl.Framebuffer:
+        """Of a light that has rays: the framebuffer that takes what they find, kept as long as its textures are."""
+        textures = *(frame.targets[name] for name in self.writes), frame.tables["seen"][light]
+        kept = self.framebuffers.get(light)
+        if kept is None or kept.color_attachments != textures:
+            for gone in self.framebuffers.keys() - frame.tables["seen"].keys():
+                del self.framebuffers[gone]
+            self.framebuffers[light] = self.device.gl.framebuffer(textures)
+        return self.framebuffers[light]
 
     @staticmethod
     def casts(frame: Frame, light: int) -> bool:
