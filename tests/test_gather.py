@@ -20,7 +20,7 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
 from .reference import irradiance
-from .studio import both, light, prepared, shadows, stage
+from .studio import both, draw, from_above, light, prepared, quad, shadows, stage
 
 SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
@@ -116,6 +116,15 @@ def test_a_spread_narrows_the_light(device, shape, spread):
     truth = np.array([irradiance(p, n, lights, 0) for p, n in zip(points, normals, strict=True)])
     for rows in np.arange(len(points)).reshape(3, -1):
         assert ours[rows] == pytest.approx(truth[rows], abs=0.02 * truth[rows].max())
+
+
+def test_an_open_floor_is_not_in_its_own_shadow(device):
+    """Its distances in the maps are its own: the bias takes it towards the light."""
+    plate, view = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), from_above(3.0, (24, 24))
+    scene = stage([plate], light(position=(0.0, 0.0, 1.0)))
+    pictures = [draw(device, scene, view, shadows(enabled=enabled)).color[..., :3] for enabled in (True, False)]
+    assert pictures[1].min() > 0.0
+    assert (pictures[0] / pictures[1]).min() > 0.98
 
 
 def test_lights_add_up_with_their_colours(device):

@@ -205,6 +205,26 @@ def test_a_spread_is_integrated(shader, shape, seed, degrees, exponent, aspect):
 
 
 @BOTH_SHAPES
+@pytest.mark.parametrize("degrees", [10.0, 40.0, 90.0])
+@pytest.mark.parametrize("size", [0.04, 0.06, 0.1, 0.2, 0.3])
+def test_lights_that_are_almost_small_have_their_spread_integrated(shader, shape, degrees, size):
+    """Of `size` times the cone's radius at the receivers' height: below its middle, edge and corner, and at its rim.
+
+    To take a light for a few points is right for small ones only: by 0.3 % of the brightest receiver.
+    """
+    height, reach = 2.0, np.tan(np.radians(degrees) / 2.0)
+    across = size * min(reach, 1.0) * height
+    lights = light(shape, (0.0, 0.0, 0.0), (across, 0.0, 0.0), (0.0, -across, 0.0), spread=np.radians(degrees))
+    around = np.array([(0.0, 0.0), (0.5, 0.0), (0.0, -0.5), (0.5, 0.5), (1.0, 0.5)]) * across
+    rim = np.array([(0.9, 0.0), (1.0, 0.0), (0.6, 0.8)]) * reach * height
+    points = np.pad(np.concatenate([around, rim]), ((0, 0), (0, 1)), constant_values=-height)
+    normals = np.tile((0.0, 0.0, 1.0), (len(points), 1))
+    truth = np.array([spread_integral(p, n, lights) for p, n in zip(points, normals, strict=True)])
+    off = np.abs(shader(lights, points, normals) - truth) / truth.max()
+    assert off.max() < 3e-3
+
+
+@BOTH_SHAPES
 @pytest.mark.parametrize("spread", [np.pi, np.radians(60.0), 0.0])
 def test_it_is_dark_behind_on_the_plane_facing_away_and_outside_the_cone(shader, shape, spread):
     lights = light(shape, (0.0, 0.0, 0.0), spread=spread)

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.job import Job, Request
+from ism_addon.gpu.passes.lights import Lights
+from ism_addon.gpu.passes.upload import Colours
 from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.studio import draw as steps
+from ism_addon.scene import Scene
 
 from .scenes.small import box_over_plane, pillar_field
 from .studio import SMALL_SETTINGS, draw, with_quality
@@ -219,6 +222,38 @@ def test_a_request_that_cannot_be_drawn_is_an_error_of_its_own(worker):
     assert broken.picture() is None
     assert sound.error == ""
     assert ended(worker.start(request(), "one"))
+
+
+def with_lights(scene: Scene) -> Scene:
+    return replace(scene, lights=replace(scene.lights, radiance=3.0 * scene.lights.radiance))
+
+
+def with_materials(scene: Scene) -> Scene:
+    return replace(scene, materials=replace(scene.materials, base_color=0.1 * scene.materials.base_color))
+
+
+@pytest.mark.parametrize(
+    ("kind", "change"), [(Lights, with_lights), (Colours, with_materials)], ids=["Lights", "Colours"]
+)
+def test_the_picture_after_a_failed_one_is_that_of_a_new_renderer(worker, device, monkeypatch, kind, change):
+    """What was made before it failed is not taken for what had been there before, for the client's earlier picture."""
+    asked = request(with_quality(SMALL_SETTINGS, samples=2), size=(48, 32))
+    other = replace(asked, scene=change(asked.scene))
+    assert ended(worker.start(asked, "client"))
+    draws = kind.draw
+
+    def broken(step, frame):
+        draws(step, frame)
+        raise RuntimeError("broken")
+
+    with monkeypatch.context() as breaks:
+        breaks.setattr(kind, "draw", broken)
+        failed = worker.start(other, "client")
+        assert ended(failed)
+    assert failed.error == "The picture could not be drawn: broken"
+    again = worker.start(asked, "client")
+    assert ended(again)
+    assert np.array_equal(again.picture().color, draw(device, asked.scene, asked.view, asked.settings).color)
 
 
 def test_waiting_is_told_of_news_and_otherwise_comes_back(worker):

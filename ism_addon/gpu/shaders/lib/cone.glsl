@@ -27,13 +27,23 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     return sum * (last - first) * d / root;
 }
 
-// An edge's part of the boundary integral less what the cone's rim takes over beyond it; 0 outside the cone.
-float cone_edge_term(vec2 from, vec2 edge, vec3 n, float reach) {
+// Below an edge, or a corner, the foot counts as being inside by this.
+const float INSIDE = 1e-15;
+
+// An edge's part of the boundary integral less what the cone's rim takes over beyond it; 0 outside the cone. `around`
+// becomes false where the foot is on the edge's outer side.
+float cone_edge_term(vec2 from, vec2 edge, vec3 n, float reach, inout bool around) {
     float size = length(edge);
     vec2 along = edge / max(size, 1e-30);
     float d = from.x * along.y - from.y * along.x, start = dot(from, along);
     float chord = sqrt(max(reach * reach - d * d, 0.0)), end = min(start + size, chord);
     start = max(start, -chord);
+    if (d == 0.0) {
+        d = INSIDE;
+        start -= INSIDE;
+        end += INSIDE;
+    }
+    around = around && d > 0.0;
     if (start >= end) return 0.0;
     float root = sqrt(1.0 + d * d);
     float first = sign(start) * arc(abs(start), root), last = sign(end) * arc(abs(end), root);
@@ -55,9 +65,7 @@ float cone_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) 
     for (int k = 0; k < edges; ++k) {
         vec3 from, part;
         if (!next_edge(o, k, from, part)) continue;
-        vec2 start = centre + from.xy;
-        around = around && start.x * part.y > start.y * part.x;
-        sum += cone_edge_term(start, part.xy, n, reach);
+        sum += cone_edge_term(centre + from.xy, part.xy, n, reach, around);
     }
     return (around ? 6.283185307179586 * n.z * radial(reach, reach).x : 0.0) + sum;
 }
