@@ -285,3 +285,11 @@ def test_a_hurried_first_sample_is_drawn_for_itself_and_the_picture_is_the_same(
     every = scene.triangle_count
     assert drawn == {True: [every, every, 0, 0], False: [every, 0, 0, 0]}
     assert np.abs(pictures[True] - pictures[False]).mean() < 1e-3 * pictures[True].mean()
+
+
+@pytest.mark.parametrize(("beyond", "drawn"), [(-0.5, 2), (0.5, 2), (1.5, 0)])
+def test_meshes_are_drawn_up_to_a_pixel_beyond_the_picture(device, beyond, drawn):
+    """So far the graphics card's rounding may be off what is culled in double precision."""
+    plate = quad((1.0 + beyond / 16.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0))
+    found = draw(device, stage([plate], world=1.0), from_above(2.0, (32, 32)))
+    assert found.profile.counts["triangles_drawn"] == drawn

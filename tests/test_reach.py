@@ -2,6 +2,7 @@
 """Lights count where they can: no bound is too low, what is left out changes nothing, and what hides is found."""
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon.gpu.bounds import Bounds, Lamps, light_on
-from ism_addon.gpu.passes import reach
+from ism_addon.gpu.passes import BLOCK, reach
 from ism_addon.scene import LightShape
 from ism_addon.settings import SSAO, Settings
 
@@ -166,3 +167,17 @@ def test_a_background_has_no_lights(device):
     drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), SMALL_SETTINGS)
     assert drawn.renderer.tables["reach"] == {}
     assert not drawn.target("predicted").any()
+
+
+def test_more_lights_than_fit_a_strip(device):
+    """They are looked for in several strips, where OpenGL's textures are small: all of them, the last ones too."""
+    places = [(x, y, 0.5) for x in np.linspace(-1.5, 1.5, 5) for y in np.linspace(-1.5, 1.5, 5)]
+    rows = [light(position=place, axis_u=(0.05, 0.0, 0.0), axis_v=(0.0, -0.05, 0.0)) for place in places]
+    lights = reduce(both, rows)
+    floor, plate = (-2.0, -2.0, 0.0), (-0.3, -0.3, 0.2)
+    meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (0.6, 0.0, 0.0), (0.0, 0.6, 0.0))
+    scene, view, settings = stage(meshes, lights), from_above(4.0, (96, 96)), with_quality(SMALL_SETTINGS, samples=2)
+    found = draw(replace(device, texture_size=100), scene, view, settings)
+    assert -(-view.height // BLOCK // reach.NEARER) * len(rows) > 100
+    assert found.profile.counts["lights_used"] == len(rows)
+    assert np.array_equal(found.color, draw(device, scene, view, settings).color)
