@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Lights, LightShape
 from ism_addon.settings import SSAO
 
@@ -74,6 +76,46 @@ def test_the_penumbra_of_a_half_plane(device, within, settings, bound):
             arrives = reference_irradiance.irradiance(np.array([x, y, 0.0]), UP, strip(lamp, part))
             truth[row, column] = REFLECTED * arrives
     within(float(np.sqrt(((picture - truth) ** 2).mean()) / truth.mean()), bound)
+
+
+#: Numbers of samples at which a penumbra is looked at.
+COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 96, 128, 256, 512, 1024, 2048)
+
+
+def part_before_an_edge(x: float, y: float, edge: np.ndarray) -> float:
+    """Irradiance at (x, y, 0) by the part of a square light 2 m up that is seen past an edge 1 m over the origin."""
+    corners = [np.array(corner) for corner in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    ahead, seen = [corner @ edge + edge @ (x, y) for corner in corners], []
+    for k in range(4):
+        if ahead[k] >= 0.0:
+            seen.append(corners[k])
+        if (ahead[k] >= 0.0) != (ahead[k - 3] >= 0.0):
+            seen.append(corners[k] + (corners[k - 3] - corners[k]) * ahead[k] / (ahead[k] - ahead[k - 3]))
+    polygon = np.array([(*(corner - (x, y)), 2.0) for corner in seen])
+    return abs(reference_irradiance.edge_sum(polygon, UP)) if len(seen) > 2 else 0.0
+
+
+@pytest.mark.parametrize("degrees", [0, 33, 90])
+def test_penumbrae_have_no_floor(device, within, degrees):
+    """Beside an edge at any angle the error falls as a randomised sequence's does, and no bias is left."""
+    angle, size = math.radians(degrees), (48, 48)
+    edge, along = np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
+    plate = quad(np.array([0.0, 0.0, 1.0]) - 4.0 * edge - 4.0 * along, 4.0 * edge, 8.0 * along)
+    scene = stage([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], light())
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
+    view, axis = from_above(1.0, size, filter_width=1.5), places(1.0, 48)
+    whole = reference_irradiance.irradiance(np.zeros(3), UP, light())
+    truth = np.array([[part_before_an_edge(x, y, edge[:2]) for x in axis] for y in axis]) / whole
+    penumbra = (truth > 0.02) & (truth < 0.98)
+    renderer, profile, settings = Renderer(device), Profile(), with_quality(SMALL_SETTINGS, samples=COUNTS[-1])
+    for sample in range(COUNTS[-1]):
+        for _ in renderer.sample(scene, view, settings, sample, profile):
+            pass
+        if sample + 1 in COUNTS:
+            off = (renderer.picture()[..., 0] / (REFLECTED * whole) - truth)[penumbra]
+            within(float(np.sqrt((off**2).mean())) * (sample + 1) ** 0.65, 0.2)
+    within(float(np.sqrt((off**2).mean())), 0.0016)
+    within(abs(float(off.mean())), 0.0003)
 
 
 def hidden_before_a_wall(distance: np.ndarray, radius: float) -> np.ndarray:

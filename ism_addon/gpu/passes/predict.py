@@ -50,6 +50,8 @@ class Predict(Pass):
         tables, first = frame.tables, frame.sample == 0
         if first:
             found = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
+            for light, blocks in found.items():
+                blocks[tables["reach"][light].scouted & ~blocks.any(2)] = True  # no ray was sent: nothing is known
             if not frame.settings.skip:
                 found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}

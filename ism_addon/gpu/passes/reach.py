@@ -52,6 +52,10 @@ PAIRS = 1 << 15
 #: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
 STRONG = 0.1
 
+#: The part that is thought to be seen of a light that no ray was sent to: it lights nothing where rays began, which may
+#: be beside the narrow cone that it does light.
+UNKNOWN = 0.5
+
 #: So many times the picture's mean light is as bright as any.
 BRIGHTEST = 100.0
 
@@ -163,7 +167,7 @@ class Reach(Pass):
         asked = reaching[casts[reaching]]
         if len(asked) > FEW:
             arrived = self.rays_from(frame, asked, FARTHER)
-            asked = np.array([light for light in asked if arrived[light][..., 0].any()], int)
+            asked = np.array([light for light in asked if part_seen(arrived[light]).any()], int)
         rays = self.rays_from(frame, asked, NEARER)
         unasked = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
         return unasked | {light: self.by_blocks(frame, found) for light, found in rays.items()}
@@ -227,9 +231,12 @@ def everywhere(frame: Frame) -> dict[int, Reached]:
 
 
 def part_seen(rays: np.ndarray) -> np.ndarray:
-    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours."""
+    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours.
+
+    UNKNOWN where there were none.
+    """
     arrived, sent = (around(number).sum((2, 3)) for number in np.moveaxis(rays, 2, 0))
-    return arrived / np.maximum(sent, 1.0)
+    return np.where(sent > 0.0, arrived / np.maximum(sent, 1.0), UNKNOWN)
 
 
 def around(values: np.ndarray) -> np.ndarray:

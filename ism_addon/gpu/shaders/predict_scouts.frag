@@ -33,4 +33,5 @@ void main() {
     bool sure = all.x == 0.0 || all.x == all.y || !here.seen;
     if (near.y < 1e-3) near = all;
     prediction = sure ? vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(near.x / near.y, 1.0);
+    if (all.y == 0.0 && here.seen) prediction = vec2(0.5, 1.0); // no light was sent to any of them: nothing is known
 }
