@@ -9,7 +9,7 @@ import numpy as np
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
-from ..limits import beyond_limits, view_beyond_limits
+from ..limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..scene import View
 from . import account, camera, controls, frames
 
@@ -33,7 +33,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
         return
     chosen = controls.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
     if not engine.is_preview:
-        for warning in (*scene.warnings, *beyond_limits(chosen)):
+        for warning in (*scene.warnings, *images_beyond_limits(scene.images), *beyond_limits(chosen)):
             engine.report({"WARNING"}, warning)
     surfaces = layer.use_pass_z or layer.use_pass_normal
     try:

@@ -8,7 +8,7 @@ import bpy
 
 from ..gpu.job import Job, Picture, Request
 from ..gpu.worker import shared
-from ..limits import beyond_limits, view_beyond_limits
+from ..limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..scene import Scene, View
 from . import camera, controls, extract, lookout
 from .present import Place, Presenter
@@ -93,7 +93,8 @@ class Viewport:
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
             self._asked, self._place = asked, place
-            self._warnings = *beyond_limits(chosen), *view_beyond_limits(view)
+            of_images = images_beyond_limits(self._scene.images)
+            self._warnings = *of_images, *beyond_limits(chosen), *view_beyond_limits(view)
 
     def _look_at_job(self) -> None:
         """Show its picture, if it has one by now."""

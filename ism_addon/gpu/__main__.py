@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import snapshot
-from ..limits import beyond_limits, view_beyond_limits
+from ..limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..scene import View
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
 from .job import Job, Picture, Request
@@ -131,7 +131,8 @@ def run(options: argparse.Namespace) -> int:
     except (OSError, ValueError) as reason:
         print(reason, file=sys.stderr)
         return 1
-    for warning in (*scene.warnings, *view_beyond_limits(request.view), *beyond_limits(request.settings)):
+    limited = *images_beyond_limits(scene.images), *view_beyond_limits(request.view), *beyond_limits(request.settings)
+    for warning in (*scene.warnings, *limited):
         print(warning, file=sys.stderr)
     picture, job = draw(request)
     if picture is None:

@@ -5,25 +5,25 @@ import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
+from ..limits import WIDTH, images_within_limits, level
 from ..scene import Image, Materials
 from .context import Device
 from .layout import MATERIAL
 
 SRGB8_ALPHA8 = 0x8C43
 
-#: Texels along a line of the texture that holds images.
-WIDTH = 4096
-
 
 class Texels:
-    """All images, with their halved copies, in one texture of texels."""
+    """All images, with their halved copies, in one texture of texels. Where there are too many, the copies alone."""
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
-        chains = [mip_chain(image.texels) for image in images]
+        halved = images_within_limits(images)
+        chains = [mip_chain(image.texels)[times:] for image, times in zip(images, halved, strict=True)]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
         self.first_lines = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
         self.levels = [len(chain) for chain in chains]
+        self.sizes = [level(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)]
         # A texture, as arrays know no sRGB.
         size = WIDTH, lines_for(int(self.first_lines[-1]))
         self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
@@ -41,10 +41,9 @@ class Surfaces:
         table["color"] = materials.base_color
         for row in np.flatnonzero(materials.image >= 0):
             number = materials.image[row]
-            image = texels.images[number]
             table[row]["first_line"], table[row]["levels"] = texels.first_lines[number], texels.levels[number]
-            table[row]["height"], table[row]["width"] = image.texels.shape[:2]
-            table[row]["repeat"] = image.repeat
+            table[row]["height"], table[row]["width"] = texels.sizes[number]
+            table[row]["repeat"] = texels.images[number].repeat
         self.table = MATERIAL.upload(device, table)
         self.texels = texels
         self.bytes = table.nbytes

@@ -10,9 +10,9 @@ import math
 import moderngl
 import numpy as np
 
+from ...limits import WIDTH
 from ...scene import Change
 from ..block import clip_from_anchor
-from ..buffers import WIDTH
 from ..context import Device
 from ..depth import logarithm, nearness
 from ..layout import INSTANCE, MATERIAL
