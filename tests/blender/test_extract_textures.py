@@ -29,22 +29,36 @@ def textured(add):
     return textured
 
 
-def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted):
+@pytest.fixture
+def followed(empty_scene):
+    """followed(): what a Reader has read that is told of every update, and of nothing else."""
+    reader, read = extract.Reader(), []
+
+    def follow(_scene, depsgraph):
+        read[:] = [reader.read(depsgraph)]
+
+    handlers = depsgraph_update_post, frame_change_post
+    for handler in handlers:
+        handler.append(follow)
+
+    def latest():
+        bpy.context.view_layer.update()
+        return read[0]
+
+    yield latest
+    for handler in handlers:
+        handler.remove(follow)
+
+
+def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted, followed):
     node = textured(bpy.data.images.new("Picture", 2, 2), ("First", "Second"))
     uv_map = node.id_data.nodes.new("ShaderNodeUVMap")
     node.id_data.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
-    bpy.context.view_layer.update()
-    reader = extract.Reader()
-    followed = [reader.read(bpy.context.evaluated_depsgraph_get())]
-    handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
-    depsgraph_update_post.append(handler)
     for name, value in (("Second", 0.25), ("First", 0.0), ("Second", 0.25), ("Gone", 0.0)):
         uv_map.uv_map = name
-        bpy.context.view_layer.update()
-        for scene in (followed[-1], extracted()):
+        for scene in (followed(), extracted()):
             assert np.all(scene.meshes[0].uvs == value)
             assert scene.warnings == ()
-    depsgraph_update_post.remove(handler)
 
 
 @pytest.fixture
@@ -60,23 +74,16 @@ def sequence(tmp_path):
     return loaded
 
 
-def test_a_sequence_shows_the_frame_that_its_user_says(textured, extracted, sequence, empty_scene):
+def test_a_sequence_shows_the_frame_that_its_user_says(textured, extracted, followed, sequence, empty_scene):
     node = textured(sequence)
     user = node.image_user
     user.frame_duration, user.use_auto_refresh = 5, True
-    reader = extract.Reader()
-    bpy.context.view_layer.update()
-    reader.read(bpy.context.evaluated_depsgraph_get())
-    followed = []
-    handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
-    frame_change_post.append(handler)
     for frame, offset, shown in [(1, 0, 1), (3, 0, 3), (9, 0, 5), (2, 2, 4), (2, 0, 2), (3, 0, 3)]:
         user.frame_offset = offset
         empty_scene.frame_set(frame)
-        for scene in (extracted(), followed[-1]):
+        for scene in (followed(), extracted()):
             assert [image.texels[0, 0].tolist() for image in scene.images] == [[51 * shown, 0, 0, 255]]
             assert scene.warnings == ()
-    frame_change_post.remove(handler)
 
 
 def test_a_frame_that_is_not_there_is_named(textured, extracted, sequence, empty_scene, tmp_path):
