@@ -166,7 +166,7 @@ class Geometry:
             self._renewed.add(key)
         return self._readings[key]
 
-    def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> _Reading:
+    def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str | None, ...]) -> _Reading:
         """Read it; what is read is made into triangles when it is enough, or asked for."""
         reading, raw = _Reading(None, Findings()), _raw(source, materials, layers)
         if raw is not None:
@@ -194,7 +194,7 @@ class Geometry:
         self._corners = 0
 
 
-def _raw(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str, ...]) -> Raw | None:
+def _raw(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str | None, ...]) -> Raw | None:
     """An object's mesh, from a copy: it shares all arrays, but Blender makes its own of those that are read.
 
     What is in edit mode is in its editor's form, and has to be copied out of it in any case.

@@ -25,11 +25,11 @@ class _Row(NamedTuple):
 
     base_color: np.ndarray
     image: int
-    layer: str  # the UV layer that its image lies on; "": the one that renders
+    layer: str | None  # the UV layer that its image lies on; "": the one that renders; None where it has no image
     findings: tuple[Findings, ...]  # those of its image are shared with the others that have it
 
 
-GREY_ROW = _Row(np.full(3, GREY), -1, "", ())
+GREY_ROW = _Row(np.full(3, GREY), -1, None, ())
 
 
 class MaterialTable:
@@ -59,8 +59,8 @@ class MaterialTable:
         self._met.add(index)
         return index
 
-    def uv_layer(self, index: int) -> str:
-        """The UV layer that a material's image lies on; "": the one that renders."""
+    def uv_layer(self, index: int) -> str | None:
+        """The UV layer that a material's image lies on; "": the one that renders; None where it has no image."""
         return self._rows[index].layer
 
     def renew(self, material: bpy.types.Material) -> bool:
@@ -100,17 +100,17 @@ class MaterialTable:
         findings = Findings()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
         output = nodes.output(node_tree)
         unlike.note_output(material, output, findings)
         shader = nodes.surface(output)
         if shader is None:
             findings.note("Materials without a surface are drawn black", material.name)
-            return _Row(np.zeros(3), -1, "", (findings,))
+            return _Row(np.zeros(3), -1, None, (findings,))
         if shader.bl_idname not in SHADERS:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
             findings.note(kind, material.name)
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, "", (findings,))
+            return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
         unlike.note_shader(material, shader, findings)
         return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
 
@@ -118,14 +118,14 @@ class MaterialTable:
         """A row from a shader's colour socket."""
         plain, node = nodes.rgb(socket, GREY)
         if node is None:
-            return _Row(plain, -1, "", (findings,))
+            return _Row(plain, -1, None, (findings,))
         if node.bl_idname == "ShaderNodeTexImage" and nodes.source(socket).identifier == "Color":
             index, of_image = self._image(material, node, findings)
-            layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else ""
+            layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else None
             return _Row(plain, index, layer, (findings, of_image))
         kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
         findings.note(kind, material.name)
-        return _Row(plain, -1, "", (findings,))
+        return _Row(plain, -1, None, (findings,))
 
     def _image(
         self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings

@@ -29,10 +29,10 @@ class Reading(NamedTuple):
     out_of_reach: int  # triangles left out
 
 
-def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str, ...] = ("",)) -> Raw | None:
+def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str | None, ...] = ("",)) -> Raw | None:
     """A mesh as it is evaluated; `materials` are the indices into Materials of its slots, one at least.
 
-    `layers` are the UV layers that these want, "" for the one that renders; one alone is all slots'.
+    `layers` are the UV layers that these want, "" for the one that renders, None for none; one alone is all slots'.
     None where it has no faces. As in Blender, a face whose slot there is not has the last slot's material.
     """
     corners, count = len(source.loops), len(source.polygons)
@@ -180,18 +180,21 @@ def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -
     return normals
 
 
-def _uvs(source: bpy.types.Mesh, layers: tuple[str, ...]) -> np.ndarray | None:
-    """(L,2) of each slot's layer, and as in Cycles zero of what has no such layer."""
-    if not len(source.uv_layers):
+def _uvs(source: bpy.types.Mesh, layers: tuple[str | None, ...]) -> np.ndarray | None:
+    """(L,2) of each slot's layer, and as in Cycles zero of what has no such layer; None where no slot wants any."""
+    wanted = [name for name in layers if name is not None]
+    if not wanted or not len(source.uv_layers):
         return None
-    of_layer = {name: _layer(source, name) for name in layers}
+    of_layer = {name: _layer(source, name) for name in dict.fromkeys(wanted)}
     if len(of_layer) == 1:
-        return of_layer[layers[0]]
+        return of_layer[wanted[0]]
     count, slots = len(source.polygons), source.attributes.get("material_index")
     of_faces = np.zeros(count, np.int32) if slots is None else faces.read(slots.data, "value", count, np.int32)
     of_faces = np.clip(of_faces, 0, len(layers) - 1)
     of_corners = np.repeat(of_faces, faces.read(source.polygons, "loop_total", count, np.int32))
-    return np.stack([of_layer[name] for name in layers])[of_corners, np.arange(len(source.loops))]
+    return np.stack([of_layer[wanted[0] if name is None else name] for name in layers])[
+        of_corners, np.arange(len(source.loops))
+    ]
 
 
 def _layer(source: bpy.types.Mesh, name: str) -> np.ndarray:

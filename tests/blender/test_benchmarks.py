@@ -15,3 +15,11 @@ def test_a_picture_of_a_growing_scene_is_measured():
     )
     assert told["triangles"] > 1000
     assert min(told["first sync s"], told["shadows ms"], told["a frame s"], told["peak bytes"]) > 0.0
+
+
+def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):
+    command = [sys.executable, "-m", "tests.benchmark.small_meshes", "--output", str(tmp_path)]
+    subprocess.run([*command, "--meshes", "20", "--renders", "2"], cwd=ROOT, timeout=120, check=True)
+    rounds = json.loads((tmp_path / "small_meshes.json").read_text())
+    assert len(rounds) == 2
+    assert all(min(each["whole"], each["read"], each["MeshTrees"], each["Cycles"]) > 0.0 for each in rounds)

@@ -13,10 +13,22 @@ from tests.scenes.cycles import direct_light
 NAN, INF = math.nan, math.inf
 
 
+def paint(source: bpy.types.Mesh) -> None:
+    """Give it a material with an image: UVs of no others are read."""
+    material = bpy.data.materials.new("Paint")
+    material.use_nodes = True
+    tree = material.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.new("Picture", 2, 2)
+    tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    source.materials.append(material)
+
+
 def test_a_mesh_is_blenders_own_triangles(add, extracted):
     bpy.ops.mesh.primitive_monkey_add()
     bpy.ops.object.shade_smooth()
     source = bpy.context.object.data
+    paint(source)
     source.calc_loop_triangles()
     (mesh,) = extracted().meshes
     assert mesh.positions.tolist() == [list(vertex.co) for vertex in source.vertices]
@@ -131,6 +143,7 @@ def test_custom_normals_are_kept(add, extracted):
 
 def test_the_layer_that_renders_gives_the_uvs(add, extracted):
     source = add("Mapped").data
+    paint(source)
     for name, value in (("First", 0.25), ("Second", 0.75)):
         layer = source.uv_layers.new(name=name)
         layer.uv.foreach_set("vector", [value] * 8)
@@ -219,6 +232,7 @@ def test_meshes_without_triangles_do_not_stand_in_the_scene(add, extracted):
 
 def test_normals_and_uvs_that_are_no_numbers_are_mended(add, extracted):
     source = add("Odd").data
+    paint(source)
     layer = source.uv_layers.new(name="UV")
     layer.uv.foreach_set("vector", [0.5, NAN, INF, 0.5, 0.5, -INF, 0.5, 0.5])
     (mesh,) = extracted().meshes
