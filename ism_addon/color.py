@@ -3,8 +3,8 @@
 
 import numpy as np
 
-#: How bright Rec.709's primaries look: luminance = color @ LUMINANCE.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+#: The linear space of nearly all files, by Blender's name.
+REC709 = "Linear Rec.709"
 
 
 def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
@@ -19,7 +19,7 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
 
 #: Places (x,y) of the red, green and blue primaries and the white of linear spaces, by Blender's names.
 PRIMARIES = {
-    "Linear Rec.709": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)),
+    REC709: ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)),
     "Linear Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), (0.3127, 0.3290)),
     "ACEScg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),
 }
@@ -40,3 +40,8 @@ def between_spaces(to: str, given: str) -> np.ndarray:
     cones = [BRADFORD @ xyz_from(space) @ np.ones(3) for space in (to, given)]
     adapted = np.linalg.solve(BRADFORD, np.diag(cones[0] / cones[1]) @ BRADFORD)
     return np.linalg.solve(xyz_from(to), adapted @ xyz_from(given))
+
+
+def luminance(space: str) -> np.ndarray:
+    """(3,): how bright the primaries of a space look, to the usual digits; luminance = color @ this."""
+    return xyz_from(space)[1].round(4)

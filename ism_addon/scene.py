@@ -2,7 +2,7 @@
 """What a picture is made of, as arrays: the only thing that the method knows of Blender.
 
 Everything is frozen and every array is read-only, so "has it changed?" is "is it the same object?".
-SI units, radians, linear Rec.709, float32 unless said; world space is float64 (see `spaces`).
+SI units, radians, linear light in the working space, float32 unless said; world space is float64 (see `spaces`).
 A mesh, an image, a light table that did not change must be passed on as the same object.
 """
 
@@ -14,6 +14,8 @@ from itertools import chain, repeat
 from typing import Self
 
 import numpy as np
+
+from .color import PRIMARIES, REC709
 
 #: Groups of instances that lights may be linked to: as many as a float32 has bits for.
 MOST_GROUPS = 24
@@ -141,6 +143,11 @@ class Scene:
     lights: Lights
     world: World
     warnings: tuple[str, ...] = ()
+    working_space: str = REC709  # of all colours: one of color.PRIMARIES
+
+    def __post_init__(self) -> None:
+        if self.working_space not in PRIMARIES:
+            raise ValueError(f"colours in {self.working_space} are not known")
 
     @property
     def triangle_count(self) -> int:

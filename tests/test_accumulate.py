@@ -16,8 +16,8 @@ from . import reference
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, quad, rubble, stage, with_quality
 
-#: Rec. 709, as in lib/luminance.glsl.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+#: Of working spaces' primaries: BT.709's, and AP1's of ACES (S-2014-004).
+LUMINANCE = {"Linear Rec.709": (0.2126, 0.7152, 0.0722), "ACEScg": (0.2722287, 0.6740818, 0.0536895)}
 
 
 def blackman_harris(t: np.ndarray) -> np.ndarray:
@@ -54,11 +54,15 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     return total
 
 
-@pytest.mark.parametrize(("reach", "threshold"), [(1.5, 0.0), (1.5, 0.01), (6.0, 0.0), (6.0, 0.005)])
-def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, threshold):
+@pytest.mark.parametrize(
+    ("reach", "threshold", "space"),
+    [(1.5, 0.0, "Linear Rec.709"), (1.5, 0.01, "ACEScg"), (6.0, 0.0, "Linear Rec.709"), (6.0, 0.005, "ACEScg")],
+)
+def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, threshold, space):
     """By rays: what was predicted, what corrects it, and the weights of both. Settled blocks have no more of them."""
     scene, view = box_over_plane(48, 32)
-    view = replace(view, filter_width=reach)
+    blue = replace(scene.lights, radiance=scene.lights.radiance * np.float32([0.1, 0.5, 1.0]))
+    scene, view = replace(scene, lights=blue, working_space=space), replace(view, filter_width=reach)
     settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
     sums["sum_headroom"] = np.zeros((32, 48, 1))
@@ -66,8 +70,8 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, th
     for sample in range(20):
         drawn = draw(device, scene, view, settings, last=sample)
         color, correction = drawn.target("color"), drawn.target("color_correction")
-        bright = ((color + correction)[..., :3] @ LUMINANCE)[..., None]
-        amounts = (correction[..., :3] @ LUMINANCE)[..., None]
+        bright = ((color + correction)[..., :3] @ LUMINANCE[space])[..., None]
+        amounts = (correction[..., :3] @ LUMINANCE[space])[..., None]
         weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:]], 2)
         sums["sum"] += spread(color, drawn, reach)
         sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, reach)

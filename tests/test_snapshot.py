@@ -218,6 +218,7 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
         ("settings/shadow/method", 1, "method is 1, none of"),
         ("settings/shadow/enabled", 1, "enabled is 1, which is no bool"),
         ("settings/quality/bounces", 3, "has bounces, unknown to this version"),
+        ("scene/working_space", "Munsell", "scene cannot be used: colours in Munsell are not known"),
     ],
 )
 def test_what_is_told_wrongly_is_refused(path, name, value, sentence):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import bpy
 
 from ..scene import Scene
-from . import asked, libraries, updates, world
+from . import asked, images, libraries, updates, world
 from .findings import Findings
 from .geometry import Geometry
 from .lights import LightTable
@@ -61,8 +61,10 @@ class Reader:
         """
         changed = updates.read(depsgraph, self._instancers)
         self._geometry.distrust(changed.shapes)
-        if changed.images:
+        recolored = self._scene is not None and self._scene.working_space != images.working_space()
+        if changed.images or recolored:
             self._materials.forget_images()
+            whole |= recolored
         for material in changed.materials:
             whole |= self._materials.renew(material)  # meshes have to be read with other UV layers
         if whole or changed.whole or self._scene is None:
@@ -122,6 +124,7 @@ class Reader:
             lights=self._lights.table(findings),
             world=world.read(_world(depsgraph), findings),
             warnings=findings.sentences(),
+            working_space=images.working_space(),
         )
         return read if last is None else read.sharing(last)
 

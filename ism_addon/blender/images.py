@@ -6,7 +6,7 @@ import os
 import bpy
 import numpy as np
 
-from ..color import between_spaces, linear_from_srgb, srgb_from_linear
+from ..color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
 
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
@@ -15,8 +15,8 @@ LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 PORTION = 1 << 15
 
 
-#: Whose primaries the numbers of byte images are amounts of, but for data, which are taken as they are.
-REC709, DATA = "Linear Rec.709", ("Non-Color", "Raw")
+#: Spaces of byte images whose numbers are taken as they are; those of others are amounts of Rec.709's primaries.
+DATA = ("Non-Color", "Raw")
 
 
 def working_space() -> str:

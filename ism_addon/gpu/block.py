@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..color import luminance
 from ..scene import View
 from ..spaces import view_from_anchor
 
@@ -16,6 +17,7 @@ MEMBERS = {
     "ray_direction": "vec4",  # likewise; its length is 1 along the view's axis
     "ray_direction_x": "vec4",
     "ray_direction_y": "vec4",
+    "luminance_weights": "vec4",  # of a colour's three numbers
 }
 DTYPE = np.dtype([(name, "f4", (16 if kind == "mat4" else 4,)) for name, kind in MEMBERS.items()])
 NAME = "Frame"
@@ -47,7 +49,7 @@ def clip_from_anchor(view: View, anchor: np.ndarray) -> np.ndarray:
     return view.clip_from_view @ view_from_anchor(view.view_from_world, anchor)
 
 
-def frame_block(view: View, anchor: np.ndarray) -> np.ndarray:
+def frame_block(view: View, anchor: np.ndarray, working_space: str) -> np.ndarray:
     """One row of DTYPE."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     origins, directions = rays(view.clip_from_view, view.width, view.height)
@@ -61,4 +63,5 @@ def frame_block(view: View, anchor: np.ndarray) -> np.ndarray:
     for name, rows in (("ray_origin", origins), ("ray_direction", directions)):
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):
             block[name + suffix][:3] = row
+    block["luminance_weights"][:3] = luminance(working_space)
     return block

@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from ..color import LUMINANCE
+from ..color import REC709, luminance
 from ..radiometry import MIN_SPREAD, light_areas, plane_normals, spread_terms
 from ..scene import Lights
 
@@ -87,7 +87,7 @@ class Lamps:
     scale: np.ndarray
 
     @classmethod
-    def of(cls, lights: Lights, anchor: np.ndarray) -> Self:
+    def of(cls, lights: Lights, anchor: np.ndarray, working_space: str = REC709) -> Self:
         """All lights, about the anchor (3,)."""
         u, v = lights.axis_u, lights.axis_v
         columns = (
@@ -95,7 +95,7 @@ class Lamps:
             plane_normals(lights).T,
             np.maximum(np.linalg.norm(u + v, axis=1), np.linalg.norm(u - v, axis=1)) / 2.0,
             light_areas(lights),
-            np.abs(lights.radiance) @ LUMINANCE,
+            np.abs(lights.radiance) @ luminance(working_space),
             np.maximum(lights.spread, MIN_SPREAD) / 2.0,
             *spread_terms(lights.spread).T,
         )

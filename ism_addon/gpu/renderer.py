@@ -148,7 +148,7 @@ class Renderer:
         fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
         if sample == 0:
             self.estimate(scene, view, settings, int(fine.bounds(view.width, view.height)[1].prod()))
-        self.block.write(block.frame_block(view, anchor))
+        self.block.write(block.frame_block(view, anchor, scene.working_space))
         return Frame(
             self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
         )

@@ -55,7 +55,7 @@ def test_texels_are_what_cycles_shows(add, extracted, empty_scene, space, kind):
     thing.data.materials.append(material)
     tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
     scene = extracted()
-    assert scene.warnings == ()
+    assert scene.warnings == () and scene.working_space == space
     tree.links.new(node.outputs["Color"], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     ours = linear_from_srgb(scene.images[0].texels[0, 0, :3] / 255.0)

@@ -137,7 +137,7 @@ class Reach(Pass):
 
     def light_on(self, frame: Frame, bounds: Bounds, which: np.ndarray) -> list[np.ndarray]:
         """See bounds.py: two arrays (lights, rows, columns) of the most on some of what the blocks show, by number."""
-        some, all_lamps = bounds.some(which), Lamps.of(frame.scene.lights, frame.anchor)
+        some, all_lamps = bounds.some(which), Lamps.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
         count, step = len(frame.scene.lights.shape), max(PAIRS // max(len(which), 1), 1)
         columns, rows = frame.blocks
         found = np.zeros((2, count, rows, columns), np.float32)

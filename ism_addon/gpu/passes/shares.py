@@ -46,4 +46,6 @@ class Shares(Pass):
         return frame.splats
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["deviations"] = deviations(frame.tables["cloud"], Lamps.of(frame.scene.lights, frame.anchor))
+        frame.tables["deviations"] = deviations(
+            frame.tables["cloud"], Lamps.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
+        )
