@@ -63,18 +63,17 @@ def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted, fo
 
 def test_uvs_are_read_where_there_is_an_image_alone(textured, extracted):
     """And come and go with it, though nothing of the mesh has changed."""
-    node = textured(None, ("First", "Second"))
-    bpy.context.view_layer.update()
-    reader = extract.Reader()
-    followed = [reader.read(bpy.context.evaluated_depsgraph_get())]
+    node, reader, followed = textured(None, ("First", "Second")), extract.Reader(), []
     handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
     depsgraph_update_post.append(handler)
-    for image in (None, bpy.data.images.new("Picture", 2, 2), None):
-        node.image = image
-        bpy.context.view_layer.update()
-        for scene in (followed[-1], extracted()):
-            assert len(scene.meshes[0].uvs) == (2 if image else 0)
-    depsgraph_update_post.remove(handler)
+    try:
+        for image in (None, bpy.data.images.new("Picture", 2, 2), None):
+            node.image = image
+            bpy.context.view_layer.update()
+            for scene in (followed[-1], extracted()):
+                assert len(scene.meshes[0].uvs) == (2 if image else 0)
+    finally:
+        depsgraph_update_post.remove(handler)
 
 
 @pytest.fixture

@@ -105,7 +105,7 @@ class MeshArrays:
         self.starts = device.room(int(self.first_starts[-1]), 1, "u4")
         for group in in_groups([tree.leaves for tree in trees]):  # small ones in one write
             some, first = trees[group], group.start
-            self.nodes.write(rows_of(joined([tree.nodes for tree in some])), 2 * int(self.first_nodes[first]))
+            self.nodes.write(joined([rows_of(tree.nodes) for tree in some]), 2 * int(self.first_nodes[first]))
             self.starts.write(joined([tree.starts for tree in some]), int(self.first_starts[first]))
         self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees)
 
