@@ -4,11 +4,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
 from ..scene import Image, Instances, Materials
+from . import one_kind
 from .context import Device
 from .cull import in_view, runs
 from .geometry import Geometry
@@ -90,7 +90,7 @@ class Texels:
         # A texture, as arrays know no sRGB.
         size = WIDTH, lines_for(int(self.first_lines[-1]))
         self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
-        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        one_kind.never_filtered(self.texture)
         for block, line in zip(blocks, self.first_lines[:-1], strict=True):
             self.texture.write(block, viewport=(0, int(line), WIDTH, len(block) // WIDTH))
         self.bytes = sum(block.nbytes for block in blocks)

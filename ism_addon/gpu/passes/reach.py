@@ -16,6 +16,7 @@ import numpy as np
 from ...cores import side_by_side
 from ...sampling import PIXEL_STEPS, additive_sequence
 from ...scene import Change
+from .. import one_kind
 from ..bounds import Bounds, Lamps, light_on
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
@@ -181,8 +182,8 @@ class Reach(Pass):
         places, found = additive_sequence(0, len(frame.scene.lights.shape), 2), {}
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
-            asked = ASKED.create(gl, (len(some), 1))
-            asked.write(np.column_stack([some, places[some]]).astype(np.float32))
+            asked = ASKED.create(gl, (one_kind.side(len(some)), 1))
+            asked.write(np.column_stack([some, places[some]]).astype(np.float32), viewport=(0, 0, len(some), 1))
             bind(
                 self.rays.program,
                 **frame.receivers,
