@@ -44,12 +44,13 @@ def test_rows_are_written_anywhere(device):
 
 
 @pytest.mark.parametrize("row", [4, 16])
-def test_no_array_is_a_power_of_two_of_bytes(device, row):
+def test_arrays_are_of_one_kind(device, row):
     """Else scenes of other sizes are other shaders to Mesa's software driver."""
     for count in (*range(20), 255, 256, 257, 4096):
         size = device.room(count, row // 4, "f4").bytes
-        assert row * count <= size <= row * max(count + 1, 3)
+        assert row * count <= size <= row * (count + 1) + 256
         assert size & (size - 1)
+        assert size >> 8 & 255
 
 
 def test_more_rows_than_can_be_fetched_are_refused_with_a_sentence(device):

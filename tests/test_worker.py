@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu import context
 from ism_addon.gpu.job import Job, Request
 from ism_addon.gpu.passes.lights import Lights
 from ism_addon.gpu.passes.upload import Colours
@@ -263,3 +264,21 @@ def test_waiting_is_told_of_news_and_otherwise_comes_back(worker):
     assert job.wait(0.0)  # finished: never waits again
     idle = Job(request(), threading.Condition())
     assert not idle.wait(0.01)
+
+
+def test_opengl_is_opened_before_anything_is_asked_for(worker, monkeypatch):
+    """Once: whoever asks then finds it open."""
+    opened = threading.Semaphore(0)
+    open_device = context.open_device
+
+    def open_and_tell() -> context.Device:
+        device = open_device()
+        opened.release()
+        return device
+
+    monkeypatch.setattr(context, "open_device", open_and_tell)
+    worker.expect()
+    assert opened.acquire(timeout=30.0)
+    worker.expect()
+    assert ended(worker.start(request(), "client"))
+    assert not opened.acquire(blocking=False)

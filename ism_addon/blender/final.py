@@ -24,6 +24,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     layer = depsgraph.view_layer_eval
     shares = frames.Layer() if engine.is_preview else frames.layer(depsgraph)
     view_names = _view_names(engine, layer.name)
+    shared.expect()
     try:
         scene = shares.read(depsgraph, _all_until_cancelled(engine))
     except _Cancelled:

@@ -30,6 +30,7 @@ class Viewport:
         self._reader = extract.Reader()
         self._scene: Scene | None = None
         self._shows: tuple | None = None
+        shared.expect()
         self._coarse = COARSEST // 2
         self._asked: tuple | None = None
         self._late = False  # what it should show is still to be asked for

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
+from . import one_kind
 from .held import MODERNGL_UNIT
 
 TEXTURE_BUFFER = 0x8C2A
@@ -73,8 +74,7 @@ class Array:
 
     def __init__(self, gl: moderngl.Context, textures: BufferTextures, count: int, components: int, dtype: str):
         row = np.dtype(dtype).itemsize * components
-        # Never a power of two of bytes, for which Mesa's software driver would compile every shader once more.
-        self.bytes = row * max(3, count | 1)
+        self.bytes = row * one_kind.rows(count, row)
         self.row, self.count = row, count
         self.buffer = gl.buffer(reserve=self.bytes)
         self._textures = textures

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the scene's meshes are made of, on the GPU."""
 
-import moderngl
 import numpy as np
 
 from ..color import linear_from_srgb, srgb_from_linear
 from ..limits import WIDTH, images_within_limits, level
 from ..scene import Image, Materials
+from . import one_kind
 from .context import Device
 from .layout import MATERIAL
 
@@ -27,7 +27,7 @@ class Texels:
         # A texture, as arrays know no sRGB.
         size = WIDTH, lines_for(int(self.first_lines[-1]))
         self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
-        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        one_kind.never_filtered(self.texture)
         for block, line in zip(blocks, self.first_lines[:-1], strict=True):
             self.texture.write(block, viewport=(0, int(line), WIDTH, len(block) // WIDTH))
         self.bytes = sum(block.nbytes for block in blocks)

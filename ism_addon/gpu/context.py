@@ -17,7 +17,7 @@ from weakref import WeakValueDictionary
 import moderngl
 import numpy as np
 
-from . import depth
+from . import depth, one_kind
 from .array import Array, BufferTextures, Growing
 from .clock import Clock
 from .faults import ContextLost, GraphicsError, NoOpenGL
@@ -139,6 +139,7 @@ def open_device() -> Device:
         ) from reason
     gl.gc_mode = "context_gc"  # what is let go of is freed by collect(), in this thread
     gl.extra = Held(gl)
+    one_kind.use_all_samplers(gl)
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from . import one_kind
 from .depth import float_depth
 
 #: What a depth buffer's Target has for a dtype.
 DEPTH = "depth"
 
 #: Texels to a row of a target in strips, as long as they are no longer than this.
-STRIP, LONGEST_STRIP = 8, 4096
+STRIP, LONGEST_STRIP = 9, 4100
 
 
 @dataclass(frozen=True)
@@ -38,15 +39,14 @@ class Target:
         if not self.strips:
             return columns, rows
         across = STRIP * -(-columns * rows // (STRIP * LONGEST_STRIP))
-        return across, -(-columns * rows // across)
+        return across, one_kind.side(-(-columns * rows // across))
 
     def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
         """A texture of this kind, never filtered."""
         if self.dtype == DEPTH:
             return float_depth(gl, size)
         texture = gl.texture(size, self.components, dtype=self.dtype)
-        texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        texture.repeat_x = texture.repeat_y = False
+        one_kind.never_filtered(texture)
         return texture
 
 

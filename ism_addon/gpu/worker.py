@@ -45,11 +45,20 @@ class Worker:
             self._drop(client)
             self._jobs[client] = job
             self._forgotten.discard(client)
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="ISM renderer", daemon=True)
-                self._thread.start()
+            self._begin()
             self._news.notify_all()
         return job
+
+    def expect(self) -> None:
+        """Open OpenGL now: a request is to come, as soon as its scene is read."""
+        with self._news:
+            self._begin()
+
+    def _begin(self) -> None:
+        """See that there is a thread. With the lock held."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="ISM renderer", daemon=True)
+            self._thread.start()
 
     def reload(self) -> None:
         """Read the shaders' files again for all jobs that are started from now on."""

@@ -16,6 +16,7 @@ import numpy as np
 from ...cores import side_by_side
 from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
+from .. import one_kind
 from ..bounds import Bounds, Lamps, light_on
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
@@ -185,8 +186,9 @@ class Reach(Pass):
         places, found = additive_sequence(0, len(frame.scene.lights.shape), 2), {}
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
-            asked = ASKED.create(gl, (len(some), 1))
-            asked.write(np.array([(light, *fixed_point(places[light])) for light in some], np.uint32))
+            asked = ASKED.create(gl, (one_kind.side(len(some)), 1))
+            rows_asked = np.array([(light, *fixed_point(places[light])) for light in some], np.uint32)
+            asked.write(rows_asked, viewport=(0, 0, len(some), 1))
             bind(
                 self.rays.program,
                 **frame.receivers,

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...sampling import Dimension, additive_sequence, sequence
 from ...scene import Change
+from .. import one_kind
 from ..context import Device
 from ..program import bind
 from ..targets import Target
@@ -38,7 +39,7 @@ class SSAO(Pass):
         self.pixels.program["cone_points"].write(additive_sequence(0, POINTS, 3).astype("f4"))
         random = np.random.default_rng(2013).uniform(-1.0, 1.0, (TILE, TILE, 2)).astype("f4")
         self.random = device.gl.texture((TILE, TILE), 2, random, dtype="f4")
-        self.random.filter = moderngl.NEAREST, moderngl.NEAREST
+        one_kind.never_filtered(self.random)
 
     def needed(self, frame: Frame) -> bool:
         return frame.occludes
