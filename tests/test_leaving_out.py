@@ -9,6 +9,7 @@ import pytest
 from ism_addon.gpu import renderer
 from ism_addon.gpu.block import clip_from_anchor
 from ism_addon.gpu.buffers import lines_for
+from ism_addon.gpu.context import open_device
 from ism_addon.settings import SSAO, Method
 
 from .scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
@@ -128,3 +129,12 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
     assert drawn.profile.rows["SSAO"].drawn
     assert (drawn.target("occlusion") == 1.0).all()
     assert (drawn.target("smooth_occlusion") == 1.0).all()
+
+
+def test_programs_of_passes_that_are_not_needed_are_not_linked():
+    device = open_device()
+    draw(device, *lit_stage(), SETTINGS[Method.FITTED])
+    files = {name for names, *_ in device.programs for name in names}
+    device.close()
+    assert "shade.frag" in files
+    assert not files & {"splat.frag", "pull.frag", "push.frag", "show.frag"}

@@ -8,10 +8,11 @@ push only where more than half is covered: a hole is filled, an outline does not
 texels; each halving stays within a map, as maps' sides are multiples of eight.
 """
 
+from functools import cached_property
+
 import moderngl
 
 from ..atlas import EMPTY, GRANULE
-from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
@@ -27,12 +28,13 @@ class PullPush(Pass):
     writes = {"shadow_maps": LEVEL}
     settings = ("shadow.fill_threshold",)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.steps = {
-            name: device.gl.vertex_array(compile_program(device, "full_screen.vert", f"{name}.frag", empty=EMPTY), [])
+    @cached_property
+    def steps(self) -> dict[str, moderngl.VertexArray]:
+        programs = {
+            name: compile_program(self.device, "full_screen.vert", f"{name}.frag", empty=EMPTY)
             for name in ("pull", "push")
         }
+        return {name: self.device.gl.vertex_array(program, []) for name, program in programs.items()}
 
     def needed(self, frame: Frame) -> bool:
         return frame.splats and frame.batch.count > 0 and frame.settings.shadow.fill_holes

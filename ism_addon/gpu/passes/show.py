@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Any target as a picture: what settings.show names, stretched to the picture's size."""
 
+from functools import cached_property
+
 import moderngl
 
-from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
@@ -16,14 +17,13 @@ class Show(Pass):
     writes = {"shown": Target(4, "f4")}
     settings = ("show",)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = {
-            integers: device.gl.vertex_array(
-                compile_program(device, "full_screen.vert", "show.frag", integers=int(integers)), []
-            )
+    @cached_property
+    def pixels(self) -> dict[bool, moderngl.VertexArray]:
+        programs = {
+            integers: compile_program(self.device, "full_screen.vert", "show.frag", integers=int(integers))
             for integers in (False, True)
         }
+        return {integers: self.device.gl.vertex_array(program, []) for integers, program in programs.items()}
 
     def needed(self, frame: Frame) -> bool:
         return frame.settings.show != "color"

@@ -10,11 +10,12 @@ largest point (llvmpipe: 255 texels) is cut to that. Maps of half as many texels
 the discs close to the light.
 """
 
+from functools import cached_property
+
 import moderngl
 import numpy as np
 
 from ..atlas import EMPTY
-from ..context import Device
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
@@ -33,9 +34,9 @@ class Splat(Pass):
         "quality.map_size",
     )
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.discs = compile_program(device, "splat.vert", "splat.frag", empty=EMPTY)
+    @cached_property
+    def discs(self) -> moderngl.Program:
+        return compile_program(self.device, "splat.vert", "splat.frag", empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
         return frame.splats and frame.batch.count > 0
