@@ -50,8 +50,9 @@ class Predict(Pass):
         tables, first = frame.tables, frame.sample == 0
         if first:
             found = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
-            for light, blocks in found.items():
-                blocks[tables["reach"][light].scouted & ~blocks.any(2)] = True  # no ray was sent: nothing is known
+            for light in np.flatnonzero(frame.scene.lights.spread < np.pi):
+                if light in found:  # a cone may light what lies between rays, none of which it was worth to send
+                    found[light][tables["reach"][light].scouted & ~found[light].any(2)] = True
             if not frame.settings.skip:
                 found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}

@@ -7,7 +7,7 @@ part of the light is looked for by Scout, and the rest by Check now and then. Wh
 arrives, all such lights together, is left out for good.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import moderngl
@@ -53,10 +53,6 @@ PAIRS = 1 << 15
 #: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
 STRONG = 0.1
 
-#: The part that is thought to be seen of a light that no ray was sent to: it lights nothing where rays began, which may
-#: be beside the narrow cone that it does light.
-UNKNOWN = 0.5
-
 #: So many times the picture's mean light is as bright as any.
 BRIGHTEST = 100.0
 
@@ -72,6 +68,7 @@ class Reached:
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
     bright: np.ndarray  # float32: of the picture's mean light, that it could be at most; BRIGHTEST if it is more
     seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
+    unasked: np.ndarray  # bool: whether its narrow cone lights no point there that a ray began at, but may light others
 
     @cached_property
     def dim(self) -> np.ndarray:
@@ -81,7 +78,7 @@ class Reached:
     @property
     def scouted(self) -> np.ndarray:
         """(rows,columns) bool: whether Scout has to look closely."""
-        return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0))
+        return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0) | self.unasked)
 
 
 class Reach(Pass):
@@ -107,6 +104,7 @@ class Reach(Pass):
         self.most = np.zeros((0, 0, 0), np.float32)
         #: Parts (rows,columns) of lights that are seen about blocks, and the luminance that is thought to arrive.
         self.arrives: dict[int, np.ndarray] = {}
+        self.unasked: dict[int, np.ndarray] = {}
         self.light = np.zeros((0, 0), np.float32)
 
     def needed(self, frame: Frame) -> bool:
@@ -130,7 +128,7 @@ class Reach(Pass):
         else:
             spotted = frame.tables["spotted"] if frame.traces else {}
             for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
-                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, rays))
+                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, part_seen(rays)))
             new = np.flatnonzero(~self.bounds.hold(seen))
             self.bounds = self.bounds.joined(seen)
             self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
@@ -168,16 +166,19 @@ class Reach(Pass):
         asked = reaching[casts[reaching]]
         if len(asked) > FEW:
             arrived = self.rays_from(frame, asked, FARTHER)
-            asked = np.array([light for light in asked if part_seen(arrived[light]).any()], int)
+            narrow = frame.scene.lights.spread < np.pi
+            asked = np.array([k for k in asked if arrived[k].any() <= narrow[k] or arrived[k][..., 0].any()], int)
         rays = self.rays_from(frame, asked, NEARER)
-        unasked = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
-        return unasked | {light: self.by_blocks(frame, found) for light, found in rays.items()}
+        narrow = [light for light in rays if frame.scene.lights.spread[light] < np.pi]
+        self.unasked = {k: self.by_blocks(frame, ~around(rays[k][..., 1]).any((2, 3))) for k in narrow}
+        certain = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
+        return certain | {light: self.by_blocks(frame, part_seen(found)) for light, found in rays.items()}
 
     @staticmethod
-    def by_blocks(frame: Frame, rays: np.ndarray) -> np.ndarray:
-        """(rows,columns): the part of a light that is seen about each block, by rays from every NEARER-th."""
+    def by_blocks(frame: Frame, found: np.ndarray) -> np.ndarray:
+        """(rows,columns) for each block, of what rays from every NEARER-th have found."""
         columns, rows = frame.blocks
-        return part_seen(rays).repeat(NEARER, 0).repeat(NEARER, 1)[:rows, :columns]
+        return found.repeat(NEARER, 0).repeat(NEARER, 1)[:rows, :columns]
 
     def rays_from(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
@@ -222,23 +223,22 @@ class Reach(Pass):
                 seen = self.arrives.setdefault(int(light), np.zeros_like(part))
                 against_dim = np.minimum(self.most[light] / np.maximum(DIM * there, TINY), 1.0)
                 bright = np.minimum(self.most[light], BRIGHTEST * average) / average
-                found[int(light)] = Reached(worth, against_dim, part, bright, seen)
+                unasked = self.unasked.get(int(light), np.zeros_like(worth))
+                found[int(light)] = Reached(worth, against_dim, part, bright, seen, unasked)
         return found
 
 
 def everywhere(frame: Frame) -> dict[int, Reached]:
     """As if all lights counted for all blocks."""
     whole = np.ones(frame.blocks[::-1], np.float32)
-    return {light: Reached(whole > 0.0, whole, whole, whole, whole) for light in range(len(frame.scene.lights.shape))}
+    all_of_it = Reached(whole > 0.0, whole, whole, whole, whole, whole > 1.0)
+    return {light: replace(all_of_it) for light in range(len(frame.scene.lights.shape))}
 
 
 def part_seen(rays: np.ndarray) -> np.ndarray:
-    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours.
-
-    UNKNOWN where there were none.
-    """
+    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours."""
     arrived, sent = (around(number).sum((2, 3)) for number in np.moveaxis(rays, 2, 0))
-    return np.where(sent > 0.0, arrived / np.maximum(sent, 1.0), UNKNOWN)
+    return arrived / np.maximum(sent, 1.0)
 
 
 def around(values: np.ndarray) -> np.ndarray:
