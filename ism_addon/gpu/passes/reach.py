@@ -161,16 +161,15 @@ class Reach(Pass):
 
     def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
-        casts = frame.scene.lights.casts_shadow & frame.traces
+        casts, narrow = frame.scene.lights.casts_shadow & frame.traces, frame.scene.lights.spread < np.pi
         reaching = np.flatnonzero(self.most.any((1, 2)))
         asked = reaching[casts[reaching]]
         if len(asked) > FEW:
             arrived = self.rays_from(frame, asked, FARTHER)
-            narrow = frame.scene.lights.spread < np.pi
-            asked = np.array([k for k in asked if arrived[k].any() <= narrow[k] or arrived[k][..., 0].any()], int)
+            sent = {light: rays.any() for light, rays in arrived.items()}
+            asked = np.array([k for k in asked if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
         rays = self.rays_from(frame, asked, NEARER)
-        narrow = [light for light in rays if frame.scene.lights.spread[light] < np.pi]
-        self.unasked = {k: self.by_blocks(frame, ~around(rays[k][..., 1]).any((2, 3))) for k in narrow}
+        self.unasked = {k: self.by_blocks(frame, ~around(rays[k][..., 1]).any((2, 3))) for k in rays if narrow[k]}
         certain = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
         return certain | {light: self.by_blocks(frame, part_seen(found)) for light, found in rays.items()}
 
