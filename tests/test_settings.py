@@ -39,7 +39,7 @@ def changed(settings, section, name):
 @pytest.mark.parametrize(("section", "name", "method"), LIMITED)
 def test_a_setting_counts_for_the_methods_that_it_names(device, section, name, method):
     scene, view = box_over_plane(48, 32)
-    with_holes = with_quality(MAPS, map_size=64)
+    with_holes = with_quality(MAPS, map_size=128)
     for settings in (with_quality(SMALL_SETTINGS, samples=2), with_holes):
         plain = draw(device, scene, view, settings).color
         other = draw(device, scene, view, changed(settings, section, name)).color

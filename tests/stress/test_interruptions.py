@@ -109,7 +109,7 @@ def test_unregistered_while_rendering(tmp_path):
         "    try:",
         "        addon.unregister()",
         "    except RuntimeError as error:",
-        "        print(threading.current_thread() is thread, error, flush=True)",
+        "        sys.stdout.write(f'{threading.current_thread() is thread} {error}\\n')",
         "thread = threading.Timer(0.5, unregister)",
         "thread.start()",
         "bpy.app.handlers.render_stats.append(unregister)",
