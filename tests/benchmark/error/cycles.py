@@ -4,6 +4,7 @@
 Persistent data keeps the scene and its BVH from render to render; that none is built again is watched.
 """
 
+import math
 import re
 import tempfile
 import time
@@ -89,5 +90,6 @@ def render(samples: int, denoise: bool, seed: int) -> Rendered:
     whole = time.perf_counter() - start
     sampling = next(at for at, line in told if "| Sample 0/" in line)
     done = next(at for at, line in reversed(told) if line.endswith("| Finished"))
-    megabytes = max(float(peak) for _, line in told for peak in re.findall(r"Peak:([\d.]+)M", line))
+    peaks = [float(peak) for _, line in told for peak in re.findall(r"Peak:([\d.]+)M", line)]
+    megabytes = max(peaks, default=math.nan)  # from Blender 5.0 on not all renders say it
     return Rendered(whole, done - sampling, megabytes, any("Building BVH" in line for _, line in told))
