@@ -169,8 +169,8 @@ GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 #: pixel_member in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
 #: pixel, which say how much a ray counts, and over neighbours, and for thousands of rays: found by search among
 #: half-seen lights, see tests/test_ray_places.py.
-RAY_STEPS = (0.73723908, 0.59058807)
-PIXEL_STEPS = (0.56006778, 0.75023900)
+RAY_STEPS = (0.72079472, 0.58961153)
+PIXEL_STEPS = (0.56302240, 0.75173203)
 
 #: Steps of when it is a pixel's turn to have a ray: from pixel to pixel, and from round to round of places in a pixel.
 TURN_STEPS = (2**0.5 - 1.0, (21**0.5 - 3.0) / 2.0)
