@@ -104,8 +104,9 @@ def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
 
 
 @pytest.mark.parametrize("radiance", [0.1, 0.04], ids=["alone", "by the block"])
-def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device, radiance):
+def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device, monkeypatch, radiance):
     """Twenty lights over a screen with a hole, beside one under it: what comes through is right, sooner or later."""
+    monkeypatch.setattr(reach, "MANY", 0)  # as few first rays as a large picture has for its size
     screens = [
         quad((-40, -40, 1.0), (40.3, 0, 0), (0, 80, 0)),
         quad((0.6, -40, 1.0), (40, 0, 0), (0, 80, 0)),
@@ -181,3 +182,16 @@ def test_more_lights_than_fit_a_strip(device):
     assert -(-view.height // BLOCK // reach.NEARER) * len(rows) > 100
     assert found.profile.counts["lights_used"] == len(rows)
     assert np.array_equal(found.color, draw(device, scene, view, settings).color)
+
+
+@pytest.mark.parametrize("size", [(64, 64), (160, 48)], ids=str)
+def test_a_small_picture_loses_no_faint_lights(device, size):
+    """Of many lights behind an edge that hides half of them, though few rays fit a small picture."""
+    plate, floor = quad((0.0, -4.0, 1.0), (4.0, 0.0, 0.0), (0.0, 8.0, 0.0)), quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
+    bright = light(position=(0.0, 0.0, 4.0), casts_shadow=False)
+    scene = stage([floor, plate], reduce(both, [light(radiance=0.002)] * 128, bright))
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
+    view, settings = from_above(1.0, size), with_quality(SMALL_SETTINGS, samples=4)
+    without = draw(device, stage([floor], bright), view, settings).color[..., 0].mean()
+    faint = [draw(device, scene, view, replace(settings, skip=skip)).color[..., 0].mean() - without for skip in (1, 0)]
+    assert faint[0] == pytest.approx(faint[1], rel=0.01)

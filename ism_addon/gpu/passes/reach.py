@@ -36,10 +36,11 @@ DIM = 0.01
 SPLIT = 1.1
 
 #: Lights are looked for from one block of so many, along either side of the picture; of more lights than a few, only
-#: those that arrive at any of fewer blocks.
+#: those that arrive at any of fewer blocks, where these are many: a small picture's would leave out what they miss.
 NEARER = 2
 FARTHER = 4
 FEW = 16
+MANY = 64
 
 #: Of each light that rays are sent to: its number, and the place on it.
 ASKED = Target(3, "u4")
@@ -164,7 +165,7 @@ class Reach(Pass):
         casts, narrow = frame.scene.lights.casts_shadow & frame.traces, frame.scene.lights.spread < np.pi
         reaching = np.flatnonzero(self.most.any((1, 2)))
         asked = reaching[casts[reaching]]
-        if len(asked) > FEW:
+        if len(asked) > FEW and np.prod([-(-count // FARTHER) for count in frame.blocks]) >= MANY:
             arrived = self.rays_from(frame, asked, FARTHER)
             sent = {light: rays.any() for light, rays in arrived.items()}
             asked = np.array([k for k in asked if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
