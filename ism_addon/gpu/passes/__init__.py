@@ -52,6 +52,9 @@ BLOCKS_LAYOUT = "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "ligh
 #: say more than those that scouted.
 RENEWED = {0, *(2**k for k in range(2, 32))}
 
+#: The part that is thought to be seen of a light where rays have not told yet: none was sent, or those sent were few.
+UNKNOWN = 0.25
+
 #: What a close look found of a light: rays that arrived, and rays.
 SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 

@@ -12,16 +12,13 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, PREDICTION, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at, by_block
+from . import BLOCK, PREDICTION, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, UNKNOWN, Frame, Pass, blocks_at, by_block
 
 #: Of each light and pixel: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
 
 #: Of each light and block: whether any ray about it arrived, and whether any did not.
 FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
-
-#: The part that is thought to be seen of a light where it was spotted, though none of its first rays arrived.
-SPOTTED = 0.25
 
 
 class Predict(Pass):
@@ -80,7 +77,7 @@ class Predict(Pass):
         """Lights that had seemed hidden, and the blocks (rows,columns) where they are not."""
         for light, seen in spotted.items():
             reach = frame.tables["reach"][light]
-            reach.seen[seen] = np.maximum(reach.seen[seen], SPOTTED)
+            reach.seen[seen] = np.maximum(reach.seen[seen], UNKNOWN)
             if light in frame.tables["found"] or not (seen & ~reach.dim).any():
                 continue
             frame.tables["found"][light] = np.stack([seen, np.ones_like(seen)], 2)

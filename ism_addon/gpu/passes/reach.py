@@ -22,7 +22,7 @@ from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, FAR_AWAY, RENEWED, SCOUTED, Frame, Pass, by_block
+from . import BLOCK, FAR_AWAY, RENEWED, SCOUTED, UNKNOWN, Frame, Pass, by_block
 
 #: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
 #: for darker than this part of the picture's mean.
@@ -69,7 +69,6 @@ class Reached:
     part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
     bright: np.ndarray  # float32: of the picture's mean light, that it could be at most; BRIGHTEST if it is more
     seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
-    unasked: np.ndarray  # bool: whether its narrow cone lights no point there that a ray began at, but may light others
 
     @cached_property
     def dim(self) -> np.ndarray:
@@ -79,7 +78,7 @@ class Reached:
     @property
     def scouted(self) -> np.ndarray:
         """(rows,columns) bool: whether Scout has to look closely."""
-        return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0) | self.unasked)
+        return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0))
 
 
 class Reach(Pass):
@@ -105,7 +104,6 @@ class Reach(Pass):
         self.most = np.zeros((0, 0, 0), np.float32)
         #: Parts (rows,columns) of lights that are seen about blocks, and the luminance that is thought to arrive.
         self.arrives: dict[int, np.ndarray] = {}
-        self.unasked: dict[int, np.ndarray] = {}
         self.light = np.zeros((0, 0), np.float32)
 
     def needed(self, frame: Frame) -> bool:
@@ -129,7 +127,8 @@ class Reach(Pass):
         else:
             spotted = frame.tables["spotted"] if frame.traces else {}
             for light, rays in self.rays_from(frame, np.array(list(spotted), int), NEARER).items():
-                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, part_seen(rays)))
+                part = part_seen(rays, frame.scene.lights.spread[light] < np.pi)
+                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, part))
             new = np.flatnonzero(~self.bounds.hold(seen))
             self.bounds = self.bounds.joined(seen)
             self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
@@ -170,9 +169,8 @@ class Reach(Pass):
             sent = {light: rays.any() for light, rays in arrived.items()}
             asked = np.array([k for k in asked if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
         rays = self.rays_from(frame, asked, NEARER)
-        self.unasked = {k: self.by_blocks(frame, ~around(rays[k][..., 1]).any((2, 3))) for k in rays if narrow[k]}
         certain = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
-        return certain | {light: self.by_blocks(frame, part_seen(found)) for light, found in rays.items()}
+        return certain | {k: self.by_blocks(frame, part_seen(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
     def by_blocks(frame: Frame, found: np.ndarray) -> np.ndarray:
@@ -223,22 +221,24 @@ class Reach(Pass):
                 seen = self.arrives.setdefault(int(light), np.zeros_like(part))
                 against_dim = np.minimum(self.most[light] / np.maximum(DIM * there, TINY), 1.0)
                 bright = np.minimum(self.most[light], BRIGHTEST * average) / average
-                unasked = self.unasked.get(int(light), np.zeros_like(worth))
-                found[int(light)] = Reached(worth, against_dim, part, bright, seen, unasked)
+                found[int(light)] = Reached(worth, against_dim, part, bright, seen)
         return found
 
 
 def everywhere(frame: Frame) -> dict[int, Reached]:
     """As if all lights counted for all blocks."""
     whole = np.ones(frame.blocks[::-1], np.float32)
-    all_of_it = Reached(whole > 0.0, whole, whole, whole, whole, whole > 1.0)
+    all_of_it = Reached(whole > 0.0, whole, whole, whole, whole)
     return {light: replace(all_of_it) for light in range(len(frame.scene.lights.shape))}
 
 
-def part_seen(rays: np.ndarray) -> np.ndarray:
-    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours."""
+def part_seen(rays: np.ndarray, narrow: bool) -> np.ndarray:
+    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours.
+
+    A light's `narrow` cone may light what lies between points that it sends nothing to.
+    """
     arrived, sent = (around(number).sum((2, 3)) for number in np.moveaxis(rays, 2, 0))
-    return arrived / np.maximum(sent, 1.0)
+    return np.where(narrow & (sent == 0.0), UNKNOWN, arrived / np.maximum(sent, 1.0))
 
 
 def around(values: np.ndarray) -> np.ndarray:
