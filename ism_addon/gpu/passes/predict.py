@@ -12,7 +12,19 @@ from ...scene import Change
 from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
-from . import BLOCK, PREDICTION, RENEWED, SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, UNKNOWN, Frame, Pass, blocks_at, by_block
+from . import (
+    BLOCK,
+    PREDICTION,
+    RENEWED,
+    SCOUTED,
+    SCOUTED_BLOCK,
+    SCOUTS_APART,
+    UNKNOWN,
+    Frame,
+    Pass,
+    blocks_at,
+    by_block,
+)
 
 #: Of each light and pixel: rays that arrived so far, and rays.
 SEEN = Target(2, "f4")
