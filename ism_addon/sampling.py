@@ -42,7 +42,8 @@ class Dimension(Enum):
 
     Two decisions by the same numbers would follow each other: a tile that takes part in every other sample, say, would
     only ever see half of an occlusion pattern. In one dimension they are quadratic irrationals with small partial
-    quotients, which are as even as the golden ratio up to a factor of two.
+    quotients, which are as even as the golden ratio up to a factor of two. Of golden_steps(4), three times the first is
+    almost the second of golden_steps(2).
     """
 
     TILE_TURN = golden_steps(1)  # whether a tile takes part
@@ -50,7 +51,7 @@ class Dimension(Enum):
     OCCLUSION_TURN = (3**0.5 - 1.0,)  # the pattern of ambient occlusion
     PIXEL = golden_steps(2)  # the place in the pixel, where samples do not share a grid
     VIRTUAL_LIGHT = golden_steps(3)[:2]  # the shift of a light's virtual point lights
-    RETEST_POINT = golden_steps(4)[:2]  # the point on the light that is looked for
+    RETEST_POINT = golden_steps(4)[2:]  # the point on the light that is looked for
 
 
 def sequence(dimension: Dimension, first: int, count: int) -> np.ndarray:

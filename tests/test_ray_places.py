@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pixel's rays go to places on a light that are even together with their places in the pixel, and its neighbours'."""
+"""A pixel's rays go to places on a light that are even together with their places in the pixel, its neighbours', and
+those on other lights."""
+
+from dataclasses import replace
+from functools import reduce
 
 import numpy as np
+import pytest
 
+from ism_addon.gpu.passes import dim, trace
+from ism_addon.gpu.passes.dim import Dim
+from ism_addon.gpu.passes.trace import Trace
 from ism_addon.sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence, grid
+from ism_addon.scene import Scene, View
 
+from .studio import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
 from .test_accumulate import blackman_harris
 
 #: Pixels along the square that is looked at, and how wide the filter reaches.
@@ -51,3 +61,34 @@ def test_rays_are_even_together_with_the_places_in_the_pixel():
         ours, theirs = errors(RAY_STEPS, PIXEL_STEPS, samples), errors(steps, steps[::-1], samples)
         assert ours[0] < {16: 0.9, 32: 0.75, 64: 0.75}[samples] * theirs[0]
         assert ours[1] < 1.05 * theirs[1]
+
+
+def before_an_edge(count: int, part: float) -> tuple[Scene, View]:
+    """A view of a floor, in whose middle a half is hidden of so many lights in one place, each of `part` of the light.
+
+    All else comes from a light that nothing hides. What hides the others is not seen.
+    """
+    lights = [light(casts_shadow=False), *[light(radiance=part)] * count]
+    floor, plate = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), quad((-3, -3, 1), (3, 0, 0), (0, 6, 0))
+    scene = stage([floor, plate], reduce(both, lights))
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
+    return scene, from_above(0.6, (32, 32))
+
+
+@pytest.mark.parametrize(("kind", "part"), [(Trace, 1.0), (Dim, 0.002)], ids=["Trace", "Dim"])
+def test_lights_in_one_place_have_places_of_their_own(device, monkeypatch, kind, part):
+    """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
+    for module in trace, dim:  # each pixel has a ray to each light, so it does not matter when it is their turn
+        monkeypatch.setattr(module, "LEAST_CHANCE", 1.0)
+    monkeypatch.setattr(dim, "LEAST_TURN", 1.0)
+
+    def irradiance(count: int) -> np.ndarray:
+        drawn = draw(device, *before_an_edge(count, part), with_quality(SMALL_SETTINGS, samples=2))
+        assert kind is Trace or not count or drawn.profile.rows["Dim"].drawn
+        return (drawn.target("predicted") + drawn.target("correction"))[..., 0]
+
+    alone, errors = irradiance(0), {}
+    for count in 1, 12:
+        seen = (irradiance(count) / alone - 1.0) / (count * part)
+        errors[count] = np.sqrt(((seen - seen.mean(0)) ** 2).mean())
+    assert errors[12] < 0.3 * errors[1]

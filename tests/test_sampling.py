@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points are where they should be, as many as they should be, and the same each time."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from ism_addon.sampling import (
     BLOCK,
     GRIDS,
+    Dimension,
     additive_sequence,
     barycentric,
     disk,
@@ -16,12 +19,14 @@ from ism_addon.sampling import (
     narrow_grid,
     points_on_light,
     points_on_triangles,
+    sequence,
     shares,
     triangle_areas,
 )
 from ism_addon.scene import LightShape
 
 from .studio import light
+from .tools import project
 
 SHAPES = tuple(LightShape)
 
@@ -164,6 +169,25 @@ def test_disk_keeps_areas_and_has_no_pole():
         50_000, rel=0.02
     )
     assert np.isfinite(disk(np.array([[0.5, 0.5]]))).all()
+
+
+@pytest.mark.parametrize("first", [0, 3000])
+def test_no_two_decisions_follow_each_other(first):
+    """Of each two, all pairs of numbers come up, evenly: neither is the other's, its double or what is left of it."""
+    assert len(Dimension) == len(Dimension.__members__), "of equal increments Python makes one member"
+    numbers = {
+        f"{each.name} {k}": column for each in Dimension for k, column in enumerate(sequence(each, first, 1024).T)
+    }
+    for (one, x), (other, y) in combinations(numbers.items(), 2):
+        counts, _, _ = np.histogram2d(x, y, 8, ((0.0, 1.0), (0.0, 1.0)))
+        assert counts.min() >= 4 and counts.max() <= 32, (one, other)  # 16 on average
+
+
+def test_every_decision_has_one_place():
+    """Two that took the same dimension would follow each other."""
+    texts = [path.read_text("utf-8") for path in (project.ROOT / "ism_addon").rglob("*.py")]
+    for dimension in Dimension:
+        assert sum(text.count(f"Dimension.{dimension.name}") for text in texts) == 1, dimension
 
 
 def test_every_run_of_the_sequence_is_evenly_spread():
