@@ -43,6 +43,10 @@ def use_all_samplers(gl: moderngl.Context) -> None:
 
 
 def never_filtered(texture: moderngl.Texture) -> None:
-    """Nor repeated: the state that all textures of ours have."""
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    """Nor repeated: the state that all textures of ours have.
+
+    That of whole numbers takes the nearest of its levels, whatever it is told; so all do, and have but one.
+    """
+    texture.build_mipmaps(0, 0)
+    texture.filter = moderngl.NEAREST_MIPMAP_NEAREST, moderngl.NEAREST
     texture.repeat_x = texture.repeat_y = False
