@@ -2,13 +2,14 @@
 """When a renderer waits for the GPU, and how long its passes take.
 
 A short sample is handed over whole, and waited for when the next one has been handed over as well: so the GPU is never
-idle. A longer one is waited for pass by pass: else nobody could cancel it, and drivers whose queues are full would wait
-within a draw, which holds the interpreter's lock.
+idle. A longer one is waited for pass by pass, and within a pass, portion by portion: else nobody could cancel it, and
+drivers whose queues are full would wait within a draw, which holds the interpreter's lock.
 """
 
 import time
 from collections import deque
 
+from . import draw_limit
 from .context import Device
 from .profile import Row
 
@@ -24,6 +25,8 @@ class Pace:
         self._is_short = False
         self._waits = True
         self._begun = 0.0
+        #: Of which the GPU has been asked since the last time that something was handed over.
+        self._rays = 0.0
         #: Of short samples that the GPU may still be busy with: the clock's notes before their first pass, and after
         #: each one. Time in which the GPU waits for Python is the next pass's.
         self._notes: deque[list[tuple[Row, int]]] = deque()
@@ -31,14 +34,22 @@ class Pace:
     def begin(self, sample: int) -> None:
         """A sample begins; nobody knows of the first one how long it takes."""
         self._waits = sample == 0 or not (self._is_short and self.device.clock.runs)
-        self._begun = time.perf_counter()
+        self._rays, self._begun = 0.0, time.perf_counter()
         if not self._waits:
             self._notes.append([(Row(), self.device.clock.note())])
+
+    def ask(self, rays: float) -> None:
+        """A draw comes that takes the time of so many rays: what came before is handed over if both are too much."""
+        if self._waits and self._rays + rays > draw_limit.MOST_RAYS:
+            self.device.hand_over()
+            self._rays = 0.0
+        self._rays += rays
 
     def passed(self, row: Row, begun: float) -> None:
         """A pass that began then (s, perf_counter) has been asked for, or is done: its time is for this row."""
         if self._waits:
             self.device.wait()
+            self._rays = 0.0
             row.ms += 1e3 * (time.perf_counter() - begun)
         else:
             self._notes[-1].append((row, self.device.clock.note()))

@@ -150,7 +150,17 @@ class Renderer:
             self.estimate(scene, view, settings, int(fine.bounds(view.width, view.height)[1].prod()))
         self.block.write(block.frame_block(view, anchor, scene.working_space))
         return Frame(
-            self.device, scene, view, settings, sample, anchor, self.targets, self.tables, profile.counts, fine
+            self.device,
+            scene,
+            view,
+            settings,
+            sample,
+            anchor,
+            self.targets,
+            self.tables,
+            profile.counts,
+            fine,
+            self.pace,
         )
 
     def estimate(self, scene: Scene, view: View, settings: Settings, fine_pixels: int) -> None:

@@ -17,7 +17,9 @@ from ...settings import Method, Settings
 from ..atlas import Batch
 from ..block import clip_from_anchor
 from ..context import Device
+from ..draw_limit import TEXELS, portions, rectangles
 from ..layout import Record
+from ..pace import Pace
 from ..program import bind, compile_program
 from ..targets import Target, Targets, draw_into
 
@@ -90,6 +92,7 @@ class Frame:
     tables: dict[str, Any]  # what passes make that is no target, by name
     counts: dict[str, int]
     grid: Grid  # where in the pixels samples lie
+    pace: Pace
     batch: Batch | None = None  # the light points whose maps are in the atlas
 
     @property
@@ -215,10 +218,11 @@ class Pass:
         blocks: np.ndarray | None = None,
         margin: int = 0,
         block: int = BLOCK,
+        rays: float = 1.0,
     ) -> None:
         """Draw the pixels of some blocks, or of all that take part in this sample, see sift, and `margin` px around.
 
-        In a target of lower resolution a block has fewer.
+        In a target of lower resolution a block has fewer. A pixel takes the time of so many `rays`, see draw_limit.
         """
         blocks = frame.tables["blocks"] if blocks is None else blocks
         if not len(blocks):
@@ -229,8 +233,11 @@ class Pass:
         if target.viewport != whole:
             target.viewport = whole
         self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
-        bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
-        self.device.points.draw(program, blocks, BLOCKS_LAYOUT)
+        size = block + 2 * margin
+        bind(program, blocks=(columns, rows), size=float(size))
+        for part in portions(len(blocks), rays * size * size):
+            frame.pace.ask(rays * size * size * (part.stop - part.start))
+            self.device.points.draw(program, blocks[part], BLOCKS_LAYOUT)
         if whole[2:] != target.size:
             target.viewport = 0, 0, *target.size
 
@@ -239,9 +246,21 @@ class Pass:
     ) -> None:
         """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
         self.device.gl.enable_only(moderngl.NOTHING)
-        draw_into(target)
         bind(shader.program, columns=frame.blocks[0], strip=target.width, **uniforms)
-        shader.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, target, shader, 2 * BLOCK**2 / TEXELS)  # of two pictures, about
+
+    def draw_pixels(
+        self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0
+    ) -> None:
+        """Draw all pixels of a target by the triangle that covers them; each takes the time of so many `rays`."""
+        draw_into(target)
+        for part in rectangles(target.size, rays):
+            frame.pace.ask(rays * part[2] * part[3])
+            if part[2:] != target.size:
+                target.scissor = part
+            shader.render(moderngl.TRIANGLES, vertices=3)
+        if part[2:] != target.size:
+            target.scissor = None
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""

@@ -16,12 +16,16 @@ from dataclasses import replace
 import moderngl
 
 from ...scene import Change
+from ..draw_limit import TEXELS
 from ..program import bind
 from ..targets import Target
 from . import BLOCK, Frame, Pass
 
 #: Pixels of margin from which on a filter is wide.
 WIDE = 5
+
+#: Samples that are fetched and weighed in the time that it takes to add to a sum.
+ADDING = 4
 
 #: A pixel's variance, over that of a Blackman-Harris filter that reaches 1 px: 1 / 12 / 0.076736.
 BLUR = 1.08598
@@ -38,6 +42,11 @@ def margin(reach: float) -> int:
     Where that is none, samples are spread as the filter is, and all count alike.
     """
     return max(math.ceil(reach - 0.5), 0)
+
+
+def rays_for(samples: int) -> float:
+    """In whose time so many samples are added to a pixel's sums."""
+    return len(SUMS) * (samples + ADDING) / TEXELS
 
 
 class Accumulate(Pass):
@@ -64,7 +73,9 @@ class Accumulate(Pass):
             gl.enable_only(adding)
             program = self.in_blocks(margin=margin(reach), corrected=corrected, whole=int(first))
             bind(program, **samples, reach=reach)
-            self.draw_blocks(frame, frame.targets.into(*SUMS), program, margin=0 if first else margin(reach))
+            rays = rays_for((2 * margin(reach) + 1) ** 2)
+            around = 0 if first else margin(reach)
+            self.draw_blocks(frame, frame.targets.into(*SUMS), program, margin=around, rays=rays)
             return
         gl.enable_only(moderngl.NOTHING)
         for name, target in (*TAKEN.items(), *ROWS.items()):
@@ -73,7 +84,7 @@ class Accumulate(Pass):
         taken.clear()
         program = self.in_blocks(part="taken", corrected=corrected)
         bind(program, **samples)
-        self.draw_blocks(frame, taken, program)
+        self.draw_blocks(frame, taken, program, rays=rays_for(1))
         self.draw_lines(frame, TAKEN, ROWS)
         gl.enable_only(adding)
         self.draw_lines(frame, ROWS, SUMS)
@@ -85,5 +96,4 @@ class Accumulate(Pass):
         samplers = "taken", "taken_correction", "taken_weights", "taken_headroom"
         textures = {sampler: frame.targets[name] for sampler, name in zip(samplers, source, strict=True)}
         bind(lines.program, **textures, chances=frame.tables["chances"], reach=narrower, margin=margin(reach))
-        frame.targets.into(*into).use()
-        lines.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, frame.targets.into(*into), lines, rays_for(2 * margin(reach) + 1))

@@ -35,7 +35,6 @@ class Blur(Pass):
             ("occlusion", "occlusion_across", (1, 0)),
             ("occlusion_across", "smooth_occlusion", (0, 1)),
         ):
-            frame.targets.into(into).use()
             bind(
                 self.pixels.program,
                 position=frame.targets["position"],
@@ -44,4 +43,4 @@ class Blur(Pass):
                 occlusion=frame.targets[source],
                 along=along,
             )
-            self.pixels.render(moderngl.TRIANGLES, vertices=3)
+            self.draw_pixels(frame, frame.targets.into(into), self.pixels)

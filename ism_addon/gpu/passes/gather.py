@@ -17,6 +17,9 @@ from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
 
+#: Light points that are looked from, or lights, in the time of a ray; as measured.
+POINTS = 30
+
 
 class Gather(Pass):
     """Irradiance W/m² of each pixel: the sum over the batches of light points."""
@@ -39,7 +42,6 @@ class Gather(Pass):
         target = frame.targets.into("irradiance")
         if batch.first == 0:
             target.clear()
-        target.use()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(
@@ -59,4 +61,5 @@ class Gather(Pass):
             shadows=frame.casts_shadows,
             bias=shadow.bias,
         )
-        self.pixels.render(moderngl.TRIANGLES, vertices=3)
+        points = frame.tables["points_per_light"]
+        self.draw_pixels(frame, target, self.pixels, (sum(points.values()) + len(points)) / POINTS)

@@ -55,7 +55,6 @@ class PullPush(Pass):
         """Pull from `level` to the next coarser, or push to `level` from there."""
         targets = frame.targets
         above = f"push {level + 1}" if level + 1 < LEVELS else f"pull {LEVELS}"
-        targets.into(into).use()
         vertices = self.steps[name]
         bind(
             vertices.program,
@@ -65,4 +64,4 @@ class PullPush(Pass):
             coarse_side=frame.batch.side >> (level + 1),
             threshold=frame.settings.shadow.fill_threshold,
         )
-        vertices.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, targets.into(into), vertices)

@@ -200,8 +200,7 @@ class Reach(Pass):
                 **frame.tables["casters"],
             )
             strips = SCOUTED.create(gl, (columns, len(some) * rows))
-            gl.framebuffer([strips]).use()
-            self.rays.render(moderngl.TRIANGLES, vertices=3)
+            self.draw_pixels(frame, gl.framebuffer([strips]), self.rays)
             self.device.wait()
             found |= zip(some, pixels(strips).reshape(len(some), rows, columns, 2), strict=True)
         return found

@@ -40,7 +40,6 @@ class Resolve(Pass):
         if corrected:
             self.look_around(frame)
         pixels = self.pixels[corrected]
-        frame.targets.into("resolved").use()
         bind(
             pixels.program,
             sum=frame.targets["sum"],
@@ -52,11 +51,10 @@ class Resolve(Pass):
             least=least_light(frame.scene.lights),
             stand_out=frame.targets["stand_out"],
         )
-        pixels.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, frame.targets.into("resolved"), pixels)
 
     def look_around(self, frame: Frame) -> None:
         """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
-        frame.targets.into("near", "stand_out").use()
         bind(
             self.near.program,
             sum=frame.targets["sum"],
@@ -64,7 +62,7 @@ class Resolve(Pass):
             weights=frame.targets["weights"],
             counts=frame.tables["counts"],
         )
-        self.near.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, frame.targets.into("near", "stand_out"), self.near)
 
 
 def least_light(lights: Lights) -> float:

@@ -31,7 +31,6 @@ class Show(Pass):
     def draw(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
         source = frame.targets[frame.settings.show]
-        frame.targets.into("shown").use()
         pixels = self.pixels[source.dtype == "u4"]
         bind(
             pixels.program,
@@ -40,4 +39,4 @@ class Show(Pass):
             components=source.components,
             picture_size=frame.targets["shown"].size,
         )
-        pixels.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, frame.targets.into("shown"), pixels)

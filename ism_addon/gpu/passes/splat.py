@@ -16,12 +16,16 @@ import moderngl
 import numpy as np
 
 from ..atlas import EMPTY
+from ..draw_limit import portions
 from ..program import bind, compile_program
 from ..targets import Target
 from . import Frame, Pass
 
-#: Discs handed over at a time: or memory would be taken for those of all maps.
-PORTION = 1 << 18
+#: Rays in whose time processors are done with a disc: as many as are drawn at once take memory on them until then.
+A_DISC = 4.0
+
+#: Texels that are drawn in the time of a ray.
+TEXELS = 30
 
 
 class Splat(Pass):
@@ -54,7 +58,6 @@ class Splat(Pass):
         gl.blend_equation = moderngl.MIN
         bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
-        waiting = 0
         for index in range(batch.count):
             point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
             turns = subsets[point["light"]]
@@ -64,10 +67,10 @@ class Splat(Pass):
                 tangent, normal = point["tangent"], point["normal"]
                 axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
                 bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
-                discs.render(moderngl.POINTS, vertices=subset.count, first=subset.first)
-                waiting += subset.count
-            if waiting >= PORTION:
-                self.device.hand_over()
-                waiting = 0
+                rays = A_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
+                for part in portions(subset.count, rays):
+                    count = part.stop - part.start
+                    frame.pace.ask(rays * count)
+                    discs.render(moderngl.POINTS, vertices=count, first=subset.first + part.start)
         atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
         gl.blend_equation = moderngl.FUNC_ADD

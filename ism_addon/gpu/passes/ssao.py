@@ -47,7 +47,6 @@ class SSAO(Pass):
     def draw(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
         frame.device.gl.enable_only(moderngl.NOTHING)
-        frame.targets.into("occlusion").use()
         bind(
             self.pixels.program,
             depth=frame.targets["depth"],
@@ -60,4 +59,4 @@ class SSAO(Pass):
             intensity=ssao.intensity,
             attenuation=ssao.attenuation,
         )
-        self.pixels.render(moderngl.TRIANGLES, vertices=3)
+        self.draw_pixels(frame, frame.targets.into("occlusion"), self.pixels)

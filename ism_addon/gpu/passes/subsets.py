@@ -33,6 +33,7 @@ class Subset:
 
     first: int
     count: int
+    maps: float  # that all discs would fill if none hid another, at most
 
 
 def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
@@ -80,6 +81,17 @@ def choose(cloud: Cloud, weights: np.ndarray, count: int, splat_size: float) -> 
     return found
 
 
+def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
+    """How many maps the discs of points (P,) of POINT would fill if none hid another, seen from a light's middle (3,).
+
+    That is what splat.vert draws: squares, where maps stretch them most, and all of the map for a disc close by.
+    """
+    to = points["position"] - light.astype(np.float32)
+    distance = np.sqrt(np.einsum("nk,nk->n", to, to))
+    side = 2.0 * points["radius"] / np.maximum(distance, 2.0 * points["radius"])
+    return float(np.minimum((side + side * side) ** 2, 1.0).sum(dtype=np.float64))
+
+
 class Subsets(Pass):
     """A vertex buffer of all subsets, and where each light's lie in it."""
 
@@ -101,12 +113,15 @@ class Subsets(Pass):
                 return [np.zeros(0, POINT)] * TURNS
             return choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size)
 
+        def of_points(light: int, first: int, points: np.ndarray) -> Subset:
+            return Subset(first, len(points), maps_filled(points, lights.position[light] - frame.anchor))
+
         chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
         points = np.concatenate([subset for subsets in chosen for subset in subsets])
         ends = np.cumsum([len(subset) for subsets in chosen for subset in subsets]).reshape(-1, TURNS)
         table = [
-            [Subset(int(end) - len(points), len(points)) for end, points in zip(row, subsets, strict=True)]
-            for row, subsets in zip(ends, chosen, strict=True)
+            [of_points(light, int(end) - len(points), points) for end, points in zip(row, subsets, strict=True)]
+            for light, (row, subsets) in enumerate(zip(ends, chosen, strict=True))
         ]
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
         frame.tables["surface_points"] = table, buffer
