@@ -30,8 +30,9 @@ def into_blender(scene: Scene, view: View) -> None:
         made.shade_smooth() if np.ptp(source.corner_normals, axis=1).max() > 1e-3 else made.shade_flat()
         made.materials.append(material)
         meshes.append(made)
-    for mesh, matrix in zip(scene.instances.mesh, scene.instances.world_from_object, strict=True):
-        place("Thing", meshes[mesh], matrix)
+    rows = scene.instances.mesh, scene.instances.world_from_object, scene.instances.visible
+    for mesh, matrix, visible in zip(*rows, strict=True):
+        place("Thing", meshes[mesh], matrix).visible_camera = bool(visible)
     for row in range(len(scene.lights.shape)):
         add_light(scene, row)
     add_camera(view)

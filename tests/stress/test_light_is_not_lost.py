@@ -33,8 +33,11 @@ SHAPES = {
 }
 
 
-def over_a_plate(shape: str, size: float, degrees: float) -> tuple[Scene, View]:
-    """A light 4 m over a floor, half of what it lights below a plate, seen as large as what it lights."""
+def over_a_plate(shape: str, size: float, degrees: float, seen: bool) -> tuple[Scene, View]:
+    """A light 4 m over a floor, half of what it lights below a plate, seen as large as what it lights.
+
+    The plate hides most of its shadow where it is seen itself.
+    """
     kind, part = SHAPES[shape]
     spread = math.radians(degrees)
     lamp = light(kind, (0.3, 0.2, 4.0), (size, 0, 0), (0, -part * size, 0), spread=spread)
@@ -42,9 +45,9 @@ def over_a_plate(shape: str, size: float, degrees: float) -> tuple[Scene, View]:
     floor = quad((0.3 - 5 * reach, 0.2 - 5 * reach, 0), (10 * reach, 0, 0), (0, 10 * reach, 0))
     plate = quad((0.3 - 3 * reach, 0.2 - 3 * reach, 0.7), (3.1 * reach, 0, 0), (0, 3 * reach, 0))
     view = from_above(2 * reach, (80, 80), filter_width=FILTER)
-    return stage([floor, plate], lamp), replace(
-        view, view_from_world=view.view_from_world @ placed(offset=(-0.3, -0.2, 0.0))
-    )
+    scene = stage([floor, plate], lamp)
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, seen])))
+    return scene, replace(view, view_from_world=view.view_from_world @ placed(offset=(-0.3, -0.2, 0.0)))
 
 
 def ratio_to_cycles(device, scene: Scene, view: View, settings: Settings) -> float:
@@ -58,15 +61,18 @@ def ratio_to_cycles(device, scene: Scene, view: View, settings: Settings) -> flo
 @pytest.mark.parametrize("size", [0.01, 1.0, 20.0])
 @pytest.mark.parametrize("degrees", [0.5, 2.0, 10.0, 60.0, 180.0])
 def test_spreads_by_rays(device, within, shape, size, degrees):
-    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees), RAYS) - 1.0), 0.005)
+    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees, False), RAYS) - 1.0), 0.005)
 
 
 @pytest.mark.parametrize("shape", ["square", "ellipse"])
 @pytest.mark.parametrize("size", [0.01, 1.0, 20.0])
 @pytest.mark.parametrize("degrees", [0.5, 10.0])
 def test_spreads_by_shadow_maps(device, within, shape, size, degrees):
-    """Most points of a large light with a narrow spread are of no pixel's light."""
-    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees), MAPS) - 1.0), 0.03)
+    """Most points of a large light with a narrow spread are of no pixel's light.
+
+    Of shadows, which imperfect maps let light into, see tests/test_spread_shadows.py.
+    """
+    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees, True), MAPS) - 1.0), 0.03)
 
 
 def behind_a_floor(size: float, part: float) -> tuple[Scene, View]:
