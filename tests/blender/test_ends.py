@@ -6,6 +6,7 @@ import re
 import bpy
 import pytest
 
+from ism_addon import limits
 from ism_addon.blender import engine
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -63,3 +64,13 @@ def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):
         "Light Points cannot be 1,000,000: 4,096 is used instead.",
         "Samples cannot be 0: 1 is used instead.",
     ]
+
+
+def test_images_that_are_drawn_smaller_are_told(scene, told, capfd, monkeypatch):
+    tree = scene.objects["Cube"].data.materials[0].node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.new("Picture", 256, 256)
+    tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    monkeypatch.setattr(limits, "LINES", 3)
+    told()
+    assert "some not drawn at their size: 1 of 256×256 px at 1/2 of it." in capfd.readouterr().out

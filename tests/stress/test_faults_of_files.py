@@ -83,6 +83,19 @@ def test_a_file_that_is_replaced_stays_what_it_is(path):
     assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
 
 
+def test_a_file_is_on_its_disk_before_it_takes_the_place_of_another(path, monkeypatch):
+    """Or after a power cut there would be an empty one."""
+    done = []
+
+    def noted(name: str, function):
+        monkeypatch.setattr(os, name, lambda *arguments: (done.append(name), function(*arguments)))
+
+    noted("fsync", os.fsync)
+    noted("replace", os.replace)
+    snapshot.save(path, *pillar_field(24, 16), SMALL_SETTINGS)
+    assert done == ["fsync", "replace"]
+
+
 def test_what_a_killed_process_has_left_is_in_nobodys_way(path):
     """In a container, the next process has the same number."""
     left = path.with_name(f".{os.getpid()}.part")

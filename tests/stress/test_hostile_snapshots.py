@@ -95,6 +95,16 @@ def test_a_snapshot_of_an_unknown_setting_with_a_long_name(told, path):
     assert len(said) < 200
 
 
+def test_a_reason_without_words_has_a_name(told, path, monkeypatch):
+    """As that of a file for which there is no memory."""
+
+    def no_memory(*_arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(snapshot, "_members", no_memory)
+    assert told(path) == f"{path} is not a snapshot: MemoryError."
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="devices are files elsewhere")
 def test_what_is_no_plain_file_is_not_read(told, tmp_path):
     """It might have no end, or never begin."""
