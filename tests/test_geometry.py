@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import PORTION, Coordinates, Geometry, arrays_of, portions
+from ism_addon.gpu.geometry import PORTION, Coordinates, Geometry, arrays_of, portions, uvs_of
 from ism_addon.gpu.layout import directions_from_octahedron
 from ism_addon.gpu.mesh_tree import mesh_tree
 from ism_addon.scene import Image
@@ -71,6 +71,29 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
         own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
         positions = corners[own] / made.scales[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles]).max() < 1e-6
+
+
+def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatch, device):
+    meshes = tuple(replace(rubble(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, PORTION, 7))
+    made = Geometry(device, meshes, in_trees=False)
+    coordinates, done = Coordinates(device, made), []
+    made.add((0,), {})
+    coordinates.follow()
+
+    def some(pieces):
+        if done:
+            raise MemoryError
+        done.append(uvs_of(pieces))
+        return done[-1]
+
+    made.add((1, 2), {})
+    with monkeypatch.context() as short, pytest.raises(MemoryError):
+        short.setattr(geometry, "AHEAD", 0)
+        short.setattr(geometry, "uvs_of", some)
+        coordinates.follow()
+    coordinates.follow()
+    found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)
+    assert np.array_equal(found[: 6 * made.count], np.repeat([5, PORTION, 7], [6 * 5, 6 * PORTION, 6 * 7]))
 
 
 @pytest.mark.parametrize("sorted_by_trees", [False, True])

@@ -221,6 +221,7 @@ class Coordinates:
     def follow(self) -> int:
         """Upload those of the meshes that have come: bytes."""
         order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
+        self.uvs.count = self.bytes // self.uvs.array.row  # of what has failed, none is left
         self.uvs.reserve(3 * order.count)
         for uvs in order.made(uvs_of, with_vertices=False):
             self.uvs.append(uvs)
