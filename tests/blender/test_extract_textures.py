@@ -16,7 +16,7 @@ def textured(add):
     def textured(image, layers=("UV",)):
         thing = add("Square")
         for number, name in enumerate(layers):
-            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([number / 4] * 8))
+            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(number + 1) / 4] * 8))
         material = bpy.data.materials.new("Paint")
         material.use_nodes = True
         tree = material.node_tree
@@ -54,7 +54,7 @@ def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted, fo
     node = textured(bpy.data.images.new("Picture", 2, 2), ("First", "Second"))
     uv_map = node.id_data.nodes.new("ShaderNodeUVMap")
     node.id_data.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
-    for name, value in (("Second", 0.25), ("First", 0.0), ("Second", 0.25), ("Gone", 0.0)):
+    for name, value in (("Second", 0.5), ("First", 0.25), ("Second", 0.5), ("Gone", 0.0)):
         uv_map.uv_map = name
         for scene in (followed(), extracted()):
             assert np.all(scene.meshes[0].uvs == value)
