@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes import dim, trace
-from ism_addon.gpu.passes.dim import Dim
-from ism_addon.gpu.passes.trace import Trace
-from ism_addon.sampling import PIXEL_STEPS, RAY_STEPS, additive_sequence, grid
+from ism_addon.sampling import PIXEL_STEPS, RAY_STEPS, TURN_STEPS, additive_sequence, grid
 from ism_addon.scene import Scene, View
 
 from .studio import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
@@ -63,32 +61,53 @@ def test_rays_are_even_together_with_the_places_in_the_pixel():
         assert ours[1] < 1.05 * theirs[1]
 
 
-def before_an_edge(count: int, part: float) -> tuple[Scene, View]:
-    """A view of a floor, in whose middle a half is hidden of so many lights in one place, each of `part` of the light.
+@pytest.mark.parametrize("steps", [RAY_STEPS, PIXEL_STEPS, TURN_STEPS])
+def test_no_sequence_comes_back_to_where_it_was(steps):
+    """In thousands of members: evenly spread, the N-th would be no nearer to the start than about 1 / N."""
+    members = np.arange(1, 4097)
+    for step in steps:
+        assert (members * np.abs((members * step + 0.5) % 1.0 - 0.5)).min() > 1e-3
+
+
+def before_an_edge(count: int, part: float) -> Scene:
+    """A floor in whose middle a half is hidden of so many lights in one place, each of `part` of the light.
 
     All else comes from a light that nothing hides. What hides the others is not seen.
     """
     lights = [light(casts_shadow=False), *[light(radiance=part)] * count]
     floor, plate = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), quad((-3, -3, 1), (3, 0, 0), (0, 6, 0))
     scene = stage([floor, plate], reduce(both, lights))
-    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    return scene, from_above(0.6, (32, 32))
+    return replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
 
 
-@pytest.mark.parametrize(("kind", "part"), [(Trace, 1.0), (Dim, 0.002)], ids=["Trace", "Dim"])
-def test_lights_in_one_place_have_places_of_their_own(device, monkeypatch, kind, part):
-    """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
-    for module in trace, dim:  # each pixel has a ray to each light, so it does not matter when it is their turn
+@pytest.fixture
+def seen(device, monkeypatch):
+    """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
+    for module in trace, dim:  # all have one: it does not matter when it is their turn
         monkeypatch.setattr(module, "LEAST_CHANCE", 1.0)
     monkeypatch.setattr(dim, "LEAST_TURN", 1.0)
 
-    def irradiance(count: int) -> np.ndarray:
-        drawn = draw(device, *before_an_edge(count, part), with_quality(SMALL_SETTINGS, samples=2))
-        assert kind is Trace or not count or drawn.profile.rows["Dim"].drawn
+    def irradiance(view: View, count: int, part: float) -> np.ndarray:
+        drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))
+        assert drawn.profile.rows["Dim" if 0.0 < part < 0.01 else "Trace"].drawn == 2
         return (drawn.target("predicted") + drawn.target("correction"))[..., 0]
 
-    alone, errors = irradiance(0), {}
+    return lambda view, count, part: (irradiance(view, count, part) / irradiance(view, 0, 0.0) - 1.0) / (count * part)
+
+
+def test_no_two_rows_of_pixels_have_the_same_places(seen):
+    """As far apart as they may be."""
+    arrived = seen(from_above(0.1, (8, 200)), 1, 1.0) > 0.5
+    assert 0.3 < arrived.mean() < 0.7
+    alike = [(arrived[apart:] == arrived[:-apart]).mean() for apart in range(1, 150)]
+    assert max(alike) < 0.95
+
+
+@pytest.mark.parametrize("part", [1.0, 0.002], ids=["Trace", "Dim"])
+def test_lights_in_one_place_have_places_of_their_own(seen, part):
+    """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
+    errors = {}
     for count in 1, 12:
-        seen = (irradiance(count) / alone - 1.0) / (count * part)
-        errors[count] = np.sqrt(((seen - seen.mean(0)) ** 2).mean())
+        found = seen(from_above(0.6, (32, 32)), count, part)
+        errors[count] = np.sqrt(((found - found.mean(0)) ** 2).mean())
     assert errors[12] < 0.3 * errors[1]
