@@ -4,12 +4,14 @@
 import sys
 from threading import Event, Thread
 
+from ism_addon.gpu.layout import INSTANCE
 from ism_addon.gpu.program import compile_program
 
 
 def test_other_threads_go_on_while_triangles_are_drawn(device):
     """Software drivers are at it until the call returns: the interpreter's lock is not held for so long."""
-    program = compile_program(device, "gbuffer_triangle.vert", "gbuffer_triangle.frag", by_nearness=1, together=0)
+    names = "gbuffer_triangle.vert", "gbuffer_triangle.frag"
+    program = compile_program(device, *names, records=(INSTANCE,), by_nearness=1)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()
     turns, done = [], Event()

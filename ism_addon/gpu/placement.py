@@ -41,10 +41,10 @@ class Owners:
     """By triangle, the instance whose it is: of meshes that stand once."""
 
     def __init__(self, device: Device, geometry: Geometry, pairs: bytes):
-        """`pairs` (N,2) int64 are the meshes' numbers and their instances' rows."""
+        """`pairs` (N,2) int64 are the meshes' numbers and their instances' rows; there may be none."""
         numbers, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
         first, counts = geometry.first_triangle[numbers], geometry.counts[numbers]
-        owners = np.zeros((int((first + counts).max()), 1), np.uint32)
+        owners = np.zeros((int((first + counts).max(initial=0)), 1), np.uint32)
         within = np.arange(counts.sum()) - (np.cumsum(counts) - counts).repeat(counts)
         owners[first.repeat(counts) + within, 0] = rows.repeat(counts)
         self.array = device.array(owners)
@@ -72,20 +72,21 @@ class Placement:
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
         self.geometry = geometry
-        #: Each instance's mesh, -1 if that is not there; and whether it is small and has no other instance.
+        #: Each instance's mesh, -1 if that is not there; and whether that is drawn together with others: of small ones,
+        #: if they are some, those that stand once.
         self.mesh = np.where(geometry.first_triangle[mesh] >= 0, mesh, -1)
         alone = np.bincount(mesh, minlength=len(geometry.meshes))[mesh] == 1
         self.single = (self.mesh >= 0) & alone & (geometry.counts[mesh] <= SMALL)
+        numbers = self.mesh[self.single]
+        ends = geometry.first_triangle[numbers] + geometry.counts[numbers]
+        if len(numbers) < 2 or ends.max() > MOST_OWNERS * geometry.counts[numbers].sum():
+            self.single[:] = False
         self.half_sizes = geometry.half_sizes[mesh]
-        self.owners: Owners | None = None
 
     def own(self, share: Callable[[bytes], Owners]) -> None:
-        """Draw small meshes that stand once together, if they are some; `share` makes Owners, or has made them."""
+        """Note whose the triangles are that are drawn together; `share` makes Owners, or has made them."""
         rows = np.flatnonzero(self.single)
-        numbers = self.mesh[rows]
-        ends = self.geometry.first_triangle[numbers] + self.geometry.counts[numbers]
-        if len(rows) > 1 and ends.max() <= MOST_OWNERS * self.geometry.counts[numbers].sum():
-            self.owners = share(np.stack([numbers, rows], 1).astype(np.int64).tobytes())
+        self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
     def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[Draw | Ranges]:
         """The instances that can be in the picture, or as far beyond it as cull.py says."""
@@ -99,7 +100,7 @@ class Placement:
         rows, instances = np.array(found, np.int64).reshape(-1, 2).T
         numbers = self.mesh[rows]
         first, counts = self.geometry.first_triangle[numbers], self.geometry.counts[numbers]
-        single = self.single[rows] & (self.owners is not None)
+        single = self.single[rows]
         edges = np.flatnonzero(np.diff(single, prepend=False, append=False))
         begin = 0
         for edge, end in [*edges.reshape(-1, 2).tolist(), [len(rows), len(rows)]]:

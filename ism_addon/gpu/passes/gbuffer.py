@@ -16,7 +16,7 @@ from ..block import clip_from_anchor
 from ..context import Device
 from ..depth import logarithm, nearness
 from ..layout import INSTANCE, MATERIAL
-from ..placement import Draw, Placement, Ranges, portions
+from ..placement import Ranges, portions
 from ..program import bind, compile_program
 from ..targets import DEPTH, Target
 from . import FAR_AWAY, Frame, Pass
@@ -49,15 +49,9 @@ class GBuffer(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.triangles = self.program(together=False)
+        names, by_nearness = ("gbuffer_triangle.vert", "gbuffer_triangle.frag"), int(device.by_nearness)
+        self.triangles = compile_program(device, *names, records=(INSTANCE,), by_nearness=by_nearness)
         self.drawn: tuple = ()
-
-    def program(self, together: bool) -> moderngl.Program:
-        """That which draws instances of a mesh, or small meshes together."""
-        names, by_nearness = ("gbuffer_triangle.vert", "gbuffer_triangle.frag"), int(self.device.by_nearness)
-        return compile_program(
-            self.device, *names, records=(INSTANCE,), by_nearness=by_nearness, together=int(together)
-        )
 
     def draw(self, frame: Frame) -> None:
         count = len(frame.grid.places)
@@ -105,18 +99,16 @@ class GBuffer(Pass):
         turn, shift = frame.grid.fine_from_clip(frame.view.width, frame.view.height)
         part = np.divide(size, target.viewport[2:])
         placement = frame.tables["placement"]
-        uniforms = {
-            "turn": tuple((part[:, None] * turn).T.ravel()),
-            "shift": tuple(part * shift),
-            "depth": (nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view),
-            "corners": frame.tables["geometry"].arrays["corners"],
-        }
-        bind(self.triangles, **uniforms)
-        mesh = gl.vertex_array(self.triangles, [])
-        if placement.owners is not None:
-            program = self.program(together=True)
-            bind(program, **uniforms, owners=placement.owners.array, instances=placement.table)
-            meshes = gl.vertex_array(program, [])
+        bind(
+            self.triangles,
+            turn=tuple((part[:, None] * turn).T.ravel()),
+            shift=tuple(part * shift),
+            depth=(nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view),
+            corners=frame.tables["geometry"].arrays["corners"],
+            instances=placement.table,
+            owners=placement.owners.array,
+        )
+        triangles = gl.vertex_array(self.triangles, [])
         if frame.settings.skip:
             a_pixel = 2.0 / min(frame.view.width, frame.view.height)
             draws = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
@@ -124,23 +116,17 @@ class GBuffer(Pass):
             draws = placement.chosen(np.ones(len(placement.mesh), np.bool_))
         waiting = 0
         for draw in portions(draws, PORTION):
-            if isinstance(draw, Ranges):
+            together = isinstance(draw, Ranges)
+            bind(self.triangles, together=together)
+            if together:
                 count = int(draw.triangles.sum())
-                self.device.draw_ranges(meshes, draw.first_triangle, draw.triangles)
+                self.device.draw_ranges(triangles, draw.first_triangle, draw.triangles)
             else:
                 count = draw.triangles * draw.instances
-                self.draw_instances(mesh, placement, draw)
+                bind(self.triangles, first_instance=draw.first_instance)
+                self.device.draw(triangles, draw.first_triangle, draw.triangles, draw.instances)
             frame.counts["triangles_drawn"] += count
             waiting += count
             if waiting >= PORTION:
                 self.device.hand_over()
                 waiting = 0
-
-    def draw_instances(self, mesh: moderngl.VertexArray, placement: Placement, draw: Draw) -> None:
-        """Those of one mesh."""
-        row = INSTANCE.dtype.itemsize
-        bind(self.triangles, first_instance=draw.first_instance)
-        for name, (_, offset) in INSTANCE.dtype.fields.items():
-            place = self.triangles[name].location, "f", placement.table.buffer, "4f"
-            mesh.bind(*place, offset=draw.first_instance * row + offset, stride=row, divisor=1)
-        self.device.draw(mesh, draw.first_triangle, draw.triangles, draw.instances)
