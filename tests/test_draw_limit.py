@@ -31,7 +31,7 @@ from .studio import MAPS, SMALL_SETTINGS, both, draw, shadows, with_quality
 FEW = 100
 
 #: Rays of a pixel of Gather, with as many light points as a sample may have.
-MOST_POINTS = 4097 / POINTS
+MOST_POINTS = (1 + 1 + 4096) / POINTS
 
 counts_draws = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() not in gl_calls.STUBS, reason="counts by machine code, under Linux"

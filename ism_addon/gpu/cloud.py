@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random points on all triangles that cast shadows, in proportion to their world area."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..sampling import points_on_triangles, shares, triangle_areas
 from ..scene import Mesh, Scene
+
+#: Points that are placed at a time.
+PORTION = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -30,8 +34,8 @@ def similarity(linear: np.ndarray) -> np.ndarray:
     return np.where(stretched, 0.0, np.sqrt(square))
 
 
-def make_cloud(scene: Scene, anchor: np.ndarray, count: int) -> Cloud:
-    """Points on all instances that cast shadows, in proportion to their world area.
+def make_cloud(scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], None] = lambda: None) -> Cloud:
+    """Points on all instances that cast shadows, in proportion to their world area. Between portions it calls `look`.
 
     An instance's points are the first of its mesh's endless sequence: they stay where they are on it
     while it, or anything else, moves.
@@ -53,7 +57,7 @@ def make_cloud(scene: Scene, anchor: np.ndarray, count: int) -> Cloud:
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
-            fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group])
+            fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group], look)
     positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
     return Cloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
 
@@ -65,6 +69,7 @@ def fill(
     matrices: np.ndarray,
     due: np.ndarray,
     ends: np.ndarray,
+    look: Callable[[], None],
 ) -> None:
     """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each instance, before `ends` (I,)."""
     if not due.sum():
@@ -77,12 +82,15 @@ def fill(
         linear = np.eye(3)[None]
     facets = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])[chosen]
     facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
-    of = np.repeat(np.arange(len(due)), due)
-    index = np.arange(len(of)) - np.repeat(np.cumsum(due) - due, due)
-    to = np.repeat(ends - due, due) + index
-    positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
-    turned = np.einsum("nij,nj->ni", linear[of], facets[index])
-    normals[to] = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
+    all_of = np.repeat(np.arange(len(due)), due)
+    all_index = np.arange(len(all_of)) - np.repeat(np.cumsum(due) - due, due)
+    for first in range(0, len(all_of), PORTION):
+        look()
+        of, index = (numbers[first : first + PORTION] for numbers in (all_of, all_index))
+        to = (ends - due)[of] + index
+        positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
+        turned = np.einsum("nij,nj->ni", linear[of], facets[index])
+        normals[to] = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
 
 
 def object_corners(mesh: Mesh) -> np.ndarray:

@@ -6,8 +6,8 @@ All that is more is drawn in portions. No blending, and no order of what is blen
 
 from collections.abc import Iterator
 
-#: Rays of a draw at most. Two cores of a processor trace so many in half a second to a second (llvmpipe, 300,000
-#: triangles), and a card is quicker than they are. 1280×720 pixels are fewer: for each light one draw, as ever.
+#: Rays of a draw at most. Two cores of a processor trace so many in half a second (llvmpipe, 300,000 triangles), and a
+#: card is quicker than they are. 1280×720 pixels are fewer: for each light one draw.
 MOST_RAYS = 1 << 20
 
 #: Texels that are fetched and weighed in the time of a ray; as measured there.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What OpenGL can fail in; the messages are sentences for the artist."""
+"""What ends a picture before its time; the messages of OpenGL's are sentences for the artist."""
 
 
 class NoOpenGL(RuntimeError):
@@ -8,6 +8,10 @@ class NoOpenGL(RuntimeError):
 
 class ContextLost(RuntimeError):
     """The driver has taken the context away, with all that is in it."""
+
+
+class Cancelled(Exception):
+    """Nobody wants the picture any more."""
 
 
 class GraphicsError(RuntimeError):

@@ -71,7 +71,7 @@ class Job:
             return told
 
     def cancel(self) -> None:
-        """Stop after the pass that is being drawn."""
+        """Stop after the pass that is being drawn or, if that is a long one, within it."""
         self.cancelled = True
 
     def tell(self, **changes: object) -> None:

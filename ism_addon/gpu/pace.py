@@ -8,13 +8,20 @@ drivers whose queues are full would wait within a draw, which holds the interpre
 
 import time
 from collections import deque
+from collections.abc import Callable
 
 from . import draw_limit
 from .context import Device
+from .faults import Cancelled
 from .profile import Row
 
 #: A sample that takes less is short. s
 SHORT = 0.03
+
+
+def never() -> bool:
+    """Whether a picture is cancelled that nobody can cancel."""
+    return False
 
 
 class Pace:
@@ -25,25 +32,40 @@ class Pace:
         self._is_short = False
         self._waits = True
         self._begun = 0.0
+        self._cancelled: Callable[[], bool] = never
         #: Of which the GPU has been asked since the last time that something was handed over.
         self._rays = 0.0
         #: Of short samples that the GPU may still be busy with: the clock's notes before their first pass, and after
         #: each one. Time in which the GPU waits for Python is the next pass's.
         self._notes: deque[list[tuple[Row, int]]] = deque()
 
-    def begin(self, sample: int) -> None:
-        """A sample begins; nobody knows of the first one how long it takes."""
+    def begin(self, sample: int, cancelled: Callable[[], bool]) -> None:
+        """A sample begins, which is wanted until it is `cancelled`; nobody knows of the first one how long it takes."""
+        self._cancelled = cancelled
         self._waits = sample == 0 or not (self._is_short and self.device.clock.runs)
         self._rays, self._begun = 0.0, time.perf_counter()
         if not self._waits:
             self._notes.append([(Row(), self.device.clock.note())])
 
     def ask(self, rays: float) -> None:
-        """A draw comes that takes the time of so many rays: what came before is handed over if both are too much."""
+        """A draw comes that takes the time of so many rays: what came before is handed over if both are too much.
+
+        Raises Cancelled.
+        """
         if self._waits and self._rays + rays > draw_limit.MOST_RAYS:
-            self.device.hand_over()
-            self._rays = 0.0
+            self.hand_over()
         self._rays += rays
+
+    def hand_over(self) -> None:
+        """See Device.hand_over. Raises Cancelled if that is so."""
+        self.device.hand_over()
+        self._rays = 0.0
+        self.look()
+
+    def look(self) -> None:
+        """Raises Cancelled if that is so: for those who work for long without a draw."""
+        if self._cancelled():
+            raise Cancelled
 
     def passed(self, row: Row, begun: float) -> None:
         """A pass that began then (s, perf_counter) has been asked for, or is done: its time is for this row."""

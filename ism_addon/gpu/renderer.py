@@ -6,7 +6,7 @@ Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and sc
 
 import itertools
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -19,8 +19,9 @@ from .atlas import batches
 from .context import Device
 from .error import Error
 from .estimate import check, needed
+from .faults import Cancelled
 from .layout import directions_from_octahedron
-from .pace import Pace
+from .pace import Pace, never
 from .passes import FAR_AWAY, Frame, Pass
 from .passes.accumulate import Accumulate, margin
 from .passes.blur import Blur
@@ -102,13 +103,21 @@ class Renderer:
         self.firsts: dict[type[Pass], tuple[dict, dict[str, int]]] = {}
 
     def sample(
-        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
+        self,
+        scene: Scene,
+        view: View,
+        settings: Settings,
+        sample: int,
+        profile: Profile,
+        hurried: bool = False,
+        cancelled: Callable[[], bool] = never,
     ) -> Iterator[str]:
         """Draw one sample, and yield the name of each pass when the GPU has been asked for it, see pace.py.
 
-        A `hurried` first sample comes the sooner, and all that follow come later.
+        A `hurried` first sample comes the sooner, and all that follow come later. Raises Cancelled within a long pass
+        if that is so: then the picture is lost, and another may be begun.
         """
-        self.pace.begin(sample)
+        self.pace.begin(sample, cancelled)
         frame = self.frame(scene, view, settings, sample, profile, hurried)
         for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
@@ -189,12 +198,23 @@ class Renderer:
                 self.targets.allocate(name, target, target.size(frame.view.width, frame.view.height))
         if needed:
             self.block.bind_to_uniform_block(block.BINDING)  # another renderer may have drawn since the last pass
-            step.draw(frame)
+            try:
+                step.draw(frame)
+            except Cancelled:
+                self.abandon()
+                raise
             self.pace.passed(row, start)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
         self.keys[kind] = key
         self.revise(kind, key, frame.sample)
         return kind.__name__
+
+    def abandon(self) -> None:
+        """Keep no targets: one may be half drawn, or half added to. Passes make all else as the last that they do."""
+        for kind in PASSES:
+            if kind.writes:
+                self.keys.pop(kind, None)
+                self.firsts.pop(kind, None)
 
     def revise(self, kind: type[Pass], key: dict, sample: int) -> None:
         """Number what a pass has drawn. A first sample depends on the key alone; others, on all samples before too."""

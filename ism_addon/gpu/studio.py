@@ -11,7 +11,7 @@ import numpy as np
 from ..settings import Quality
 from .context import Device
 from .error import Error
-from .faults import ContextLost, GraphicsError
+from .faults import Cancelled, ContextLost, GraphicsError
 from .job import Job, Picture
 from .profile import Profile
 from .renderer import Renderer
@@ -58,6 +58,8 @@ class Studio:
             if job not in self.running:
                 self.running[job] = draw(*self.of(client), job)
             goes_on = not job.cancelled and next(self.running[job], job) is not job
+        except Cancelled:
+            goes_on = False
         except ContextLost:
             raise
         except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
@@ -100,9 +102,13 @@ class Studio:
 def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile, start = job.request, Profile(), time.perf_counter()
+
+    def cancelled() -> bool:
+        return job.cancelled
+
     if request.coarse > 1:
-        view = request.view.coarse(request.coarse)
-        for _ in coarse_renderer.sample(request.scene, view, request.settings, 0, profile, hurried=True):
+        sample = request.scene, request.view.coarse(request.coarse), request.settings, 0, profile
+        for _ in coarse_renderer.sample(*sample, hurried=True, cancelled=cancelled):
             coarse_renderer.device.check()
             yield
         job._picture = Picture(coarse_renderer.picture(), None, None, 0)
@@ -112,7 +118,7 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
     while not ended_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
-        for _ in renderer.sample(*sample, hurried=request.coarse > 0):
+        for _ in renderer.sample(*sample, hurried=request.coarse > 0, cancelled=cancelled):
             if job.samples_done == 0:  # later ones do nothing new
                 renderer.device.check()
             yield

@@ -202,7 +202,7 @@ class Pass:
         return True
 
     def draw(self, frame: Frame) -> None:
-        """Make what the pass writes."""
+        """Make what the pass writes, and what it makes as the last that it does: it may raise Cancelled."""
         raise NotImplementedError
 
     def in_blocks(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
@@ -254,13 +254,15 @@ class Pass:
     ) -> None:
         """Draw all pixels of a target by the triangle that covers them; each takes the time of so many `rays`."""
         draw_into(target)
-        for part in rectangles(target.size, rays):
-            frame.pace.ask(rays * part[2] * part[3])
+        try:
+            for part in rectangles(target.size, rays):
+                frame.pace.ask(rays * part[2] * part[3])
+                if part[2:] != target.size:
+                    target.scissor = part
+                shader.render(moderngl.TRIANGLES, vertices=3)
+        finally:
             if part[2:] != target.size:
-                target.scissor = part
-            shader.render(moderngl.TRIANGLES, vertices=3)
-        if part[2:] != target.size:
-            target.scissor = None
+                target.scissor = None
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""

@@ -17,7 +17,7 @@ from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
 
-#: Light points that are looked from, or lights, in the time of a ray; as measured.
+#: Light points that are looked from, or lights, or pixels, in the time of a ray; as measured.
 POINTS = 30
 
 
@@ -62,4 +62,4 @@ class Gather(Pass):
             bias=shadow.bias,
         )
         points = frame.tables["points_per_light"]
-        self.draw_pixels(frame, target, self.pixels, (sum(points.values()) + len(points)) / POINTS)
+        self.draw_pixels(frame, target, self.pixels, (1 + len(points) + sum(points.values())) / POINTS)

@@ -63,6 +63,7 @@ class GBuffer(Pass):
             frame.tables["placement"],
         )
         if drawn != self.drawn:
+            self.drawn = ()  # until it is done, see Cancelled
             self.draw_triangles(frame)
             self.drawn = drawn
         frame.device.gl.enable_only(moderngl.NOTHING)
@@ -128,5 +129,5 @@ class GBuffer(Pass):
             frame.counts["triangles_drawn"] += count
             waiting += count
             if waiting >= PORTION:
-                self.device.hand_over()
+                frame.pace.hand_over()
                 waiting = 0

@@ -30,11 +30,11 @@ class Scout(Pass):
         size = SCOUTED.size(view.width, view.height)
         casts = frame.scene.lights.casts_shadow
         lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
-        frame.tables["scouted"] = {light: SCOUTED.create(gl, size) for light in lights}
+        scouted = {light: SCOUTED.create(gl, size) for light in lights}
         gl.enable_only(moderngl.NOTHING)
         places = additive_sequence(0, len(casts), 2)
         for light in lights:
-            into = gl.framebuffer([frame.tables["scouted"][light]])
+            into = gl.framebuffer([scouted[light]])
             into.clear()
             bind(
                 self.pixels,
@@ -48,3 +48,4 @@ class Scout(Pass):
             )
             blocks = blocks_at(frame.tables["reach"][light].scouted)
             self.draw_blocks(frame, into, self.pixels, blocks, block=SCOUTED_BLOCK)
+        frame.tables["scouted"] = scouted

@@ -11,6 +11,7 @@ the discs close to the light.
 """
 
 from functools import cached_property
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -58,19 +59,28 @@ class Splat(Pass):
         gl.blend_equation = moderngl.MIN
         bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
-        for index in range(batch.count):
-            point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
-            turns = subsets[point["light"]]
-            subset = turns[(batch.first + index + frame.sample) % len(turns)]
-            if subset.count:
-                atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
-                tangent, normal = point["tangent"], point["normal"]
-                axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
-                bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
-                rays = A_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
-                for part in portions(subset.count, rays):
-                    count = part.stop - part.start
-                    frame.pace.ask(rays * count)
-                    discs.render(moderngl.POINTS, vertices=count, first=subset.first + part.start)
-        atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
-        gl.blend_equation = moderngl.FUNC_ADD
+        try:
+            for index in range(batch.count):
+                turns = subsets[frame.tables["maps"][batch.first + index]["light"]]
+                subset = turns[(batch.first + index + frame.sample) % len(turns)]
+                if subset.count:
+                    self.draw_map(frame, atlas, discs, index, subset)
+        finally:
+            atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
+            gl.blend_equation = moderngl.FUNC_ADD
+
+    def draw_map(
+        self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: Any
+    ) -> None:
+        """That of one of the batch's light points, of one subset of the discs."""
+        batch = frame.batch
+        point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
+        atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
+        tangent, normal = point["tangent"], point["normal"]
+        axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
+        bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
+        rays = A_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
+        for part in portions(subset.count, rays):
+            count = part.stop - part.start
+            frame.pace.ask(rays * count)
+            discs.render(moderngl.POINTS, vertices=count, first=subset.first + part.start)

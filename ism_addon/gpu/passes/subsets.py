@@ -9,6 +9,7 @@ view-adaptive maps of Ritschel et al. 2011). A point's chance is its own and fix
 the light's view of them does. Light points take turns with several such subsets.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import moderngl
@@ -67,12 +68,15 @@ def chances(weights: np.ndarray, count: int) -> np.ndarray:
     return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
 
 
-def choose(cloud: Cloud, weights: np.ndarray, count: int, splat_size: float) -> list[np.ndarray]:
-    """TURNS subsets of about `count` points, as arrays of POINT."""
+def choose(
+    cloud: Cloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
+) -> list[np.ndarray]:
+    """TURNS subsets of about `count` points, as arrays of POINT. Before each it calls `look`."""
     chance = chances(weights, count)
     luck = additive_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
     found = []
     for turn in range(TURNS):
+        look()
         taken = np.flatnonzero(np.modf(luck + np.float32(turn / TURNS))[0] < chance)
         points = np.zeros(len(taken), POINT)
         points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
@@ -107,21 +111,23 @@ class Subsets(Pass):
     def draw(self, frame: Frame) -> None:
         cloud, lights = frame.tables["cloud"], frame.scene.lights
         count, size = frame.settings.quality.surface_points, frame.settings.shadow.splat_size
+        look = frame.pace.look
 
-        def of_light(light: int) -> list[np.ndarray]:
+        def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in frame.tables["reaching"]:
-                return [np.zeros(0, POINT)] * TURNS
-            return choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size)
-
-        def of_points(light: int, first: int, points: np.ndarray) -> Subset:
-            return Subset(first, len(points), maps_filled(points, lights.position[light] - frame.anchor))
+                return [(np.zeros(0, POINT), 0.0)] * TURNS
+            subsets = choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
+            return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
-        points = np.concatenate([subset for subsets in chosen for subset in subsets])
-        ends = np.cumsum([len(subset) for subsets in chosen for subset in subsets]).reshape(-1, TURNS)
+        points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
+        ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, TURNS)
         table = [
-            [of_points(light, int(end) - len(points), points) for end, points in zip(row, subsets, strict=True)]
-            for light, (row, subsets) in enumerate(zip(ends, chosen, strict=True))
+            [
+                Subset(int(end) - len(points), len(points), maps)
+                for end, (points, maps) in zip(row, subsets, strict=True)
+            ]
+            for row, subsets in zip(ends, chosen, strict=True)
         ]
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
         frame.tables["surface_points"] = table, buffer

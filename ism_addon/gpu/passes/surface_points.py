@@ -29,4 +29,5 @@ class SurfacePoints(Pass):
 
     def draw(self, frame: Frame) -> None:
         seen = frame.settings.quality.surface_points
-        frame.tables["cloud"] = make_cloud(frame.scene, frame.anchor, max(seen, min(CHOICE * seen, MOST_POINTS)))
+        count = max(seen, min(CHOICE * seen, MOST_POINTS))
+        frame.tables["cloud"] = make_cloud(frame.scene, frame.anchor, count, frame.pace.look)
