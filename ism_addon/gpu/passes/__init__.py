@@ -57,7 +57,7 @@ SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt. In eight bits the part
 #: would be off by up to 0.002, which stays in the picture until corrections of that size stand out of their noise.
-PREDICTION = Target(2, "f2")
+PREDICTION = Target(2, "f2", neutral=(1.0, 0.0))
 
 
 def by_block(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
@@ -223,13 +223,14 @@ class Pass:
         columns, rows = frame.blocks
         whole = 0, 0, columns * block, rows * block
         draw_into(target)
-        if target.viewport != whole:
+        own = target.viewport
+        if own != whole:
             target.viewport = whole
         self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
         bind(program, blocks=(columns, rows), size=float(block + 2 * margin))
         self.device.points.draw(program, blocks, BLOCKS_LAYOUT)
-        if whole[2:] != target.size:
-            target.viewport = 0, 0, *target.size
+        if own != whole:
+            target.viewport = own
 
     def draw_by_block(
         self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any

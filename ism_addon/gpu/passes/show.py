@@ -38,6 +38,6 @@ class Show(Pass):
             source=source,
             octahedral=frame.settings.show == "normal",
             components=source.components,
-            picture_size=frame.targets["shown"].size,
+            size=frame.targets.sizes[frame.settings.show],
         )
         pixels.render(moderngl.TRIANGLES, vertices=3)

@@ -45,6 +45,7 @@ class Splat(Pass):
         gl, batch = frame.device.gl, frame.batch
         frame.targets.allocate("splats", self.writes["splats"], batch.size)
         atlas = frame.targets.into("splats")
+        whole = atlas.viewport
         atlas.clear(EMPTY)
         subsets, points = frame.tables["surface_points"]
         if points is None:
@@ -69,5 +70,5 @@ class Splat(Pass):
             if waiting >= PORTION:
                 self.device.hand_over()
                 waiting = 0
-        atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
+        atlas.viewport, atlas.scissor = whole, None
         gl.blend_equation = moderngl.FUNC_ADD
