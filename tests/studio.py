@@ -37,19 +37,29 @@ class Drawn:
 
     def target(self, name: str) -> np.ndarray:
         """(H,W,components) of any target, bottom row first."""
-        texture = self.renderer.targets[name]
-        dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
-        pixels = np.frombuffer(texture.read(), dtype)
-        return pixels.reshape(*texture.size[::-1], texture.components).astype(float if dtype != np.uint32 else dtype)
+        found = texels(self.renderer.targets[name], self.renderer.targets.sizes[name])
+        return found if found.dtype == np.uint32 else found.astype(float)
 
     @property
     def part(self) -> np.ndarray:
         """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
         blocks = self.renderer.tables["blocks"]
-        found = np.zeros(self.renderer.tables["counts"].size[::-1], bool)
+        found = np.zeros(self.renderer.last[0].blocks[::-1], bool)
         column, row = blocks["block"].astype(int).T
         found[row, column] = True
         return found
+
+
+def texels(texture, size: tuple[int, int]) -> np.ndarray:
+    """(H,W,components) of a texture, which may be larger."""
+    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+    whole = np.frombuffer(texture.read(alignment=1), dtype).reshape(*texture.size[::-1], texture.components)
+    return whole[: size[1], : size[0]]
+
+
+def put(texture, rows: np.ndarray) -> None:
+    """Write (H,W) or (H,W,components) into a texture, which may be larger."""
+    texture.write(np.ascontiguousarray(rows), (0, 0, rows.shape[1], rows.shape[0]), alignment=1)
 
 
 def draw(

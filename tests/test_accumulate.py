@@ -14,7 +14,7 @@ from ism_addon.limits import WIDEST_FILTER
 
 from . import reference
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, quad, rubble, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, quad, rubble, stage, texels, with_quality
 
 #: Of working spaces' primaries: BT.709's, and AP1's of ACES (S-2014-004).
 LUMINANCE = {"Linear Rec.709": (0.2126, 0.7152, 0.0722), "ACEScg": (0.2722287, 0.6740818, 0.0536895)}
@@ -32,8 +32,8 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
 
     And by the chance of the pixel's block, 0 if it is settled, over that of the sample's.
     """
-    texture = drawn.renderer.tables["chances"]
-    chances = np.frombuffer(texture.read(), "f4").reshape(*texture.size[::-1], 2).repeat(BLOCK, 0).repeat(BLOCK, 1)
+    chances = texels(drawn.renderer.tables["chances"], drawn.renderer.last[0].blocks)
+    chances = chances.repeat(BLOCK, 0).repeat(BLOCK, 1)
     chance, own_chance = chances[..., :1], chances[..., 1:]
     place = np.zeros((*drawn.part.shape, 2))
     blocks = drawn.renderer.tables["blocks"]

@@ -10,7 +10,7 @@ from ism_addon.gpu.passes.blur import Blur
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 
-from .studio import SMALL_SETTINGS, draw, from_above, look, quad, stage
+from .studio import SMALL_SETTINGS, draw, from_above, look, put, quad, stage
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 
@@ -19,7 +19,7 @@ def blurred(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     """What the blur makes of (H/2,W/2) put in the place of the SSAO's result."""
     drawn = draw(device, scene, view, SETTINGS)
     renderer = drawn.renderer
-    renderer.targets["occlusion"].write(np.ascontiguousarray(occlusion, np.float16))
+    put(renderer.targets["occlusion"], occlusion.astype(np.float16))
     frame = renderer.frame(scene, view, SETTINGS, 0, Profile())
     renderer.passes[Blur].draw(frame)
     return drawn.target("smooth_occlusion")[..., 0]

@@ -20,7 +20,7 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
 from .reference import irradiance
-from .studio import both, draw, from_above, light, prepared, quad, shadows, stage
+from .studio import both, draw, from_above, light, prepared, put, quad, shadows, stage
 
 SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
@@ -39,11 +39,11 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     packed = np.tile(octahedron_from_directions(normals), 2)
     for name, rows in (("position", surface), ("normal", packed)):
         frame.targets.allocate(name, GBuffer.writes[name], size)
-        frame.targets[name].write(np.ascontiguousarray(rows, np.float32))
+        put(frame.targets[name], rows[None].astype(np.float32))
     (frame.batch,) = batches(0, 8, device.texture_size)
     for kind in (Splat, PullPush, Gather):
         renderer.run(kind, frame, Profile())
-    return np.frombuffer(frame.targets["irradiance"].read(), "f4").reshape(-1, 4)[:, :3].astype(float)
+    return frame.targets.read("irradiance")[0, :, :3].astype(float)
 
 
 def unit(vectors) -> np.ndarray:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,14 +14,23 @@ from ism_addon.gpu import one_kind
 
 from .tools import project
 
-#: Draws pictures of one size, one after the other, and prints how many files the driver's cache has after each.
+#: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
+#: after each. In a viewport there is a coarse one before.
 DRAW = """
 import os, sys, time
+from dataclasses import replace
 from pathlib import Path
-from ism_addon.gpu.context import open_device
-from tests.studio import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, rubble, stage, with_quality
+import numpy as np
+from ism_addon.gpu.job import Request
+from ism_addon.gpu.worker import Worker
+from ism_addon.scene import Image
+from ism_addon.settings import SSAO
+from tests.studio import MAPS, SMALL_SETTINGS, both, light, look, no_lights, quad, rubble, stage, with_quality
 
 FLOOR, FOLDER = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), Path(os.environ["MESA_SHADER_CACHE_DIR"])
+CHECKS = Image(np.random.default_rng(0).integers(0, 255, (8, 8, 4), np.uint8), True)
+SETTINGS = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[1] == "rays" else with_quality(MAPS, samples=2)
+BURIED = light(position=(0.0, 0.0, -1.0), axis_v=(0.0, 1.0, 0.0))  # under the floor, where all looks hidden
 
 def files():
     return sum(path.is_file() for path in FOLDER.rglob("*"))
@@ -33,29 +43,50 @@ def settled():
         before, now = now, files()
     return now
 
-device, size = open_device(), (int(sys.argv[1]), int(sys.argv[2]))
-settings = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[3] == "rays" else with_quality(MAPS, samples=2)
-view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
-for lights, triangles in ((3, 20), (3, 20), (5, 3000), (3, 3000), (1, 20), (2, 200), (4, 20), (5, 3000)):
-    lamps = light()
-    for number in range(lights - 1):
-        lamps = both(lamps, light(position=(0.4 * number - 0.8, 0.3 * number - 0.5, 2.0 + 0.1 * number)))
-    assert draw(device, stage([FLOOR, rubble(triangles)], lamps), view, settings).color.any()
-    print(settled())
+def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
+    lamps = BURIED if lights else no_lights()
+    for k in range(lights):
+        lamps = both(lamps, light(position=(0.4 * k - 0.8, 0.3 * k - 0.5, 2.0 + 0.1 * k)))
+    if faint:
+        lamps = both(lamps, light(position=(0.2, 0.2, 1.5), radiance=0.002))
+    rubbles = [rubble(triangles)] if triangles else []
+    scene = stage([FLOOR, *rubbles], lamps, world=0.3, image=image)
+    settings = replace(SETTINGS, ssao=SSAO(enabled=ssao))
+    view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
+    job = worker.start(Request(scene, view, settings, coarse=pixel), len(said))
+    while not job.finished:
+        job.wait(1.0)
+    assert not job.error and job.picture().color.any(), job.error
+    said.append(settled())
+
+worker, said = Worker(), []
+PLAIN = [
+    (2, 300, (90, 60)), (2, 300, (90, 60)), (3, 5000, (64, 32)), (1, 1, (33, 17), 2), (1, 20, (1, 1)),
+    (3, 5000, (4, 300), 8), (0, 20, (128, 64)), (2, 1, (128, 128), 4), (1, 0, (90, 60)), (3, 5000, (33, 17)),
+]
+for scene in [PLAIN[0], *PLAIN[:0:-1]] if sys.argv[2] == "backwards" else PLAIN:
+    draw(*scene)
+draw(2, 300, (90, 60), faint=True)
+draw(2, 300, (90, 60), image=CHECKS)
+draw(2, 300, (90, 60), ssao=True)
+draw(3, 5000, (32, 8), 2, image=CHECKS, ssao=True)
+draw(6, 1, (50, 64), faint=True, ssao=True)
+worker.stop()
+print(*said)
 """
 
 
+@pytest.mark.parametrize("order", ["forwards", "backwards"])
 @pytest.mark.parametrize("method", ["rays", "maps"])
-@pytest.mark.parametrize("size", [(90, 60), (64, 32)], ids=["odd sizes", "powers of two"])
-def test_another_picture_compiles_nothing(opened_device, tmp_path, size, method):
-    """The same scene again, and others with tables small and large, and another number of lights.
+def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order):
+    """The same scene again; meshes and tables small and large, other numbers of lights, other sizes of pictures.
 
-    The third scene has what the first had not, a large mesh and faint lights, which have programs of their own.
+    Whatever a scene is the first to have has programs of its own, and adds no more than those.
     """
     if "llvmpipe" not in opened_device.name:
         pytest.skip("only Mesa's cache is counted")
     asked = subprocess.run(
-        [sys.executable, "-c", DRAW, *map(str, size), method],
+        [sys.executable, "-c", DRAW, method, order],
         cwd=project.ROOT,
         env=os.environ | {"MESA_SHADER_CACHE_DIR": str(tmp_path)},
         capture_output=True,
@@ -63,10 +94,13 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, size, method)
         timeout=240,
     )
     assert asked.returncode == 0, asked.stderr
-    first, again, *others = map(int, asked.stdout.split())
+    first, *added = np.diff([0, *map(int, asked.stdout.split())]).tolist()
     assert first > 20
-    assert again == first
-    assert others == [others[0]] * len(others)
+    *plain, faint, image, ssao, both, all_but_images = added
+    assert plain == [0] * len(plain)
+    assert (faint > 0) == (method == "rays")
+    assert min(image, ssao) > 0
+    assert both == all_but_images == 0
 
 
 @given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))
@@ -78,8 +112,8 @@ def test_buffers_are_hardly_larger_than_asked_for(count, each):
     assert size >> 8 & 255
 
 
-@given(texels=st.integers(1, 1 << 14))
+@given(texels=st.integers(1, one_kind.LONGEST))
 def test_sides_are_hardly_longer_than_asked_for(texels):
     side = one_kind.side(texels)
-    assert texels <= side <= max(texels + 1, 3)
-    assert side & (side - 1)
+    assert texels <= side <= min(max(texels + 1, 3), one_kind.LONGEST)
+    assert side & (side - 1) or side == one_kind.LONGEST

@@ -11,7 +11,7 @@ from ism_addon.gpu.profile import Profile
 
 from . import reference
 from .scenes.small import box_over_plane
-from .studio import SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+from .studio import SMALL_SETTINGS, draw, from_above, light, put, quad, stage, texels, with_quality
 
 FLOOR = quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))
 LAMP = light(position=(0.0, 0.0, 5.0))
@@ -20,10 +20,10 @@ TENT = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 3.0
 
 def prediction(renderer) -> np.ndarray:
     """(H,W,2) of the first light; of one that no ray saw, none is kept."""
+    size = renderer.targets.sizes["position"]
     if 0 not in renderer.tables["predictions"]:
-        return np.zeros((*renderer.targets["position"].size[::-1], 2))
-    texture = renderer.tables["predictions"][0]
-    return np.frombuffer(texture.read(), "f2").reshape(*texture.size[::-1], 2).astype(float)
+        return np.zeros((*size[::-1], 2))
+    return texels(renderer.tables["predictions"][0], size).astype(float)
 
 
 def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None = None) -> np.ndarray:
@@ -31,7 +31,7 @@ def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None 
     drawn = draw(device, scene, view)
     rays = np.ones_like(arrived) if rays is None else rays
     pairs = np.stack([arrived, rays], -1)
-    drawn.renderer.tables["scouted"][0].write(np.ascontiguousarray(255 * pairs, np.uint8))
+    put(drawn.renderer.tables["scouted"][0], (255 * pairs).astype(np.uint8))
     drawn.renderer.passes[Predict].draw(drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile()))
     return prediction(drawn.renderer)
 

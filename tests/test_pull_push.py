@@ -11,7 +11,7 @@ from ism_addon.gpu.passes.pull_push import LEVELS, PullPush
 from ism_addon.gpu.passes.splat import Splat
 
 from .reference_maps import pull_push
-from .studio import MAPS, draw, light, look, prepared, quad, rubble, shadows, stage, with_quality
+from .studio import MAPS, draw, light, look, prepared, put, quad, rubble, shadows, stage, with_quality
 
 SIDE = 64
 
@@ -28,10 +28,9 @@ def filled(device, depths: np.ndarray, threshold: float = 0.02) -> np.ndarray:
     for depth, (x, y) in zip(depths, corners, strict=True):
         atlas[y : y + side, x : x + side] = depth
     frame.targets.allocate("splats", Splat.writes["splats"], batch.size)
-    frame.targets["splats"].write(atlas)
+    put(frame.targets["splats"], atlas)
     renderer.passes[PullPush].draw(frame)
-    texture = frame.targets["shadow_maps"]
-    pixels = np.frombuffer(texture.read(), "f4").reshape(*batch.size[::-1], -1)[..., 0]
+    pixels = frame.targets.read("shadow_maps")[..., 0]
     return np.array([pixels[y : y + side, x : x + side] for x, y in corners])
 
 

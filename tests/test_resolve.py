@@ -8,7 +8,7 @@ from ism_addon.gpu.passes import BLOCK
 from ism_addon.gpu.passes.resolve import EVENNESS
 
 from .scenes.small import box_over_plane
-from .studio import SMALL_SETTINGS, draw, with_quality
+from .studio import SMALL_SETTINGS, draw, put, with_quality
 
 WIDTH, HEIGHT = 40, 24
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -28,15 +28,15 @@ def resolved(
     samples = blocks.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
     whole = np.concatenate([means * samples, samples], 2)
     parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
-    renderer.targets["sum"].write(whole.astype(np.float32))
-    renderer.targets["sum_correction"].write(parts.astype(np.float32))
+    put(renderer.targets["sum"], whole.astype(np.float32))
+    put(renderer.targets["sum_correction"], parts.astype(np.float32))
     corrected = samples - 1.0  # each counts for its own pixel alone
     sizes = np.abs(corrections @ LUMINANCE) if sizes is None else sizes
     weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
-    renderer.targets["weights"].write(weights.astype(np.float32))
+    put(renderer.targets["weights"], weights.astype(np.float32))
     room = np.broadcast_to((doubt if headroom is None else headroom) * samples, (HEIGHT, WIDTH, 1))
-    renderer.targets["sum_headroom"].write(np.ascontiguousarray(room, np.float32))
-    renderer.tables["counts"].write(np.ascontiguousarray(blocks))
+    put(renderer.targets["sum_headroom"], room.astype(np.float32))
+    put(renderer.tables["counts"], blocks)
     color = drawn.color  # resolved now, for the first time since two samples
     assert color[..., 3] == pytest.approx(1.0)
     return color[..., :3]

@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.passes import SCOUTED
+
 from . import reference
 from .scenes.small import box_over_plane, pillar_field
 from .studio import SMALL_SETTINGS as SETTINGS
-from .studio import both, draw, from_above, light, quad, stage, with_quality
+from .studio import both, draw, from_above, light, quad, stage, texels, with_quality
 
 #: Pixels whose ray passes an edge more closely than float32 and a light of a millimetre can tell.
 EDGE = 0.02
@@ -17,10 +19,8 @@ EDGE = 0.02
 
 def scouted(drawn) -> dict[int, np.ndarray]:
     """Of each light, (H/2,W/2,2): rays that arrived, and rays."""
-    found = {}
-    for index, texture in drawn.renderer.tables["scouted"].items():
-        found[int(index)] = np.frombuffer(texture.read(), "u1").reshape(*texture.size[::-1], 2) / 255
-    return found
+    size = SCOUTED.size(*drawn.renderer.targets.sizes["position"])
+    return {int(index): texels(texture, size) / 255 for index, texture in drawn.renderer.tables["scouted"].items()}
 
 
 def shrunk(scene, part: float = 1e-3):

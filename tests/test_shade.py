@@ -10,7 +10,7 @@ from ism_addon.gpu.passes.shade import Shade
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, look, quad, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, look, put, quad, stage, with_quality
 
 
 def lit_floor(**more):
@@ -35,8 +35,8 @@ def test_a_correction_is_sent_as_what_arrives_is(device):
     settings = with_quality(SMALL_SETTINGS, samples=2)
     drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
-    drawn.renderer.targets["correction"].write(corrections.astype(np.float32))
-    drawn.renderer.targets["predicted"].write(np.abs(corrections).astype(np.float32))
+    put(drawn.renderer.targets["correction"], corrections.astype(np.float32))
+    put(drawn.renderer.targets["predicted"], np.abs(corrections).astype(np.float32))
     frame = drawn.renderer.frame(lit_floor(), look((0.0, -4.0, 3.0)), settings, 1, Profile())
     drawn.renderer.passes[Shade].draw(frame)
     seen = drawn.target("position")[..., 3] > 0.0
@@ -68,7 +68,7 @@ def composed(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     """(H,W) red of the picture with (H/2,W/2) in the place of the smooth occlusion."""
     settings = replace(SMALL_SETTINGS, ssao=SSAO())
     drawn = draw(device, scene, view, settings)
-    drawn.renderer.targets["smooth_occlusion"].write(np.ascontiguousarray(occlusion, np.float16))
+    put(drawn.renderer.targets["smooth_occlusion"], occlusion.astype(np.float16))
     frame = drawn.renderer.frame(scene, view, settings, 0, Profile())
     drawn.renderer.passes[Shade].draw(frame)
     return drawn.target("color")[..., 0]

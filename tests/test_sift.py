@@ -8,15 +8,14 @@ from ism_addon.gpu.passes import BLOCK
 from ism_addon.gpu.passes.sift import BESIDE, LEAST_CHANCE, SAMPLES_FOR_ALL
 
 from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, texels, with_quality
 
 FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
 
 def counted(drawn) -> np.ndarray:
     """(rows,columns): the samples that each block took part in."""
-    texture = drawn.renderer.tables["counts"]
-    return np.frombuffer(texture.read(), "f4").reshape(texture.size[::-1])
+    return texels(drawn.renderer.tables["counts"], drawn.renderer.last[0].blocks)[..., 0]
 
 
 def test_every_block_takes_part_in_the_first_samples_and_then_not_every_one(device):

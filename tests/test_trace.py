@@ -13,7 +13,7 @@ from ism_addon.scene import LightShape
 
 from . import reference
 from .scenes.small import box_over_plane, pillar_field
-from .studio import SMALL_SETTINGS, both, draw, from_above, light, look, quad, rubble, stage, with_quality
+from .studio import SMALL_SETTINGS, both, draw, from_above, light, look, put, quad, rubble, stage, with_quality
 
 FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
 
@@ -21,8 +21,7 @@ FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
 def means(renderer) -> tuple[np.ndarray, np.ndarray]:
     """(N,3) each: the mean of what was predicted, and of what corrects it in all samples but the first."""
     total, corrections = (
-        np.frombuffer(renderer.targets[name].read(), "f4").reshape(-1, 4).astype(float)
-        for name in ("sum", "sum_correction")
+        renderer.targets.read(name).reshape(-1, 4).astype(float) for name in ("sum", "sum_correction")
     )
     count = total[:, 3:]
     return total[:, :3] / count, corrections[:, :3] / (count - 1.0)
@@ -101,9 +100,9 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
     for sample in range(16):
         for name in renderer.sample(scene, view, settings, sample, profile):
             if name == "Predict":
-                of = np.frombuffer(renderer.targets["foreseen"].read(), "f4").reshape(32, 32, 4)
+                of = renderer.targets.read("foreseen")
                 lit = of[..., 2] > of[..., 2].mean()
-                renderer.tables["predictions"][0].write(np.stack([lit, 0 * lit], -1).astype(np.float16))
+                put(renderer.tables["predictions"][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
                 renderer.tables["found"][0][:] = True
     predicted, corrections = means(renderer)
     columns = predicted[:, 0].reshape(32, 32).mean(0)

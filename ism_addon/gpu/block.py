@@ -18,12 +18,14 @@ MEMBERS = {
     "ray_direction_x": "vec4",
     "ray_direction_y": "vec4",
     "luminance_weights": "vec4",  # of a colour's three numbers
+    "picture_size": "vec4",  # width and height, px; textures may be larger, see one_kind.py
 }
 DTYPE = np.dtype([(name, "f4", (16 if kind == "mat4" else 4,)) for name, kind in MEMBERS.items()])
 NAME = "Frame"
 BINDING = 0
 
 GLSL = "layout(std140) uniform Frame {\n" + "".join(f"    {kind} {name};\n" for name, kind in MEMBERS.items()) + "};\n"
+GLSL += "ivec2 last_pixel() { return ivec2(picture_size.xy) - 1; }\n"
 
 
 def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
@@ -64,4 +66,5 @@ def frame_block(view: View, anchor: np.ndarray, working_space: str) -> np.ndarra
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):
             block[name + suffix][:3] = row
     block["luminance_weights"][:3] = luminance(working_space)
+    block["picture_size"][:2] = view.width, view.height
     return block

@@ -8,6 +8,9 @@ each sampler, which for a buffer is whatever was there before. So all that we gi
 
 import moderngl
 
+#: The longest side of a texture that any OpenGL 4.1 can have.
+LONGEST = 1 << 14
+
 #: Samplers that OpenGL 4.1 has at least for each stage, and no shader of ours has more.
 SAMPLERS = 16
 
@@ -20,8 +23,13 @@ void main() {{ color = {" + ".join(f"texelFetch(all_of_them[{k}], ivec2(0), 0)" 
 
 
 def side(texels: int) -> int:
-    """As many texels or one more, or three, for a side of a texture: no power of two."""
-    return texels if texels & (texels - 1) else max(3, texels + 1)
+    """As many texels or one more, or three, for a side of a texture: no power of two, unless that is the longest."""
+    return texels if texels & (texels - 1) or texels >= LONGEST else max(3, texels + 1)
+
+
+def sides(size: tuple[int, int]) -> tuple[int, int]:
+    """The same of both."""
+    return side(size[0]), side(size[1])
 
 
 def rows(count: int, each: int) -> int:

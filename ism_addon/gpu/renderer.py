@@ -245,9 +245,7 @@ class Renderer:
         """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first. Raises as Device.check."""
         self.run(AT_LAST, *self.last)
         self.pace.finish()
-        width, height = self.targets["resolved"].size
-        color = np.empty((height, width, 4), np.float32)
-        self.targets["resolved"].read_into(color)
+        color = self.targets.read("resolved")
         self.device.check()  # else it might be whatever was in memory
         return color
 
@@ -263,10 +261,7 @@ class Renderer:
 
     def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
         """Depth (H,W) m and world-space shading normals (H,W,3) of the newest sample, bottom row first. Raises too."""
-        width, height = self.targets["depth"].size
-        depth, packed = np.empty((height, width), np.float32), np.empty((height, width, 4), np.float32)
-        self.targets["depth"].read_into(depth)
-        self.targets["normal"].read_into(packed)
+        depth, packed = self.targets.read("depth")[..., 0], self.targets.read("normal")
         self.device.check()
         normal = directions_from_octahedron(packed[..., :2])
         normal[depth >= FAR_AWAY] = 0.0

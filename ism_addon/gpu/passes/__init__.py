@@ -62,7 +62,7 @@ SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt. In eight bits the part
 #: would be off by up to 0.002, which stays in the picture until corrections of that size stand out of their noise.
-PREDICTION = Target(2, "f2")
+PREDICTION = Target(2, "f2", neutral=(1.0, 0.0))
 
 
 def by_block(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
@@ -230,16 +230,19 @@ class Pass:
         columns, rows = frame.blocks
         whole = 0, 0, columns * block, rows * block
         draw_into(target)
-        if target.viewport != whole:
+        own = target.viewport
+        if own != whole:
             target.viewport = whole
         self.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
         size = block + 2 * margin
         bind(program, blocks=(columns, rows), size=float(size))
-        for part in portions(len(blocks), rays * size * size):
-            frame.pace.ask(rays * size * size * (part.stop - part.start))
-            self.device.points.draw(program, blocks[part], BLOCKS_LAYOUT)
-        if whole[2:] != target.size:
-            target.viewport = 0, 0, *target.size
+        try:
+            for part in portions(len(blocks), rays * size * size):
+                frame.pace.ask(rays * size * size * (part.stop - part.start))
+                self.device.points.draw(program, blocks[part], BLOCKS_LAYOUT)
+        finally:
+            if own != whole:
+                target.viewport = own
 
     def draw_by_block(
         self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any
@@ -254,14 +257,15 @@ class Pass:
     ) -> None:
         """Draw all pixels of a target by the triangle that covers them; each takes the time of so many `rays`."""
         draw_into(target)
+        size = target.viewport[2:]
         try:
-            for part in rectangles(target.size, rays):
+            for part in rectangles(size, rays):
                 frame.pace.ask(rays * part[2] * part[3])
-                if part[2:] != target.size:
+                if part[2:] != size:
                     target.scissor = part
                 shader.render(moderngl.TRIANGLES, vertices=3)
         finally:
-            if part[2:] != target.size:
+            if part[2:] != size:
                 target.scissor = None
 
     def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:

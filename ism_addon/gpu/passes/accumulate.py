@@ -79,7 +79,7 @@ class Accumulate(Pass):
             return
         gl.enable_only(moderngl.NOTHING)
         for name, target in (*TAKEN.items(), *ROWS.items()):
-            frame.targets.allocate(name, target, frame.targets["sum"].size)
+            frame.targets.allocate(name, target, frame.targets.sizes["sum"])
         taken = frame.targets.into(*TAKEN)
         taken.clear()
         program = self.in_blocks(part="taken", corrected=corrected)

@@ -13,7 +13,7 @@ from ...scene import Change
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
-from ..targets import Target, pixels
+from ..targets import Target
 from . import BLOCKS, RENEWED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass
 
 #: The chance, in a sample, of a block to be looked at for a light that could be all the light there is.
@@ -78,7 +78,7 @@ class Check(Pass):
     def spotted(self, frame: Frame) -> dict[int, np.ndarray]:
         """Of each light that was found since the last time, in which blocks (rows,columns)."""
         self.device.wait()
-        numbers, squares, count, _ = np.moveaxis(pixels(frame.targets["checked"]).astype(np.float64), -1, 0)
+        numbers, squares, count, _ = np.moveaxis(frame.targets.read("checked").astype(np.float64), -1, 0)
         alone = (count > 0.0) & (numbers * numbers == squares * count)  # of two lights at one pixel, none can be told
         found: dict[int, np.ndarray] = {}
         row, column = np.nonzero(alone)

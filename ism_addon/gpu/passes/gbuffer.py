@@ -67,6 +67,7 @@ class GBuffer(Pass):
             self.draw_triangles(frame)
             self.drawn = drawn
         frame.device.gl.enable_only(moderngl.NOTHING)
+        first, size = frame.grid.bounds(frame.view.width, frame.view.height)
         # Without images no shader is ready for them: many processors would walk through that too.
         images = len(frame.scene.images) > 0
         surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(images), width=WIDTH)
@@ -74,7 +75,8 @@ class GBuffer(Pass):
             surface,
             triangles_seen=frame.targets["triangles"],
             fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
-            first=tuple(frame.grid.bounds(frame.view.width, frame.view.height)[0]),
+            first=tuple(first),
+            last=tuple(size - 1),
             instances=frame.tables["placement"].table,
             material_table=frame.tables["surfaces"].table,
             texels=frame.tables["surfaces"].texels.texture,

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...scene import Change
 from ..context import Device
-from ..targets import Target, pixels
+from ..targets import Target
 from . import BLOCK, Frame, Pass, by_block
 
 #: Samples before which no block is good enough: so many rays most things are met by, and as many a picture has by
@@ -51,5 +51,5 @@ class Halves(Pass):
         pictures = {name: frame.targets[name] for name in ("resolved", "earlier")}
         self.draw_by_block(frame, frame.targets.into("moved"), self.blocks, **pictures)
         self.device.wait()
-        square, bright = np.moveaxis(by_block(pixels(frame.targets["moved"]), frame.blocks), -1, 0)
+        square, bright = np.moveaxis(by_block(frame.targets.read("moved"), frame.blocks), -1, 0)
         return square / max(float(bright.mean()) ** 2, TINY)

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ...scene import Change
+from .. import one_kind
 from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
@@ -48,7 +49,7 @@ class Predict(Pass):
         super().__init__(device)
         self.scouts = self.in_blocks(part="scouts", scouts_apart=SCOUTS_APART)
         self.pixels = self.in_blocks(scouts_apart=SCOUTS_APART)
-        self.blocks = self.full_screen(part="blocks")
+        self.blocks = self.full_screen(part="blocks", block=BLOCK)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -81,7 +82,7 @@ class Predict(Pass):
     def of_each_light(self, frame: Frame, table: str, target: Target) -> dict[int, moderngl.Texture]:
         """A texture of the picture's size; that which the table has, if it fits."""
         size, kept = (frame.view.width, frame.view.height), frame.tables.get(table, {})
-        fits = {light: texture for light, texture in kept.items() if texture.size == size}
+        fits = {light: texture for light, texture in kept.items() if texture.size == one_kind.sides(size)}
         lights = frame.tables["found"]
         return {light: fits[light] if light in fits else target.create(self.device.gl, size) for light in lights}
 
@@ -105,7 +106,7 @@ class Predict(Pass):
         found = {light: FOUND.create(gl, size) for light in rays}
         for light, texture in found.items():
             target = gl.framebuffer([texture])
-            self.draw_by_block(frame, target, self.blocks, rays=rays[light], width=BLOCK // apart)
+            self.draw_by_block(frame, target, self.blocks, rays=rays[light], apart=apart)
         self.device.wait()
         return {light: by_block(pixels(texture), frame.blocks) > 0.0 for light, texture in found.items()}
 
@@ -116,16 +117,17 @@ class Predict(Pass):
         surfaces = {"position": targets["position"], "normals": targets["normal"], "depth": targets["depth"]}
         rays = {"scouted": tables["looks"][light], "seen": tables["seen"][light], "traced": traced}
         gl, around, doubtful = self.device.gl, targets.into("around"), blocks_at(found.all(2))
-        targets["around"].write(whole_blocks(found[..., 0], SCOUTED_BLOCK, around.size), alignment=1)
+        write_blocks(targets["around"], targets.sizes["around"], found[..., 0], SCOUTED_BLOCK)
         bind(self.scouts, **surfaces, **rays)
         self.draw_blocks(frame, around, self.scouts, doubtful, block=SCOUTED_BLOCK)
-        prediction.write(whole_blocks(found[..., 0], BLOCK, prediction.size), alignment=1)
+        write_blocks(prediction, (frame.view.width, frame.view.height), found[..., 0], BLOCK)
         bind(self.pixels, **surfaces, around=targets["around"])
         self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
 
 
-def whole_blocks(arrived: np.ndarray, block: int, size: tuple[int, int]) -> np.ndarray:
-    """(H,W) bool of blocks as pixels of PREDICTION: all of a light or nothing, and no doubt about it."""
+def write_blocks(prediction: moderngl.Texture, size: tuple[int, int], arrived: np.ndarray, block: int) -> None:
+    """Predict for blocks (rows,columns) bool that all of a light arrives or nothing, and no doubt about it."""
     pixels = np.zeros((*arrived.shape, 2), np.float16)
     pixels[..., 0] = arrived
-    return np.ascontiguousarray(pixels.repeat(block, 1).repeat(block, 0)[: size[1], : size[0]])
+    whole = np.ascontiguousarray(pixels.repeat(block, 1).repeat(block, 0)[: size[1], : size[0]])
+    prediction.write(whole, (0, 0, *size), alignment=1)

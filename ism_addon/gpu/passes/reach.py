@@ -16,7 +16,6 @@ import numpy as np
 from ...cores import side_by_side
 from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
-from .. import one_kind
 from ..bounds import Bounds, Lamps, light_on
 from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
@@ -155,7 +154,7 @@ class Reach(Pass):
         shown = {name: frame.targets[name] for name in ("position", "depth")}
         self.draw_by_block(frame, frame.targets.into(*self.writes), self.surfaces, **shown)
         self.device.wait()
-        found = [by_block(pixels(frame.targets[name]), frame.blocks) for name in self.writes]
+        found = [by_block(frame.targets.read(name), frame.blocks) for name in self.writes]
         near_and_far = np.array(found).reshape(2, 3, -1, 4)
         return Bounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
@@ -185,7 +184,7 @@ class Reach(Pass):
         places, found = additive_sequence(0, len(frame.scene.lights.shape), 2), {}
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
-            asked = ASKED.create(gl, (one_kind.side(len(some)), 1))
+            asked = ASKED.create(gl, (len(some), 1))
             rows_asked = np.array([(light, *fixed_point(places[light])) for light in some], np.uint32)
             asked.write(rows_asked, viewport=(0, 0, len(some), 1))
             bind(
@@ -199,10 +198,14 @@ class Reach(Pass):
                 pixel_steps=fixed_point(PIXEL_STEPS),
                 **frame.tables["casters"],
             )
-            strips = SCOUTED.create(gl, (columns, len(some) * rows))
-            self.draw_pixels(frame, gl.framebuffer([strips]), self.rays)
+            size = columns, len(some) * rows
+            strips = SCOUTED.create(gl, size)
+            target = gl.framebuffer([strips])
+            target.viewport = 0, 0, *size
+            self.draw_pixels(frame, target, self.rays)
             self.device.wait()
-            found |= zip(some, pixels(strips).reshape(len(some), rows, columns, 2), strict=True)
+            of_lights = pixels(strips)[: size[1], : size[0]]
+            found |= zip(some, of_lights.reshape(len(some), rows, columns, 2), strict=True)
         return found
 
     def weighed(self) -> dict[int, Reached]:

@@ -37,6 +37,6 @@ class Show(Pass):
             source=source,
             octahedral=frame.settings.show == "normal",
             components=source.components,
-            picture_size=frame.targets["shown"].size,
+            size=frame.targets.sizes[frame.settings.show],
         )
         self.draw_pixels(frame, frame.targets.into("shown"), pixels)

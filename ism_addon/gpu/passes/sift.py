@@ -12,7 +12,7 @@ from ...sampling import TURN_STEPS, Dimension, members, sequence
 from ...scene import Change
 from ..context import Device
 from ..error import Error
-from ..targets import Target, pixels
+from ..targets import Target
 from . import BLOCK, Frame, Pass, blocks_at, by_block
 
 #: Samples that every block takes part in.
@@ -64,8 +64,9 @@ class Sift(Pass):
         frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * BLOCK**2
         self.turns += takes_part
         error.count(takes_part)
-        frame.tables["counts"].write(error.counts)
-        frame.tables["chances"].write(np.stack([self.chance, self.chance * ~error.settled], 2))
+        of_blocks = 0, 0, *frame.blocks
+        frame.tables["counts"].write(error.counts, of_blocks)
+        frame.tables["chances"].write(np.stack([self.chance, self.chance * ~error.settled], 2), of_blocks)
 
     def start(self, frame: Frame) -> None:
         """All blocks, none drawn yet."""
@@ -98,7 +99,7 @@ class Sift(Pass):
         sums = {name: frame.targets[name] for name in ("sum", "sum_correction", "weights")}
         self.draw_by_block(frame, frame.targets.into("noise"), self.means, **sums)
         self.device.wait()
-        square, bright = np.moveaxis(by_block(pixels(frame.targets["noise"]), frame.blocks), -1, 0)
+        square, bright = np.moveaxis(by_block(frame.targets.read("noise"), frame.blocks), -1, 0)
         return np.sqrt(square), float(bright.mean())
 
 

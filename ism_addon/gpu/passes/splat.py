@@ -50,6 +50,7 @@ class Splat(Pass):
         gl, batch = frame.device.gl, frame.batch
         frame.targets.allocate("splats", self.writes["splats"], batch.size)
         atlas = frame.targets.into("splats")
+        whole = atlas.viewport
         atlas.clear(EMPTY)
         subsets, points = frame.tables["surface_points"]
         if points is None:
@@ -66,7 +67,7 @@ class Splat(Pass):
                 if subset.count:
                     self.draw_map(frame, atlas, discs, index, subset)
         finally:
-            atlas.viewport, atlas.scissor = (0, 0, *atlas.size), None
+            atlas.viewport, atlas.scissor = whole, None
             gl.blend_equation = moderngl.FUNC_ADD
 
     def draw_map(

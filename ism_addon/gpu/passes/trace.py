@@ -45,7 +45,7 @@ class Trace(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.all_seen = PREDICTION.create(device.gl, (1, 1))
-        self.all_seen.write(np.array([1.0, 0.0], np.float16))
+        PREDICTION.neutralise(self.all_seen)
         self.framebuffers: dict[int, moderngl.Framebuffer] = {}
 
     def needed(self, frame: Frame) -> bool:

@@ -6,14 +6,13 @@ uniform ivec2 along;
 out float smooth_occlusion;
 
 void main() {
-    ivec2 half_size = textureSize(occlusion, 0), full_size = textureSize(position, 0);
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    Surface here = surface_at(full_from_half(at, full_size));
+    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel() / 2;
+    Surface here = surface_at(full_from_half(at));
     float sum = fetch(occlusion, at).x * 4.0, weights = 4.0;
     for (int k = -3; k <= 3; ++k) {
         ivec2 neighbour = at + k * along;
-        if (k == 0 || any(lessThan(neighbour, ivec2(0))) || any(greaterThanEqual(neighbour, half_size))) continue;
-        float weight = (4.0 - abs(float(k))) * alike(here, full_from_half(neighbour, full_size));
+        if (k == 0 || any(lessThan(neighbour, ivec2(0))) || any(greaterThan(neighbour, last))) continue;
+        float weight = (4.0 - abs(float(k))) * alike(here, full_from_half(neighbour));
         sum += weight * fetch(occlusion, neighbour).x;
         weights += weight;
     }

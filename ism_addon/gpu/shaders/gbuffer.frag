@@ -14,6 +14,7 @@ vec2 uv_at(int corner) { return texelFetch(uvs, corner).xy; }
 uniform usampler2D triangles_seen;
 uniform mat2 fine_from_pixel;
 uniform vec2 first; // fine pixel of the first pixel
+uniform ivec2 last; // and the last one that there is
 flat in vec4 place;
 flat in float own_number;
 uniform samplerBuffer instances;
@@ -58,7 +59,7 @@ vec3 barycentric_of_edge(Ray ray, vec3 a, vec3 u, vec3 v) {
 void main() {
     ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
     vec2 pixel = gl_FragCoord.xy + place.zw;
-    uvec2 id = fetch(triangles_seen, clamp(at, ivec2(0), textureSize(triangles_seen, 0) - 1)).xy;
+    uvec2 id = fetch(triangles_seen, clamp(at, ivec2(0), last)).xy;
     triangle_seen = id;
     if (id.x == 0u) {
         depth = FAR_AWAY;

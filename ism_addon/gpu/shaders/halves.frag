@@ -5,7 +5,7 @@ uniform sampler2D earlier;
 out vec2 moved;
 
 void main() {
-    ivec2 block = block_here(), last = textureSize(resolved, 0) - 1;
+    ivec2 block = block_here(), last = last_pixel();
     moved = vec2(0.0);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);

@@ -13,7 +13,7 @@ ivec2 tap(int k) { return ivec2(k % 5, k / 5) - 2; }
 float tent(ivec2 tap) { vec2 near = 1.0 - vec2(abs(tap)) / 3.0; return near.x * near.y; }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(position, 0) - 1, last_scout = textureSize(scouted, 0) - 1;
+    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_scout = last / SCOUTS_APART;
     ivec2 own = min(SCOUTS_APART * at, last);
     int more = traced ? TAPS : 0;
     Surface here = surface_at(own);

@@ -19,7 +19,7 @@ void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
 }
 
 void main() {
-    ivec2 first = block_here() * BLOCK, last = textureSize(position, 0) - 1;
+    ivec2 first = block_here() * BLOCK, last = last_pixel();
     vec2 texel = texel_size(position), range = vec2(1e30, -1e30);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         float z = fetch(depth, min(first + ivec2(k % BLOCK, k / BLOCK), last), texel).x;

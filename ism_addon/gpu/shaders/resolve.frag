@@ -14,7 +14,7 @@ out vec4 resolved;
 float believed(float square, float noise) { return square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0; }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum, 0) - 1;
+    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
     resolved = fetch(sum, at) / fetch(weights, at).y;
 #if CORRECTED
     // For those processors that walk through both sides of every "if", but skip empty loops.

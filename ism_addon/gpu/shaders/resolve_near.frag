@@ -20,7 +20,7 @@ float alike(float a, float b) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(sum_correction, 0) - 1;
+    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
     vec4 mine = fetch(weights, at);
     float bright = luminance(fetch(sum, at).rgb) / mine.y;
     vec2 texel = texel_size(sum), texel_of_counts = texel_size(counts);

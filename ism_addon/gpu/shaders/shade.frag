@@ -17,7 +17,7 @@ float open_part(ivec2 at, Surface here) {
 #if OCCLUDED
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, here, 2, textureSize(occlusion, 0));
+        Neighbour other = neighbour(k, at, here, 2);
         sum += other.weight * fetch(occlusion, other.at).x;
         weights += other.weight;
     }
@@ -27,7 +27,7 @@ float open_part(ivec2 at, Surface here) {
 #endif
 }
 
-// Of a target that is 1 x 1 where nobody draws it.
+// Of a target that is a few texels, all alike, where nobody draws it.
 vec4 at_pixel(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {

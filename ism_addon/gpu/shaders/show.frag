@@ -7,12 +7,11 @@ uniform sampler2D source;
 #endif
 uniform int components;
 uniform bool octahedral;
-uniform ivec2 picture_size;
+uniform ivec2 size; // of the target's own part of it, in texels
 out vec4 shown;
 
 void main() {
-    ivec2 size = textureSize(source, 0);
-    vec2 stretch = vec2(size) / vec2(picture_size);
+    vec2 stretch = vec2(size) / picture_size.xy;
     ivec2 at = min(ivec2(gl_FragCoord.xy * stretch), size - 1);
 #if INTEGERS
     uvec2 id = fetch(source, at).xy;

@@ -7,7 +7,7 @@ uniform sampler2D weights; // of squared luminances, and of samples
 out vec2 noise;
 
 void main() {
-    ivec2 block = block_here(), last = textureSize(sum, 0) - 1;
+    ivec2 block = block_here(), last = last_pixel();
     noise = vec2(0.0);
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);

@@ -18,14 +18,14 @@ out float occlusion; // 1 is open
 // In pixels, and whether it is ahead at all.
 vec3 on_screen(vec3 p) {
     vec4 clip = clip_from_anchor * vec4(p, 1.0);
-    return vec3((0.5 * clip.xy / clip.w + 0.5) * vec2(textureSize(depth, 0)), clip.w);
+    return vec3((0.5 * clip.xy / clip.w + 0.5) * picture_size.xy, clip.w);
 }
 
 // `place`: of this sample, from the pixels' centres.
 float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
     vec3 seen_at = on_screen(s);
-    ivec2 size = textureSize(depth, 0), at = ivec2(floor(seen_at.xy - place));
-    if (seen_at.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return 0.0;
+    ivec2 at = ivec2(floor(seen_at.xy - place));
+    if (seen_at.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThan(at, last_pixel()))) return 0.0;
     if (fetch(depth, at).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
     vec3 to = fetch(position, at).xyz - p;
     float square = dot(to, to) / (radius * radius);
@@ -34,7 +34,7 @@ float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
 }
 
 void main() {
-    ivec2 at = full_from_half(ivec2(gl_FragCoord.xy), textureSize(depth, 0));
+    ivec2 at = full_from_half(ivec2(gl_FragCoord.xy));
     vec4 here = fetch(position, at);
     occlusion = 1.0;
     if (here.w == 0.0) return;

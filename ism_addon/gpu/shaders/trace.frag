@@ -18,8 +18,8 @@ layout(location = 2) out vec2 seen; // rays that arrived, and rays
 
 // A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
 vec2 known_of(Receiver here, ivec2 at) {
-    ivec2 last = textureSize(prediction, 0) - 1;
 #if RAYS
+    ivec2 last = last_pixel();
     vec2 known = vec2(0.0, 1.0), texel = texel_size(foreseen);
     float z = fetch(depth, at).x, best = 0.0;
     for (int k = 0, taps = 9; k < taps; ++k) { // the pixel's own first
@@ -32,7 +32,7 @@ vec2 known_of(Receiver here, ivec2 at) {
     if (best < 0.5) known.y = 1.0;
     return known;
 #else
-    return fetch(prediction, min(at, last)).xy;
+    return fetch(prediction, min(at, textureSize(prediction, 0) - 1)).xy;
 #endif
 }
 

@@ -7,7 +7,7 @@ uniform ivec2 offset; // of the pixel
 // Rays that arrived, and rays. `place` is that on the light, for the first of the pixels. Where the light sends something,
 // but not from the point that was drawn, nothing is known: that is half a ray. Where it sends nothing there is none.
 vec2 look(int light_index, uvec2 place, ivec2 coarse, int apart) {
-    Receiver here = receiver_at(min(apart * coarse + offset, textureSize(position, 0) - 1));
+    Receiver here = receiver_at(min(apart * coarse + offset, last_pixel()));
     if (!here.seen) return vec2(0.0);
     Light light = fetch_Light(lights, light_index);
     if (!receives(here, light)) return vec2(0.0, 1.0);
