@@ -120,6 +120,7 @@ class Subsets(Pass):
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
+        look()
         points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
         ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, TURNS)
         table = [
@@ -129,6 +130,7 @@ class Subsets(Pass):
             ]
             for row, subsets in zip(ends, chosen, strict=True)
         ]
+        look()
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
         frame.tables["surface_points"] = table, buffer
         frame.counts["bytes_uploaded"] += points.nbytes
