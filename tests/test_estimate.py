@@ -20,8 +20,10 @@ from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
 from .test_worker import ended, request
 
+LARGE_MAPS = with_quality(MAPS, light_points=40, map_size=256)
 
-@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"])
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 20.0])
 def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
     """Of targets, whose bytes are counted: lights and pictures on their way are left out here."""
@@ -30,10 +32,10 @@ def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width)
     scene, view = box_over_plane(256, 160)
     view = replace(view, filter_width=filter_width)
     drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
-    (kinds, view, fine_pixels, lights), *_ = asked
+    (kinds, view, fine_pixels, lights, map_texels), *_ = asked
     assert lights == (1 if settings is SMALL_SETTINGS else 0)
     others = estimate.A_LIGHT * lights + estimate.PICTURES
-    wanted = estimate.needed(kinds, view, fine_pixels, lights) - others * view.width * view.height
+    wanted = estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
     assert wanted == pytest.approx(drawn.profile.counts["bytes_of_targets"], rel=0.1)
 
 

@@ -10,6 +10,7 @@ import moderngl
 from ..scene import View
 from .passes import Pass
 from .passes.accumulate import WIDE, margin
+from .passes.pull_push import LEVELS
 from .targets import DEPTH, Target
 
 #: Bytes a pixel: of what is known of one light, and of pictures as they are read and handed over.
@@ -18,6 +19,9 @@ A_LIGHT, PICTURES = 11, 100
 #: Of a texel of a depth buffer.
 DEPTH_BYTES = 4
 
+#: Texels of a map without holes and of the smaller ones that it is made by, two of each size, over its own.
+WITH_HALVED = 1.0 + 2.0 * sum(0.25**level for level in range(1, LEVELS + 1))
+
 #: Bytes that are taken without asking.
 LITTLE = 1 << 28
 
@@ -25,8 +29,11 @@ LITTLE = 1 << 28
 CURRENT_AVAILABLE = 0x9049
 
 
-def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: int) -> float:
-    """Bytes of a picture that these passes draw, triangles in so many fine pixels, under lights that cast shadows."""
+def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
+    """Bytes of a picture that these passes draw, triangles in so many fine pixels, under lights that cast shadows.
+
+    By maps: an atlas of so many texels.
+    """
     a_pixel, fixed = float(A_LIGHT * lights + PICTURES), 0.0
     for kind in kinds:
         for name, target in kind.writes.items():
@@ -34,6 +41,10 @@ def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: in
                 a_pixel += texel(target) / target.divisor**2
             elif name in ("triangles", "z"):
                 fixed += fine_pixels * texel(target)
+            elif name == "splats":
+                fixed += map_texels * texel(target)
+            elif name == "shadow_maps":
+                fixed += map_texels * texel(target) * WITH_HALVED
             elif margin(view.filter_width) >= WIDE:
                 a_pixel += texel(target)
     return view.width * view.height * a_pixel + fixed

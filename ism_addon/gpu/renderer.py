@@ -5,6 +5,7 @@ Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and sc
 """
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator
 
@@ -176,8 +177,13 @@ class Renderer:
         """Raises MemoryError if a picture would take more than there is."""
         fitted = settings.shadow.method == Method.FITTED
         others = (*CLASSIC, *FOR_EACH_BATCH) if fitted else FITTED
-        lights = int(scene.lights.casts_shadow.sum()) if fitted and settings.shadow.enabled else 0
-        wanted = needed([kind for kind in PASSES if kind not in others], view, fine_pixels, lights)
+        casting = int(scene.lights.casts_shadow.sum()) if settings.shadow.enabled else 0
+        lights, map_texels = (casting if fitted else 0), 0
+        if casting and not fitted:
+            points = max(settings.quality.light_points, casting)
+            atlas, *_ = batches(points, settings.quality.map_size, self.device.texture_size)
+            map_texels = math.prod(atlas.size)
+        wanted = needed([kind for kind in PASSES if kind not in others], view, fine_pixels, lights, map_texels)
         check(self.device.gl, wanted - self.targets.bytes, view, lights)
 
     def run(self, kind: type[Pass], frame: Frame, profile: Profile) -> str:
