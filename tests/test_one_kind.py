@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from ism_addon.gpu import one_kind
 from ism_addon.settings import SSAO
 
-from .scenes.small import box_over_plane
-from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
+from .studio import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
 from .tools import project
 
 #: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
@@ -111,13 +110,13 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 9.0])
 def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, monkeypatch, settings, filter_width):
     """Nobody looks at what is in the rest of them."""
-    scene, view = box_over_plane(61, 40)
-    scene = replace(scene, world=replace(scene.world, radiance=np.full(3, 0.5, np.float32)))
-    view, settings = replace(view, filter_width=filter_width), replace(with_quality(settings, samples=6), ssao=SSAO())
+    scene = stage([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), rubble(300)], light(), world=0.5)
+    view = look((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
+    settings = replace(with_quality(settings, samples=6), ssao=SSAO())
     expected = draw(device, scene, view, settings)
     monkeypatch.setattr(one_kind, "side", lambda texels: texels + 9)
     found = draw(device, scene, view, settings)
-    assert found.renderer.targets["sum"].size == (70, 49)
+    assert found.renderer.targets["sum"].size == (71, 49)
     assert np.array_equal(found.color, expected.color)
     assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
     for mine, theirs in zip(found.renderer.depth_and_normal(), expected.renderer.depth_and_normal(), strict=True):
