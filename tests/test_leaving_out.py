@@ -131,10 +131,27 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
     assert (drawn.target("smooth_occlusion") == 1.0).all()
 
 
-def test_programs_of_passes_that_are_not_needed_are_not_linked():
-    device = open_device()
-    draw(device, *lit_stage(), SETTINGS[Method.FITTED])
-    files = {name for names, *_ in device.programs for name in names}
+#: Shaders of one sample without lights; what lights add to it, shadows to that, and what further samples do.
+UNLIT = {"gbuffer_triangle.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
+LIT_FILES = {"reach.frag", "trace.frag"}
+SHADOW_FILES = {"reach_rays.frag", "scout.frag", "predict.frag", "predict_blocks.frag", "predict_scouts.frag"}
+FURTHER_FILES = {"check.frag", "resolve_near.frag", "sift.frag", "halves.frag"}
+
+
+@pytest.mark.parametrize(
+    ("why", "samples", "files"),
+    [
+        (WITHOUT_LIGHT[0], 1, UNLIT),
+        (WITHOUT_SHADOWS[0], 1, UNLIT | LIT_FILES),
+        (WITHOUT_OCCLUSION[0], 1, UNLIT | LIT_FILES | SHADOW_FILES),
+        (WITHOUT_OCCLUSION[0], 2, UNLIT | LIT_FILES | SHADOW_FILES | FURTHER_FILES),
+    ],
+    ids=["unlit", "without shadows", "one sample", "two samples"],
+)
+def test_programs_of_passes_that_are_not_needed_are_not_linked(why, samples, files):
+    device, (scene, view) = open_device(), lit_stage()
+    scene, settings = why(scene, with_quality(SMALL_SETTINGS, samples=samples))
+    draw(device, scene, view, settings)
+    linked = {name for names, *_ in device.programs for name in names if name.endswith(".frag")}
     device.close()
-    assert "shade.frag" in files
-    assert not files & {"splat.frag", "pull.frag", "push.frag", "show.frag"}
+    assert linked == files

@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon.gpu import one_kind
+from ism_addon.settings import SSAO
 
+from .studio import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
 from .tools import project
 
 #: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
@@ -101,6 +104,23 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
     assert (faint > 0) == (method == "rays")
     assert min(image, ssao) > 0
     assert both == all_but_images == 0
+
+
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+@pytest.mark.parametrize("filter_width", [0.01, 1.5, 9.0])
+def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, monkeypatch, settings, filter_width):
+    """Nobody looks at what is in the rest of them."""
+    scene = stage([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), rubble(300)], light(), world=0.5)
+    view = look((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
+    settings = replace(with_quality(settings, samples=6), ssao=SSAO())
+    expected = draw(device, scene, view, settings)
+    monkeypatch.setattr(one_kind, "side", lambda texels: texels + 9)
+    found = draw(device, scene, view, settings)
+    assert found.renderer.targets["sum"].size == (71, 49)
+    assert np.array_equal(found.color, expected.color)
+    assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
+    for mine, theirs in zip(found.renderer.depth_and_normal(), expected.renderer.depth_and_normal(), strict=True):
+        assert np.array_equal(mine, theirs)
 
 
 @given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))

@@ -249,7 +249,7 @@ class Pass:
     ) -> None:
         """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
         self.device.gl.enable_only(moderngl.NOTHING)
-        bind(shader.program, columns=frame.blocks[0], strip=target.width, **uniforms)
+        bind(shader.program, columns=frame.blocks[0], strip=target.viewport[2], **uniforms)
         self.draw_pixels(frame, target, shader, 2 * BLOCK**2 / TEXELS)  # of two pictures, about
 
     def draw_pixels(

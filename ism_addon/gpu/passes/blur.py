@@ -5,9 +5,10 @@ A bilateral filter in two steps, across and up: a neighbour counts as far as it 
 the same way (Beck-Norén & Valter 2013, section 3.3, blur their half-resolution result likewise).
 """
 
+from functools import cached_property
+
 import moderngl
 
-from ..context import Device
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
@@ -22,9 +23,9 @@ class Blur(Pass):
         "smooth_occlusion": Target(1, "f2", neutral=(1.0,), divisor=2),
     }
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.full_screen()
+    @cached_property
+    def pixels(self) -> moderngl.VertexArray:
+        return self.full_screen()
 
     def needed(self, frame: Frame) -> bool:
         return frame.occludes

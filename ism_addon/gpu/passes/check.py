@@ -5,6 +5,8 @@ Block by block and light by light, a few of them each sample, the more often the
 many of them cost together is what one would. A light that is found is Predict's and Trace's from then on.
 """
 
+from functools import cached_property
+
 import moderngl
 import numpy as np
 
@@ -30,9 +32,12 @@ class Check(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.pixels = self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
         #: See chances_of.
         self.hidden, self.sums = np.zeros(0, int), np.zeros(0)
+
+    @cached_property
+    def pixels(self) -> moderngl.Program:
+        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample > 0

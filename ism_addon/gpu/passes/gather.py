@@ -7,11 +7,12 @@ nothing is in the way there is no error. The receiver is compared as the plane t
 the texel's centre, where the disc was measured too. Matrices come from a table, so their number has no limit.
 """
 
+from functools import cached_property
+
 import moderngl
 
 from ...scene import Change
 from ..atlas import EMPTY
-from ..context import Device
 from ..layout import LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT
 from ..program import bind
 from ..targets import Target
@@ -29,9 +30,9 @@ class Gather(Pass):
     settings = ("shadow.enabled", "shadow.method", "shadow.bias", "shadow.fill_holes")
     depends_on = (Change.LIGHTS,)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.full_screen(LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT, empty=EMPTY)
+    @cached_property
+    def pixels(self) -> moderngl.VertexArray:
+        return self.full_screen(LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT, empty=EMPTY)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and not frame.fitted

@@ -4,6 +4,9 @@
 See error.py for why. Blocks that are near enough take part in no further sample.
 """
 
+from functools import cached_property
+
+import moderngl
 import numpy as np
 
 from ...scene import Change
@@ -33,8 +36,11 @@ class Halves(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.blocks = self.full_screen(block=BLOCK)
         self.counts = np.zeros((0, 0), np.float32)  # of the samples that blocks of the earlier picture had
+
+    @cached_property
+    def blocks(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK)
 
     def draw(self, frame: Frame) -> None:
         error, threshold = frame.tables["error"], frame.settings.quality.error_threshold

@@ -5,12 +5,13 @@ The rays of a neighbourhood start at evenly spread places on the light, so toget
 pixel's. What is predicted need not be right: Trace says how wrong it is, and is spared work where it is right.
 """
 
+from functools import cached_property
+
 import moderngl
 import numpy as np
 
 from ...scene import Change
 from .. import one_kind
-from ..context import Device
 from ..program import bind
 from ..targets import Target, pixels
 from . import (
@@ -45,11 +46,17 @@ class Predict(Pass):
     makes = ("predictions", "seen", "found", "looks")
     depends_on = (Change.SAMPLE,)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.scouts = self.in_blocks(part="scouts", scouts_apart=SCOUTS_APART)
-        self.pixels = self.in_blocks(scouts_apart=SCOUTS_APART)
-        self.blocks = self.full_screen(part="blocks", block=BLOCK)
+    @cached_property
+    def scouts(self) -> moderngl.Program:
+        return self.in_blocks(part="scouts", scouts_apart=SCOUTS_APART)
+
+    @cached_property
+    def pixels(self) -> moderngl.Program:
+        return self.in_blocks(scouts_apart=SCOUTS_APART)
+
+    @cached_property
+    def blocks(self) -> moderngl.VertexArray:
+        return self.full_screen(part="blocks", block=BLOCK)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces

@@ -96,14 +96,20 @@ class Reach(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.surfaces = self.full_screen(block=BLOCK, far_away=FAR_AWAY, split=SPLIT)
-        self.rays = self.full_screen(LIGHT, CASTER, MEMBERSHIP, part="rays")
         #: Of all samples so far; and the luminance (lights,rows,columns) of the irradiance that is possible there.
         self.bounds: Bounds | None = None
         self.most = np.zeros((0, 0, 0), np.float32)
         #: Parts (rows,columns) of lights that are seen about blocks, and the luminance that is thought to arrive.
         self.arrives: dict[int, np.ndarray] = {}
         self.light = np.zeros((0, 0), np.float32)
+
+    @cached_property
+    def surfaces(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK, far_away=FAR_AWAY, split=SPLIT)
+
+    @cached_property
+    def rays(self) -> moderngl.VertexArray:
+        return self.full_screen(LIGHT, CASTER, MEMBERSHIP, part="rays")
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0

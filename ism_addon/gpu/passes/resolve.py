@@ -5,11 +5,12 @@ A correction is believed by the part that is left when the noise of its neighbou
 (James & Stein 1961): nothing of one ray a pixel, all of it in the end, so nothing of the prediction's error remains.
 """
 
+from functools import cached_property
+
 import moderngl
 import numpy as np
 
 from ...scene import Change, Lights
-from ..context import Device
 from ..program import bind
 from ..targets import Target
 from . import BLOCK, Frame, Pass
@@ -29,17 +30,23 @@ class Resolve(Pass):
     writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
     depends_on = (Change.SAMPLE,)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.near = self.full_screen(part="near", block=BLOCK, evenness=EVENNESS, strictness=STRICTNESS)
-        self.pixels = [self.full_screen(block=BLOCK, corrected=corrected) for corrected in (0, 1)]
+    @cached_property
+    def near(self) -> moderngl.VertexArray:
+        return self.full_screen(part="near", block=BLOCK, evenness=EVENNESS, strictness=STRICTNESS)
+
+    @cached_property
+    def predicted(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK, corrected=0)
+
+    @cached_property
+    def corrected(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK, corrected=1)
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        corrected = frame.sample > 0  # the first one has no corrections
-        if corrected:
+        if frame.sample > 0:  # the first one has no corrections
             self.look_around(frame)
-        pixels = self.pixels[corrected]
+        pixels = self.corrected if frame.sample > 0 else self.predicted
         bind(
             pixels.program,
             sum=frame.targets["sum"],

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A close look at what each light reaches: one shadow ray from every fourth pixel, where Reach asks for it."""
 
+from functools import cached_property
+
 import moderngl
 
 from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
-from ..context import Device
 from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
 from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
@@ -18,9 +19,9 @@ class Scout(Pass):
     makes = ("scouted",)
     depends_on = (Change.VIEW, Change.LIGHTS)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
+    @cached_property
+    def pixels(self) -> moderngl.Program:
+        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample == 0

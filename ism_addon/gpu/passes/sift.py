@@ -6,11 +6,13 @@ that for a given number of pixels drawn the least error is left (Neyman 1934). A
 it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
 """
 
+from functools import cached_property
+
+import moderngl
 import numpy as np
 
 from ...sampling import TURN_STEPS, Dimension, members, sequence
 from ...scene import Change
-from ..context import Device
 from ..error import Error
 from ..targets import Target
 from . import BLOCK, Frame, Pass, blocks_at, by_block
@@ -46,9 +48,9 @@ class Sift(Pass):
     settings = ("shadow.method", "skip")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.means = self.full_screen(block=BLOCK)
+    @cached_property
+    def means(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK)
 
     def draw(self, frame: Frame) -> None:
         if frame.sample == 0:

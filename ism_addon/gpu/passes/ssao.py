@@ -7,13 +7,14 @@ the occluder is. A tiled 64×64 random texture turns the points from pixel to pi
 cosine, so that without attenuation the open part is the part of the world's light that arrives.
 """
 
+from functools import cached_property
+
 import moderngl
 import numpy as np
 
 from ...sampling import Dimension, additive_sequence, sequence
 from ...scene import Change
 from .. import one_kind
-from ..context import Device
 from ..program import bind
 from ..targets import Target
 from . import Frame, Pass
@@ -33,13 +34,18 @@ class SSAO(Pass):
     settings = ("ssao",)
     depends_on = (Change.VIEW, Change.SAMPLE)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.pixels = self.full_screen(points=POINTS, tile=TILE)
-        self.pixels.program["cone_points"].write(additive_sequence(0, POINTS, 3).astype("f4"))
+    @cached_property
+    def pixels(self) -> moderngl.VertexArray:
+        pixels = self.full_screen(points=POINTS, tile=TILE)
+        pixels.program["cone_points"].write(additive_sequence(0, POINTS, 3).astype("f4"))
+        return pixels
+
+    @cached_property
+    def random(self) -> moderngl.Texture:
         random = np.random.default_rng(2013).uniform(-1.0, 1.0, (TILE, TILE, 2)).astype("f4")
-        self.random = device.gl.texture((TILE, TILE), 2, random, dtype="f4")
-        one_kind.never_filtered(self.random)
+        texture = self.device.gl.texture((TILE, TILE), 2, random, dtype="f4")
+        one_kind.never_filtered(texture)
+        return texture
 
     def needed(self, frame: Frame) -> bool:
         return frame.occludes
