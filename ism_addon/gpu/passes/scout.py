@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A close look at what each light reaches: one shadow ray from every fourth pixel, where Reach asks for it."""
 
-from functools import cached_property
+from dataclasses import asdict
 
 import moderngl
 
 from ...sampling import PIXEL_STEPS, additive_sequence, fixed_point
 from ...scene import Change
-from ..layout import CASTER, LIGHT, MEMBERSHIP
 from ..program import bind
+from ..refine import RECORDS, Kind
 from . import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
 
 
@@ -18,10 +18,6 @@ class Scout(Pass):
     reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach")
     makes = ("scouted",)
     depends_on = (Change.VIEW, Change.LIGHTS)
-
-    @cached_property
-    def pixels(self) -> moderngl.Program:
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=SCOUTS_APART)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample == 0
@@ -37,8 +33,10 @@ class Scout(Pass):
         for light in lights:
             into = gl.framebuffer([scouted[light]])
             into.clear()
+            kind = Kind.of(frame.scene.lights, light)
+            program = self.in_blocks(*RECORDS, scouts_apart=SCOUTS_APART, **asdict(kind))
             bind(
-                self.pixels,
+                program,
                 **frame.receivers,
                 lights=frame.tables["lights"],
                 light_index=light,
@@ -48,5 +46,5 @@ class Scout(Pass):
                 **frame.tables["casters"],
             )
             blocks = blocks_at(frame.tables["reach"][light].scouted)
-            self.draw_blocks(frame, into, self.pixels, blocks, block=SCOUTED_BLOCK)
+            self.draw_blocks(frame, into, program, blocks, block=SCOUTED_BLOCK)
         frame.tables["scouted"] = scouted
