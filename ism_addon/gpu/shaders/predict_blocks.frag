@@ -8,11 +8,14 @@ const int MARGIN = 2; // texels that the predictions of the block look beyond it
 
 void main() {
     ivec2 block = block_here(), last = last_pixel() / apart;
-    int width = BLOCK / apart, across = width + 2 * MARGIN;
+    ivec2 first = max(block * (BLOCK / apart) - MARGIN, 0), end = min((block + 1) * (BLOCK / apart) - 1 + MARGIN, last);
+    vec2 texel = texel_size(rays);
     found = vec2(0.0);
-    for (int k = 0; k < across * across; ++k) {
-        vec2 tap = fetch(rays, clamp(block * width - MARGIN + ivec2(k % across, k / across), ivec2(0), last)).xy;
-        found = max(found, vec2(tap.x, tap.y - tap.x));
+    for (int y = first.y; y <= end.y; ++y) {
+        for (int x = first.x; x <= end.x; ++x) {
+            vec2 tap = fetch(rays, ivec2(x, y), texel).xy;
+            found = max(found, vec2(tap.x, tap.y - tap.x));
+        }
     }
     found = vec2(greaterThan(found, vec2(0.0)));
 }

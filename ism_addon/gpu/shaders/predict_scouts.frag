@@ -5,30 +5,33 @@ uniform sampler2D seen;    // at full resolution, if there are any yet
 uniform bool traced;
 out vec2 prediction; // part of the light, and whether that is in doubt
 
-const int TAPS = 25;
-
-ivec2 tap(int k) { return ivec2(k % 5, k / 5) - 2; }
+const int REACH = 2; // taps to each side
 
 // What is near counts more.
-float tent(ivec2 tap) { vec2 near = 1.0 - vec2(abs(tap)) / 3.0; return near.x * near.y; }
+float tent(ivec2 tap) { vec2 near = 1.0 - vec2(abs(tap)) / float(REACH + 1); return near.x * near.y; }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_scout = last / SCOUTS_APART;
     ivec2 own = min(SCOUTS_APART * at, last);
-    int more = traced ? TAPS : 0;
+    int more = traced ? REACH : -REACH - 1;
     Surface here = surface_at(own);
     vec2 all = vec2(0.0), near = vec2(0.0);
-    for (int k = 0; k < TAPS; ++k) {
-        ivec2 other = clamp(at + tap(k), ivec2(0), last_scout);
-        vec2 found = fetch(scouted, other).xy;
-        all += found;
-        near += tent(tap(k)) * alike(here, min(SCOUTS_APART * other, last)) * found;
+    vec2 texel = texel_size(position), scouted_texel = texel_size(scouted);
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
+            ivec2 other = clamp(at + ivec2(x, y), ivec2(0), last_scout);
+            vec2 found = fetch(scouted, other, scouted_texel).xy;
+            all += found;
+            near += tent(ivec2(x, y)) * alike(here, min(SCOUTS_APART * other, last), texel) * found;
+        }
     }
-    for (int k = 0; k < more; ++k) {
-        ivec2 other = clamp(own + tap(k), ivec2(0), last);
-        vec2 found = fetch(seen, other).xy;
-        all += found;
-        near += tent(tap(k)) * alike(here, other) * found;
+    for (int y = -REACH; y <= more; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
+            ivec2 other = clamp(own + ivec2(x, y), ivec2(0), last);
+            vec2 found = fetch(seen, other, texel).xy; // of the picture's size, as positions are
+            all += found;
+            near += tent(ivec2(x, y)) * alike(here, other, texel) * found;
+        }
     }
     bool sure = all.x == 0.0 || all.x == all.y || !here.seen;
     if (near.y < 1e-3) near = all;

@@ -9,5 +9,5 @@ Neighbour neighbour(int k, ivec2 at, Surface here, int apart) {
     ivec2 step = ivec2(k & 1, k >> 1), other = min(at / apart + step, last_pixel() / apart);
     vec2 near = mix(1.0 - offset, offset, vec2(step));
     ivec2 stands_for = min(apart * other, last_pixel());
-    return Neighbour(other, near.x * near.y * (alike(here, stands_for) + 1e-4));
+    return Neighbour(other, near.x * near.y * (alike(here, stands_for, texel_size(position)) + 1e-4));
 }

@@ -11,4 +11,6 @@ Surface surface_at(ivec2 pixel) {
     return Surface(p.xyz, direction_from_octahedron(fetch(normals, pixel).xy), fetch(depth, pixel).x, p.w > 0.0);
 }
 
-float alike(Surface a, ivec2 pixel) { return alike(a.position, a.normal, a.depth, fetch(position, pixel)); }
+float alike(Surface a, ivec2 pixel, vec2 texel) {
+    return alike(a.position, a.normal, a.depth, fetch(position, pixel, texel));
+}
