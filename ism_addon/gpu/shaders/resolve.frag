@@ -18,11 +18,13 @@ void main() {
     resolved = fetch(sum, at) / fetch(weights, at).y;
 #if CORRECTED
     // For those processors that walk through both sides of every "if", but skip empty loops.
-    int taps = fetch(counts, at / BLOCK).x > 1.0 ? 25 : 0;
+    bool corrected = fetch(counts, at / BLOCK).x > 1.0;
     vec4 found = vec4(0.0);
     vec2 texel = texel_size(stand_out);
-    for (int k = 0; k < taps; ++k)
-        found += fetch(stand_out, clamp(at + ivec2(k % 5 - 2, k / 5 - 2), ivec2(0), last), texel);
+    for (int y = -2; y <= (corrected ? 2 : -3); ++y) {
+        for (int x = -2; x <= 2; ++x)
+            found += fetch(stand_out, clamp(at + ivec2(x, y), ivec2(0), last), texel);
+    }
     vec4 mean = fetch(near, at);
     vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
     vec3 change = believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
@@ -30,6 +32,6 @@ void main() {
     float amount = luminance(change), all = fetch(weights, at).y;
     float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(weights, at).w / mean.a;
     change *= min(most / max(abs(amount), 1e-37), 1.0);
-    if (taps > 0) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, least));
+    if (corrected) resolved.rgb = max(resolved.rgb + change, min(resolved.rgb, least));
 #endif
 }

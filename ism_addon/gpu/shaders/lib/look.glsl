@@ -13,8 +13,5 @@ vec2 look(int light_index, uvec2 place, ivec2 coarse, int apart) {
     if (!receives(here, light)) return vec2(0.0, 1.0);
     LightSample sampled = sample_light(light, here.position, here.normal, place_of_pixel(coarse, place));
     if (sampled.irradiance > 0.0) return vec2(sees(here, sampled.point, light) ? 1.0 : 0.0, 1.0);
-    float full = 0.0;
-    for (int k = sampled.irradiance > 0.0 ? 0 : 1; k > 0; --k) // a loop, as many drivers run both sides of an `if`
-        full = unshadowed_irradiance(light, here.position, here.normal);
-    return full > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
+    return unshadowed_irradiance(light, here.position, here.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }
