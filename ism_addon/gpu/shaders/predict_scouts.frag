@@ -13,7 +13,7 @@ float tent(ivec2 tap) { vec2 near = 1.0 - vec2(abs(tap)) / float(REACH + 1); ret
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_scout = last / SCOUTS_APART;
     ivec2 own = min(SCOUTS_APART * at, last);
-    int more = traced ? REACH : -REACH - 1;
+    int last_row = traced ? REACH : -REACH - 1; // of full resolution
     Surface here = surface_at(own);
     vec2 all = vec2(0.0), near = vec2(0.0);
     vec2 texel = texel_size(position), scouted_texel = texel_size(scouted);
@@ -25,7 +25,7 @@ void main() {
             near += tent(ivec2(x, y)) * alike(here, min(SCOUTS_APART * other, last), texel) * found;
         }
     }
-    for (int y = -REACH; y <= more; ++y) {
+    for (int y = -REACH; y <= last_row; ++y) {
         for (int x = -REACH; x <= REACH; ++x) {
             ivec2 other = clamp(own + ivec2(x, y), ivec2(0), last);
             vec2 found = fetch(seen, other, texel).xy; // of the picture's size, as positions are

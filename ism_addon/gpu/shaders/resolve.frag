@@ -19,9 +19,10 @@ void main() {
 #if CORRECTED
     // For those processors that walk through both sides of every "if", but skip empty loops.
     bool corrected = fetch(counts, at / BLOCK).x > 1.0;
+    int last_row = corrected ? 2 : -3;
     vec4 found = vec4(0.0);
     vec2 texel = texel_size(stand_out);
-    for (int y = -2; y <= (corrected ? 2 : -3); ++y) {
+    for (int y = -2; y <= last_row; ++y) {
         for (int x = -2; x <= 2; ++x)
             found += fetch(stand_out, clamp(at + ivec2(x, y), ivec2(0), last), texel);
     }

@@ -20,16 +20,14 @@ layout(location = 2) out vec2 seen; // rays that arrived, and rays
 vec2 known_of(Receiver here, ivec2 at) {
 #if RAYS
     ivec2 last = last_pixel();
-    vec2 texel = texel_size(foreseen), known = fetch(prediction, at, texel).xy;
-    float z = fetch(depth, at, texel).x, best = alike(here.position, here.normal, z, fetch(foreseen, at, texel));
-    int rows = best > 0.5 ? -2 : 1; // the last one, of those around it
-    for (int y = -1; y <= rows; ++y) {
-        for (int x = -1; x <= 1; ++x) {
-            ivec2 other = clamp(at + ivec2(x, y), ivec2(0), last);
-            float like = alike(here.position, here.normal, z, fetch(foreseen, other, texel));
-            if (like > best) known = fetch(prediction, other, texel).xy;
-            best = max(best, like);
-        }
+    vec2 known = vec2(0.0, 1.0), texel = texel_size(foreseen);
+    float z = fetch(depth, at).x, best = 0.0;
+    for (int k = 0, taps = 9; k < taps; ++k) { // the pixel's own first
+        ivec2 other = clamp(at + ivec2((k + 4) % 3 - 1, (k + 4) % 9 / 3 - 1), ivec2(0), last);
+        float like = alike(here.position, here.normal, z, fetch(foreseen, other, texel));
+        if (k == 0 || like > best) known = fetch(prediction, other, texel).xy;
+        best = max(best, like);
+        if (k == 0 && best > 0.5) taps = 1;
     }
     if (best < 0.5) known.y = 1.0;
     return known;
