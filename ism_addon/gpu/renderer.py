@@ -129,7 +129,7 @@ class Renderer:
         frame.batch = None
         for kind in AFTER:
             yield self.run(kind, frame, profile)
-        for kind in (AT_LAST, JUDGED) if is_due(sample) else (JUDGED,):
+        for kind in (AT_LAST, JUDGED) if is_due(sample, settings.quality.samples) else (JUDGED,):
             yield self.run(kind, frame, profile)
         self.pace.end()
         profile.counts["bytes_of_targets"] = self.targets.bytes

@@ -21,9 +21,14 @@ LEAST_SAMPLES = 16
 TINY = float(np.finfo(np.float32).tiny)
 
 
-def is_due(sample: int) -> bool:
-    """Whether the number of samples is twice that of the last time, this one included."""
-    return sample & (sample + 1) == 0
+def is_due(sample: int, samples: int) -> bool:
+    """Whether the number of samples has doubled with this one, since the last time that was worth a look.
+
+    After the first sample that is half of LEAST_SAMPLES, as no block can be good enough before; or of `samples`, if all
+    are fewer. Blocks that are drawn least often may have no sample in a doubling: they have what the first look found.
+    """
+    count = sample + 1
+    return count & sample == 0 and (sample == 0 or 4 * count > min(samples, LEAST_SAMPLES))
 
 
 class Halves(Pass):
@@ -43,14 +48,14 @@ class Halves(Pass):
         return self.full_screen(block=BLOCK)
 
     def draw(self, frame: Frame) -> None:
-        error, threshold = frame.tables["error"], frame.settings.quality.error_threshold
-        if is_due(frame.sample):
+        error, quality = frame.tables["error"], frame.settings.quality
+        if is_due(frame.sample, quality.samples):
             if frame.sample:
                 error.compare(self.moved(frame), self.counts)
             self.device.gl.copy_framebuffer(frame.targets.into("earlier"), frame.targets.into("resolved"))
             self.counts = error.counts.copy()
-        if frame.settings.skip and threshold > 0.0 and frame.sample + 1 >= LEAST_SAMPLES:
-            error.settle(threshold)
+        if frame.settings.skip and quality.error_threshold > 0.0 and frame.sample + 1 >= LEAST_SAMPLES:
+            error.settle(quality.error_threshold)
 
     def moved(self, frame: Frame) -> np.ndarray:
         """(H,W) mean squares of the blocks' differences, over the picture's squared mean brightness."""
