@@ -16,7 +16,7 @@ from ..targets import Target
 from . import BLOCK, Frame, Pass
 
 #: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
-EVENNESS = 0.35
+EVENNESS = 0.4
 
 #: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where
 #: surfaces meet, that tells more than the newest sample's positions and normals do.
