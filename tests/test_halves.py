@@ -87,6 +87,14 @@ def test_the_noise_of_shadow_maps_and_of_occlusion_is_estimated_too(device):
     assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.of_picture < MOST
 
 
+@pytest.mark.parametrize(("samples", "looks"), [(1, 1), (4, 3), (15, 3), (16, 3), (64, 5)])
+def test_the_picture_is_put_together_only_to_be_looked_at(device, samples, looks):
+    """After the first sample, and twice at least: for 16 samples after 8 and 16, for 64 after 32 and 64 too."""
+    drawn = draw(device, *small("box over plane"), with_quality(SMALL_SETTINGS, samples=samples))
+    assert drawn.profile.rows["Resolve"].drawn == looks
+    assert np.isfinite(drawn.renderer.error.of_picture) == (samples > 1)
+
+
 @pytest.mark.parametrize("name", SMALL)
 def test_settled_blocks_are_as_good_as_asked(device, truth, name):
     threshold = 0.02
