@@ -7,10 +7,10 @@ from types import ModuleType
 import bpy
 
 from .blender import engine, operators
-from .ui import borrowed, developer, panels, presets, properties, shading, statistics
+from .ui import compatible_panels, developer, panels, presets, properties, shading, statistics
 
 #: In this order; the engine last, when all that it reads is there.
-PARTS = (properties, presets, operators, panels, developer, statistics, shading, borrowed, engine)
+PARTS = (properties, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
 
 _registered: list[ModuleType] = []
 

@@ -17,10 +17,10 @@ from typing import IO, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .files import replacing
+from .atomic_files import replacing
 from .quoting import cut
-from .ranges import FARTHEST, MOST, invertible, spanning, within
 from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from .scene.limits import FARTHEST, MOST, invertible, spanning, within
 from .settings import Choice, Settings
 
 VERSION = 2

@@ -17,7 +17,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture(scope="session")
 def opened_device():
     # Imported here, so that tests of the pure floor run without OpenGL.
-    from ism_addon.gpu.context import open_device
+    from ism_addon.gpu.gl.context import open_device
 
     device = open_device()
     yield device
@@ -37,7 +37,7 @@ def device(opened_device):
 @pytest.fixture
 def worker():
     """A Worker, whose thread must have ended with it."""
-    from ism_addon.gpu.worker import Worker
+    from ism_addon.gpu.jobs.render_thread import Worker
 
     made = Worker()
     yield made

@@ -6,12 +6,12 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from ism_addon.gpu.layout import CASTER
-from ism_addon.gpu.passes.trees import InstanceTree, MeshTrees
-from ism_addon.gpu.passes.upload import Meshes, Place
-from ism_addon.gpu.passes.wanted import Wanted
+from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
+from ism_addon.gpu.gl.shader_records import CASTER
+from ism_addon.gpu.passes.upload.build_bvh import InstanceTree, MeshTrees
+from ism_addon.gpu.passes.upload.cull_meshes import Wanted
+from ism_addon.gpu.passes.upload.upload_scene import Meshes, Place
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.program import FOLDER, bind, expand, head
 from ism_addon.gpu.renderer import Renderer
 
 from . import reference
@@ -37,7 +37,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     for kind in (Wanted, MeshTrees, Meshes, Place, InstanceTree):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
-    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "lib" / "occluded.glsl", []), ASK])
+    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), ASK])
     program = device.gl.program(vertex_shader=shader, varyings=["told"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.accumulate import BLUR, WIDE, margin
-from ism_addon.limits import WIDEST_FILTER
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.passes.film.accumulate import BLUR, WIDE, margin
+from ism_addon.setting_limits import WIDEST_FILTER
 
 from . import reference
 from .scenes.small import box_over_plane

@@ -8,8 +8,8 @@ import moderngl
 import numpy as np
 import pytest
 
-from ism_addon.gpu.array import FORMATS
-from ism_addon.gpu.program import bind
+from ism_addon.gpu.gl.buffer_texture import FORMATS
+from ism_addon.gpu.gl.shader_compiler import bind
 
 SAMPLERS = {"f": "samplerBuffer", "u": "usamplerBuffer", "i": "isamplerBuffer"}
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.blur import Blur
+from ism_addon.gpu.passes.environment.blur import Blur
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 

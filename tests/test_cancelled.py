@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu import cloud, draw_limit, pace
-from ism_addon.gpu.faults import Cancelled
-from ism_addon.gpu.job import Request
-from ism_addon.gpu.passes import gbuffer
+from ism_addon.gpu import submission
+from ism_addon.gpu.gl import draw_limit
+from ism_addon.gpu.gl.errors import Cancelled
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.passes.shadow_maps import point_cloud
+from ism_addon.gpu.passes.surfaces import gbuffer
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View, World
@@ -34,7 +36,7 @@ class Watch:
         #: In that pass, how many looks find nothing.
         self.in_vain = 0
         self.most: dict[str, float] = {}
-        run, ask = Renderer.run, pace.Pace.ask
+        run, ask = Renderer.run, submission.Pace.ask
 
         def run_and_say(renderer, kind, frame, profile):
             self.now, self.asked = kind.__name__, 0.0
@@ -46,7 +48,7 @@ class Watch:
             self.most[self.now] = max(self.most.get(self.now, 0.0), self.asked)
 
         monkeypatch.setattr(Renderer, "run", run_and_say)
-        monkeypatch.setattr(pace.Pace, "ask", ask_and_note)
+        monkeypatch.setattr(submission.Pace, "ask", ask_and_note)
 
     def cancelled(self) -> bool:
         self.asked = 0.0
@@ -59,8 +61,8 @@ def watch(monkeypatch) -> Watch:
     """Of pictures whose passes all are long."""
     monkeypatch.setattr(draw_limit, "MOST_RAYS", FEW)
     monkeypatch.setattr(gbuffer, "PORTION", 10)
-    monkeypatch.setattr(cloud, "PORTION", 100)
-    monkeypatch.setattr(pace, "SHORT", 0.0)
+    monkeypatch.setattr(point_cloud, "PORTION", 100)
+    monkeypatch.setattr(submission, "SHORT", 0.0)
     return Watch(monkeypatch)
 
 
@@ -178,7 +180,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     """
     reached, asked_after, looks_after = threading.Event(), [], []
     watch = Watch(monkeypatch)
-    ask, look = pace.Pace.ask, pace.Pace.look
+    ask, look = submission.Pace.ask, submission.Pace.look
 
     def ask_and_note(its_pace, rays):
         ask(its_pace, rays)
@@ -195,8 +197,8 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
             while not job.cancelled and time.monotonic() < until:
                 time.sleep(0.001)
 
-    monkeypatch.setattr(pace.Pace, "ask", ask_and_note)
-    monkeypatch.setattr(pace.Pace, "look", look_and_wait)
+    monkeypatch.setattr(submission.Pace, "ask", ask_and_note)
+    monkeypatch.setattr(submission.Pace, "look", look_and_wait)
     settings = with_quality(MAPS, light_points=4096, map_size=1024, surface_points=1 << 20)
     job = worker.start(Request(*box_over_plane(320, 180), settings), "client")
     (thread,) = (each for each in threading.enumerate() if each.name == "ISM renderer")

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ism_addon import limits, snapshot
+from ism_addon import setting_limits, snapshot
 from ism_addon.gpu.__main__ import main
-from ism_addon.gpu.png import display_from_linear, write_png
+from ism_addon.gpu.jobs.png import display_from_linear, write_png
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO, DebugView, Method
 
@@ -262,7 +262,7 @@ def test_images_that_are_drawn_smaller_are_told(call, tmp_path, monkeypatch):
     scene, view = box_over_plane(24, 16)
     path = tmp_path / "scene.npz"
     snapshot.save(path, replace(scene, images=(Image(np.zeros((256, 256, 4), np.uint8)),)), view, SETTINGS)
-    monkeypatch.setattr(limits, "LINES", 3)
+    monkeypatch.setattr(setting_limits, "LINES", 3)
     status, _, error = call(path, "-o", tmp_path / "out.png")
     assert status == 0
     assert error.endswith("some not drawn at their size: 1 of 256×256 px at 1/2 of it.\n")

@@ -4,13 +4,13 @@
 import sys
 from threading import Event, Thread
 
-from ism_addon.gpu.layout import INSTANCE
-from ism_addon.gpu.program import compile_program
+from ism_addon.gpu.gl.shader_compiler import compile_program
+from ism_addon.gpu.gl.shader_records import INSTANCE
 
 
 def test_other_threads_go_on_while_triangles_are_drawn(device):
     """Software drivers are at it until the call returns: the interpreter's lock is not held for so long."""
-    names = "gbuffer_triangle.vert", "gbuffer_triangle.frag"
+    names = "passes/surfaces/visibility_buffer.vert", "passes/surfaces/visibility_buffer.frag"
     program = compile_program(device, *names, records=(INSTANCE,), by_nearness=1)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()

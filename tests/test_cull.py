@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.cull import in_view, runs
+from ism_addon.gpu.culling.frustum_culling import in_view, runs
 
 from .studio import draw, look, placed, rubble, stage
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.depth import logarithm, nearness
+from ism_addon.gpu.gl.depth import logarithm, nearness
 
 from .studio import from_above, perspective
 

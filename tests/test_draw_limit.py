@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu import draw_limit
 from ism_addon.gpu.atlas import EMPTY
-from ism_addon.gpu.context import open_device
-from ism_addon.gpu.draw_limit import portions, rectangles
-from ism_addon.gpu.pace import Pace
-from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.accumulate import margin, rays_for
-from ism_addon.gpu.passes.gather import POINTS
-from ism_addon.gpu.passes.splat import A_DISC, TEXELS
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.gl import draw_limit
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.gl.draw_limit import portions, rectangles
+from ism_addon.gpu.passes.film.accumulate import margin, rays_for
+from ism_addon.gpu.passes.shadow_maps.gather import POINTS
+from ism_addon.gpu.passes.shadow_maps.splat import A_DISC, TEXELS
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.gpu.submission import Pace
 from ism_addon.scene import World
 from ism_addon.settings import SSAO
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.check import Check
+from ism_addon.gpu.passes.light_selection.retest_occluded import Check
 from ism_addon.settings import SSAO, Method
 
 from .scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.job import Job, Request
-from ism_addon.gpu.passes.halves import LEAST_SAMPLES
+from ism_addon.gpu.jobs.job import Job, Request
+from ism_addon.gpu.jobs.render_loop import draw as steps
+from ism_addon.gpu.passes.film.estimate_error import LEAST_SAMPLES
 from ism_addon.gpu.profile import table
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.gpu.studio import draw as steps
 from ism_addon.settings import Method, Shadow
 
 from .scenes.small import pillar_field

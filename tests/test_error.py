@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.error import Error, mean_around
+from ism_addon.gpu.convergence import Error, mean_around
 
 SHAPE = 40, 50
 

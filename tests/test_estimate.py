@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ism_addon import snapshot
-from ism_addon.gpu import estimate
-from ism_addon.gpu.job import Request
+from ism_addon.gpu import memory_estimate
+from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Lights
@@ -27,15 +27,15 @@ LARGE_MAPS = with_quality(MAPS, light_points=40, map_size=256)
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 20.0])
 def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
     """Of targets, whose bytes are counted: lights and pictures on their way are left out here."""
-    asked, estimated = [], estimate.needed
+    asked, estimated = [], memory_estimate.needed
     monkeypatch.setattr("ism_addon.gpu.renderer.needed", lambda *told: asked.append(told) or estimated(*told))
     scene, view = box_over_plane(256, 160)
     view = replace(view, filter_width=filter_width)
     drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
     (kinds, view, fine_pixels, lights, map_texels), *_ = asked
     assert lights == (1 if settings is SMALL_SETTINGS else 0)
-    others = estimate.A_LIGHT * lights + estimate.PICTURES
-    wanted = estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
+    others = memory_estimate.A_LIGHT * lights + memory_estimate.PICTURES
+    wanted = memory_estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
     assert wanted == pytest.approx(drawn.profile.counts["bytes_of_targets"], rel=0.1)
 
 
@@ -60,8 +60,8 @@ def test_what_is_there_already_is_not_taken_again(device, monkeypatch):
     scene, view = box_over_plane(64, 40)
     renderer = Renderer(device)
     draw(device, scene, view, SMALL_SETTINGS, renderer)
-    monkeypatch.setattr(estimate, "LITTLE", (estimate.A_LIGHT + estimate.PICTURES + 50) * 64 * 40)
-    monkeypatch.setattr(estimate, "free", lambda _gl: 0)
+    monkeypatch.setattr(memory_estimate, "LITTLE", (memory_estimate.A_LIGHT + memory_estimate.PICTURES + 50) * 64 * 40)
+    monkeypatch.setattr(memory_estimate, "free", lambda _gl: 0)
     draw(device, scene, view, SMALL_SETTINGS, renderer)
     with pytest.raises(MemoryError, match="128×40 pixels take"):
         next(renderer.sample(scene, replace(view, width=128), SMALL_SETTINGS, 0, Profile()))

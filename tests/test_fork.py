@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system can
 #: drawn(): what becomes of a job; child(function): what it says in a child, which ends if that takes too long.
 SCRIPT = """
 import os, signal
-from ism_addon.gpu.worker import shared
+from ism_addon.gpu.jobs.render_thread import shared
 from tests.test_worker import LONG, begun, ended, request
 def drawn():
     job = shared.start(request(), "client")

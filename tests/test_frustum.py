@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frustum import MARGIN, parts_in_picture
+from ism_addon.gpu.culling.frustum_slices import MARGIN, parts_in_picture
 from ism_addon.spaces import anchor_of, camera_position
 
 from .studio import draw, from_above, look, placed, rubble, stage

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.atlas import batches
-from ism_addon.gpu.layout import octahedron_from_directions
-from ism_addon.gpu.passes.gather import Gather
-from ism_addon.gpu.passes.gbuffer import GBuffer
-from ism_addon.gpu.passes.light_points import LightPoints
-from ism_addon.gpu.passes.lights import Lights
-from ism_addon.gpu.passes.pull_push import PullPush
-from ism_addon.gpu.passes.splat import Splat
-from ism_addon.gpu.passes.upload import Meshes, Place
-from ism_addon.gpu.passes.wanted import Wanted
+from ism_addon.gpu.gl.shader_records import octahedron_from_directions
+from ism_addon.gpu.passes.shadow_maps.fill_holes import PullPush
+from ism_addon.gpu.passes.shadow_maps.gather import Gather
+from ism_addon.gpu.passes.shadow_maps.splat import Splat
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import LightPoints
+from ism_addon.gpu.passes.surfaces.gbuffer import GBuffer
+from ism_addon.gpu.passes.upload.cull_meshes import Wanted
+from ism_addon.gpu.passes.upload.upload_lights import Lights
+from ism_addon.gpu.passes.upload.upload_scene import Meshes, Place
 from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from ism_addon.color import linear_from_srgb
-from ism_addon.gpu import depth
-from ism_addon.gpu.buffers import mip_chain
-from ism_addon.gpu.context import open_device
-from ism_addon.gpu.layout import directions_from_octahedron
+from ism_addon.gpu.buffers.material_buffers import mip_chain
+from ism_addon.gpu.gl import depth
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer, places_in_pixel
 from ism_addon.sampling import grid

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu import geometry
-from ism_addon.gpu.geometry import PORTION, Coordinates, Geometry, arrays_of, portions, uvs_of
-from ism_addon.gpu.layout import directions_from_octahedron
-from ism_addon.gpu.mesh_tree import mesh_tree
+from ism_addon.gpu.accel.blas import mesh_tree
+from ism_addon.gpu.buffers import mesh_buffers
+from ism_addon.gpu.buffers.mesh_buffers import PORTION, Coordinates, Geometry, arrays_of, portions, uvs_of
+from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.scene import Image
 
 from .scenes.small import sphere
@@ -62,8 +62,8 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
 
     made.add((2,), {})
     with monkeypatch.context() as short, pytest.raises(MemoryError):
-        short.setattr(geometry, "AHEAD", 0)
-        short.setattr(geometry, "arrays_of", some)
+        short.setattr(mesh_buffers, "AHEAD", 0)
+        short.setattr(mesh_buffers, "arrays_of", some)
         made.add((0, 1), {})
     assert made.add((0, 1), {}) == 44 * (PORTION + 5)
     corners, _ = uploaded(made)
@@ -88,8 +88,8 @@ def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatc
 
     made.add((1, 2), {})
     with monkeypatch.context() as short, pytest.raises(MemoryError):
-        short.setattr(geometry, "AHEAD", 0)
-        short.setattr(geometry, "uvs_of", some)
+        short.setattr(mesh_buffers, "AHEAD", 0)
+        short.setattr(mesh_buffers, "uvs_of", some)
         coordinates.follow()
     coordinates.follow()
     found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)
@@ -131,7 +131,7 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
 
 
 def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
-    monkeypatch.setattr(geometry, "MOST_TRIANGLES", 100)
+    monkeypatch.setattr(mesh_buffers, "MOST_TRIANGLES", 100)
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
         Geometry(device, (rubble(60), rubble(41)), in_trees=False)
     assert Geometry(device, (rubble(60), rubble(40)), in_trees=False).add((0, 1), {}) == 44 * 100

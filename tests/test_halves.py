@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.halves import LEAST_SAMPLES
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.passes.film.estimate_error import LEAST_SAMPLES
 from ism_addon.settings import SSAO
 
 from .scenes.small import SMALL

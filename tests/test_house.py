@@ -15,22 +15,28 @@ from tests.tools import project
 ADDON = project.ROOT / "ism_addon"
 MAP = ADDON / "__init__.py"
 MODULES = sorted(set(ADDON.rglob("*.py")) - {MAP})
-PASSES = [path.stem for path in sorted((ADDON / "gpu" / "passes").glob("*.py")) if path.stem != "__init__"]
-SHADERS = sorted(path for path in (ADDON / "gpu" / "shaders").iterdir() if path.is_file())
+STAGES = ADDON / "gpu" / "passes"
+#: Files of passes, and what several of a stage share.
+PASSES = sorted(path for path in STAGES.glob("*/*.py") if path.stem != "__init__")
+SHADERS = sorted(path for path in ADDON.rglob("*") if path.suffix in {".frag", ".vert", ".glsl"})
+OF_PASSES = [path for path in SHADERS if path.is_relative_to(STAGES)]
 #: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
-COMMON = {"full_screen.vert": "full_screen", "blocks.vert": "in_blocks"}
+COMMON = {"full_screen.vert": "full_screen", "tiles.vert": "in_blocks"}
+#: Shaders that have the name of a step of their pass.
+STEPS = {"visibility_buffer": "gbuffer", "pull": "fill_holes", "push": "fill_holes"}
+#: Files of a folder, at most.
+MOST_FILES = 14
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
 PURE = (
-    "files",
+    "atomic_files",
     "quoting",
-    "ranges",
     "color",
     "settings",
-    "limits",
+    "setting_limits",
     "scene",
     "spaces",
     "radiometry",
-    "cores",
+    "parallel",
     "sampling",
     "snapshot",
 )
@@ -52,7 +58,7 @@ FLOORS = {
     ),
     "gpu": Floor((*PURE, "gpu"), ("numpy", "moderngl"), "the pipeline must run without Blender, on a snapshot alone"),
     "blender": Floor(
-        (*PURE, "blender", "gpu.job", "gpu.worker"),
+        (*PURE, "blender", "gpu.jobs.job", "gpu.jobs.render_thread"),
         ("numpy", *BLENDER_PACKAGES),
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
@@ -108,40 +114,51 @@ def test_imports_only_what_its_floor_may(module):
         assert allowed(name, floor), f"{module.relative_to(project.ROOT)}:{line} imports {name}, but {floor.reason}"
 
 
-@pytest.mark.parametrize("name", PASSES)
-def test_passes_never_import_one_another(name):
-    for line, imported in imports_of(ADDON / "gpu" / "passes" / f"{name}.py"):
-        other = re.fullmatch(r"\.gpu\.passes\.(\w+)(\..*)?", imported)
-        assert other is None or other[1] not in PASSES, (
-            f"{name}.py:{line} imports {imported}, but passes meet in targets only: else none can be left out"
+@pytest.mark.parametrize("path", PASSES, ids=name_of)
+def test_passes_never_import_one_another(path):
+    for line, imported in imports_of(path):
+        other = re.fullmatch(r"\.gpu\.passes\.(\w+)\.(\w+)(\..*)?", imported)
+        assert other is None or not defines_a_pass(STAGES / other[1] / f"{other[2]}.py"), (
+            f"{path.name}:{line} imports {imported}, but passes meet in targets only: else none can be left out"
         )
 
 
-@pytest.mark.parametrize("name", PASSES)
-def test_a_pass_that_draws_has_a_shader_of_its_name(name):
-    source = (ADDON / "gpu" / "passes" / f"{name}.py").read_text("utf-8")
+def defines_a_pass(path: Path) -> bool:
+    return "(Pass):" in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize("path", PASSES, ids=name_of)
+def test_a_pass_that_draws_has_a_shader_of_its_name_beside_it(path):
+    source = path.read_text("utf-8")
     draws = any(f"self.{way}(" in source for way in COMMON.values()) or "compile_program(" in source
-    assert draws == any(belongs(shader.stem, name) for shader in SHADERS)
+    assert draws == any(belongs(shader, path) for shader in OF_PASSES)
 
 
 @pytest.mark.parametrize("shader", COMMON)
 def test_a_vertex_shader_without_a_pass_is_what_passes_share(shader):
-    tree = ast.parse((ADDON / "gpu" / "passes" / "__init__.py").read_text("utf-8"))
+    tree = ast.parse((ADDON / "gpu" / "frame.py").read_text("utf-8"))
     ways = {node.name: ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-    assert [name for name, body in ways.items() if f"'{shader}'" in body] == [COMMON[shader]]
+    assert [name for name, body in ways.items() if f"'glsl/{shader}'" in body] == [COMMON[shader]]
 
 
-@pytest.mark.parametrize("shader", [path for path in SHADERS if path.name not in COMMON], ids=lambda path: path.name)
+@pytest.mark.parametrize("shader", OF_PASSES, ids=lambda path: path.name)
 def test_a_shader_has_the_name_of_its_pass(shader):
-    assert any(belongs(shader.stem, name) for name in PASSES), f"no pass is called {shader.stem}"
+    assert any(belongs(shader, path) for path in PASSES), f"no pass beside it is called {shader.stem}"
 
 
-def belongs(shader: str, name: str) -> bool:
-    """gbuffer_triangle belongs to gbuffer; pull and push are the halves of pull_push."""
-    return shader == name or shader.startswith(f"{name}_") or shader in name.split("_")
+def belongs(shader: Path, path: Path) -> bool:
+    """resolve_neighbours.frag belongs to resolve.py beside it."""
+    name = STEPS.get(shader.stem, shader.stem)
+    return shader.parent == path.parent and (name == path.stem or name.startswith(f"{path.stem}_"))
 
 
-@pytest.mark.parametrize("module", ["ism_addon.gpu", "ism_addon.gpu.worker"])
+@pytest.mark.parametrize("folder", sorted({path.parent for path in MODULES}), ids=lambda path: path.name)
+def test_a_folder_is_seen_at_a_glance(folder):
+    files = [path for path in folder.iterdir() if path.is_file() and path.name != "__init__.py"]
+    assert len(files) <= MOST_FILES
+
+
+@pytest.mark.parametrize("module", ["ism_addon.gpu", "ism_addon.gpu.jobs.render_thread"])
 def test_the_pipeline_starts_without_blender_and_opengl(module):
     names = ("bpy", "mathutils", "moderngl", "glcontext")
     question = f"import sys, {module}; print([name for name in {names} if name in sys.modules])"
@@ -161,7 +178,7 @@ def test_a_file_holds_one_idea(name):
     assert lines <= 300, f"{name} has {lines} lines: look for the second idea in it"
 
 
-@pytest.mark.parametrize("shader", sorted((ADDON / "gpu" / "shaders").rglob("*.*")), ids=lambda path: path.name)
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
 def test_shaders_are_ascii(shader):
     """Drivers need not take anything else, not even in a comment."""
     assert shader.read_bytes().isascii()

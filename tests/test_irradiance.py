@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.layout import LIGHT
-from ism_addon.gpu.passes.lights import light_table
-from ism_addon.gpu.program import FOLDER, bind, expand, head
+from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
+from ism_addon.gpu.gl.shader_records import LIGHT
+from ism_addon.gpu.passes.upload.upload_lights import light_table
 from ism_addon.radiometry import MIN_SPREAD
 from ism_addon.scene import Lights, LightShape
 
@@ -36,8 +36,8 @@ def shader(opened_device):
     with opened_device.gl as gl:
         begin = head((LIGHT,), {})
         program = gl.program(
-            begin + (FOLDER / "full_screen.vert").read_text(),
-            fragment_shader=begin + expand(FOLDER / "lib/spread.glsl", []) + MAIN,
+            begin + (FOLDER / "glsl/full_screen.vert").read_text(),
+            fragment_shader=begin + expand(FOLDER / "glsl/lights/spread.glsl", []) + MAIN,
         )
         triangle = gl.vertex_array(program, [])
         target = gl.texture((RECEIVERS, 1), 4, dtype="f4")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ism_addon.gpu.passes.scout import Scout
+from ism_addon.gpu.passes.light_selection.probe_visibility import Scout
 from ism_addon.gpu.profile import Profile
 
 from .benchmark.known import tell

@@ -5,8 +5,8 @@ import moderngl
 import numpy as np
 import pytest
 
-from ism_addon.gpu.layout import LIGHT, Record, directions_from_octahedron, octahedron_from_directions
-from ism_addon.gpu.program import FOLDER, bind, head
+from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, head
+from ism_addon.gpu.gl.shader_records import LIGHT, Record, directions_from_octahedron, octahedron_from_directions
 
 ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4")
 
@@ -62,7 +62,7 @@ def test_directions_survive_the_octahedron():
 def test_python_and_glsl_fold_directions_alike(device):
     random = np.random.default_rng(1).normal(size=(1000, 3)).astype("f4")
     directions = random / np.linalg.norm(random, axis=1)[:, None]
-    library = (FOLDER / "lib" / "octahedron.glsl").read_text()
+    library = (FOLDER / "glsl/maths/octahedron.glsl").read_text()
     told = run(
         device,
         f"{library}\nuniform samplerBuffer table;",

@@ -2,14 +2,16 @@
 """What a picture does not need is not drawn, and takes no memory: a few neutral texels stand for it."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ism_addon.gpu import one_kind, renderer
-from ism_addon.gpu.block import clip_from_anchor
-from ism_addon.gpu.buffers import lines_for
-from ism_addon.gpu.context import open_device
+from ism_addon.gpu import renderer
+from ism_addon.gpu.buffers.material_buffers import lines_for
+from ism_addon.gpu.gl import driver_variants
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.gl.frame_uniforms import clip_from_anchor
 from ism_addon.settings import SSAO, Method
 
 from .scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
@@ -60,7 +62,7 @@ def test_what_is_not_needed_is_left_out(device, why, method):
     assert drawn == {name for name, row in whole.profile.rows.items() if row.drawn} - left_out
     assert not drawn & OTHERS[method]
     spared = {name for kind in renderer.PASSES if kind.__name__ in left_out for name in kind.writes}
-    assert {part.renderer.targets[name].size for name in spared} <= {one_kind.sides((1, 1))}
+    assert {part.renderer.targets[name].size for name in spared} <= {driver_variants.sides((1, 1))}
     taken, left = (sum(memory_of(each.renderer.targets[name]) for name in spared) for each in (whole, part))
     counted = (each.profile.counts["bytes_of_targets"] for each in (whole, part))
     assert left <= 9 * 16 * len(spared) < taken
@@ -132,10 +134,13 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
 
 
 #: Shaders of one sample without lights; what lights add to it, shadows to that, and what further samples do.
-UNLIT = {"gbuffer_triangle.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
-LIT_FILES = {"reach.frag", "trace.frag"}
-SHADOW_FILES = {"reach_rays.frag", "scout.frag", "predict.frag", "predict_blocks.frag", "predict_scouts.frag"}
-FURTHER_FILES = {"check.frag", "resolve_near.frag", "sift.frag", "halves.frag"}
+UNLIT = {"visibility_buffer.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
+LIT_FILES = {"cull_lights.frag", "trace_shadows.frag"}
+SHADOW_FILES = {
+    *("cull_lights_rays.frag", "probe_visibility.frag"),
+    *(f"predict_visibility{part}.frag" for part in ("", "_tiles", "_probes")),
+}
+FURTHER_FILES = {"retest_occluded.frag", "resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
 
 
 @pytest.mark.parametrize(
@@ -152,6 +157,6 @@ def test_programs_of_passes_that_are_not_needed_are_not_linked(why, samples, fil
     device, (scene, view) = open_device(), lit_stage()
     scene, settings = why(scene, with_quality(SMALL_SETTINGS, samples=samples))
     draw(device, scene, view, settings)
-    linked = {name for names, *_ in device.programs for name in names if name.endswith(".frag")}
+    linked = {Path(name).name for names, *_ in device.programs for name in names if name.endswith(".frag")}
     device.close()
     assert linked == files

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.light_points import point_tables
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import point_tables
 from ism_addon.scene import LightShape
 
 from .studio import MAPS, both, draw, light, look, quad, stage, with_quality

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ism_addon import snapshot
-from ism_addon.gpu.job import Request
-from ism_addon.limits import beyond_limits, within_limits
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.setting_limits import beyond_limits, within_limits
 from ism_addon.settings import SECTIONS, Quality, Settings, controls
 
 from .scenes.small import box_over_plane

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import reach
+from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.settings import Method
 
 from .studio import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
@@ -49,7 +49,7 @@ def test_only_the_linked_cast_shadows(device, settings):
 
 
 def test_of_lights_that_are_dim_too(device, monkeypatch):
-    monkeypatch.setattr(reach, "DIM", np.inf)
+    monkeypatch.setattr(cull_lights, "DIM", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
         found = halves(device, SETTINGS[Method.FITTED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
         assert tuple(half > 0.0 for half in found) == lit

@@ -6,14 +6,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ism_addon.gpu import mesh_tree as mesh_tree_module
-from ism_addon.gpu.geometry import PORTION, Geometry, Order
-from ism_addon.gpu.mesh_tree import FEW, MeshTree, Runs, mesh_tree
-from ism_addon.gpu.passes.trees import MeshTrees
-from ism_addon.gpu.small_trees import mesh_trees
-from ism_addon.gpu.together import PORTION as TOGETHER
-from ism_addon.gpu.together import SMALL, in_groups
-from ism_addon.gpu.tree import in_planes
+from ism_addon.gpu.accel import blas as mesh_tree_module
+from ism_addon.gpu.accel.blas import FEW, MeshTree, Runs, mesh_tree
+from ism_addon.gpu.accel.bvh import in_planes
+from ism_addon.gpu.accel.small_blas import mesh_trees
+from ism_addon.gpu.buffers.mesh_buffers import PORTION, Geometry, Order
+from ism_addon.gpu.buffers.small_meshes import PORTION as TOGETHER
+from ism_addon.gpu.buffers.small_meshes import SMALL, in_groups
+from ism_addon.gpu.passes.upload.build_bvh import MeshTrees
 
 from .rays import compare, occluded, rays
 from .scenes.small import grid_triangles, mesh

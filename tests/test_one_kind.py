@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ism_addon.gpu import one_kind
+from ism_addon.gpu.gl import driver_variants
 from ism_addon.settings import SSAO
 
 from .studio import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
@@ -24,8 +24,8 @@ import os, sys, time
 from dataclasses import replace
 from pathlib import Path
 import numpy as np
-from ism_addon.gpu.job import Request
-from ism_addon.gpu.worker import Worker
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.jobs.render_thread import Worker
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO
 from tests.studio import MAPS, SMALL_SETTINGS, both, light, look, no_lights, quad, rubble, stage, with_quality
@@ -114,7 +114,7 @@ def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, mon
     view = look((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
     settings = replace(with_quality(settings, samples=6), ssao=SSAO())
     expected = draw(device, scene, view, settings)
-    monkeypatch.setattr(one_kind, "side", lambda texels: texels + 9)
+    monkeypatch.setattr(driver_variants, "side", lambda texels: texels + 9)
     found = draw(device, scene, view, settings)
     assert found.renderer.targets["sum"].size == (71, 49)
     assert np.array_equal(found.color, expected.color)
@@ -125,15 +125,15 @@ def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, mon
 
 @given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))
 def test_buffers_are_hardly_larger_than_asked_for(count, each):
-    rows = one_kind.rows(count, each)
+    rows = driver_variants.rows(count, each)
     size = rows * each
     assert count <= rows <= max(count + 1 + 256 // each, 256 // each + 1)
     assert size & (size - 1)
     assert size >> 8 & 255
 
 
-@given(texels=st.integers(1, one_kind.LONGEST))
+@given(texels=st.integers(1, driver_variants.LONGEST))
 def test_sides_are_hardly_longer_than_asked_for(texels):
-    side = one_kind.side(texels)
-    assert texels <= side <= min(max(texels + 1, 3), one_kind.LONGEST)
-    assert side & (side - 1) or side == one_kind.LONGEST
+    side = driver_variants.side(texels)
+    assert texels <= side <= min(max(texels + 1, 3), driver_variants.LONGEST)
+    assert side & (side - 1) or side == driver_variants.LONGEST

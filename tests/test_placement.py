@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu import placement
-from ism_addon.gpu.placement import Draw, Ranges, portions
+from ism_addon.gpu.buffers import instance_buffers
+from ism_addon.gpu.buffers.instance_buffers import Draw, Ranges, portions
 from ism_addon.scene import Scene
 
 from .studio import SMALL_SETTINGS, draw, light, look, placed, rubble, stage
@@ -66,7 +66,7 @@ def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(d
     pictures = {}
     for together in (True, False):
         if not together:
-            monkeypatch.setattr(placement, "MOST_OWNERS", 0)
+            monkeypatch.setattr(instance_buffers, "MOST_OWNERS", 0)
         pictures[together] = draw(device, scene, view, settings)
     assert np.array_equal(pictures[True].target("triangle"), pictures[False].target("triangle"))
     assert np.array_equal(pictures[True].color, pictures[False].color)

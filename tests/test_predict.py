@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.predict import Predict
+from ism_addon.gpu.passes.direct.predict_visibility import Predict
 from ism_addon.gpu.profile import Profile
 
 from . import reference

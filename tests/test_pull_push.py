@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.atlas import EMPTY, Batch, batches
-from ism_addon.gpu.passes.pull_push import LEVELS, PullPush
-from ism_addon.gpu.passes.splat import Splat
+from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, PullPush
+from ism_addon.gpu.passes.shadow_maps.splat import Splat
 
 from .reference_maps import pull_push
 from .studio import MAPS, draw, light, look, prepared, put, quad, rubble, shadows, stage, with_quality

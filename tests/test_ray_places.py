@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import dim, trace
+from ism_addon.gpu.passes.direct import trace_faint_lights, trace_shadows
 from ism_addon.sampling import PIXEL_STEPS, RAY_STEPS, TURN_STEPS, additive_sequence, grid
 from ism_addon.scene import Scene, View
 
@@ -83,9 +83,9 @@ def before_an_edge(count: int, part: float) -> Scene:
 @pytest.fixture
 def seen(device, monkeypatch):
     """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
-    for module in trace, dim:  # all have one: it does not matter when it is their turn
+    for module in trace_shadows, trace_faint_lights:  # all have one: it does not matter when it is their turn
         monkeypatch.setattr(module, "LEAST_CHANCE", 1.0)
-    monkeypatch.setattr(dim, "LEAST_TURN", 1.0)
+    monkeypatch.setattr(trace_faint_lights, "LEAST_TURN", 1.0)
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))

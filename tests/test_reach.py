@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.bounds import Bounds, Lamps, light_on
-from ism_addon.gpu.passes import BLOCK, reach
+from ism_addon.gpu.culling.surface_bounds import Bounds, Lamps, light_on
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.scene import LightShape
 from ism_addon.settings import SSAO, Settings
 
@@ -77,7 +78,7 @@ def drawn_rooms(device, idle: dict[str, int], samples: int = 8):
 def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
     expected, found = alone.color[..., :3], drawn.color[..., :3]
-    allowed = reach.NEGLIGIBLE if why == "faint" else WITHOUT_NOISE
+    allowed = cull_lights.NEGLIGIBLE if why == "faint" else WITHOUT_NOISE
     assert np.sqrt(((found - expected) ** 2).mean()) <= allowed * expected.mean()
     assert set(drawn.renderer.tables["found"]) == set(range(5)), "only those that matter have textures of their own"
     reached = drawn.renderer.tables["reach"]
@@ -89,7 +90,7 @@ def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
 
 def test_without_its_bounds_the_test_above_would_fail(device, monkeypatch):
     """Faint lights count when nothing is negligible."""
-    monkeypatch.setattr(reach, "NEGLIGIBLE", 0.0)
+    monkeypatch.setattr(cull_lights, "NEGLIGIBLE", 0.0)
     assert len(drawn_rooms(device, {"faint": 40}, 1).renderer.tables["reach"]) == 45
 
 
@@ -107,7 +108,7 @@ def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
 @pytest.mark.parametrize("radiance", [0.1, 0.04], ids=["alone", "by the block"])
 def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device, monkeypatch, radiance):
     """Twenty lights over a screen with a hole, beside one under it: what comes through is right, sooner or later."""
-    monkeypatch.setattr(reach, "MANY", 0)  # as few first rays as a large picture has for its size
+    monkeypatch.setattr(cull_lights, "MANY", 0)  # as few first rays as a large picture has for its size
     screens = [
         quad((-40, -40, 1.0), (40.3, 0, 0), (0, 80, 0)),
         quad((0.6, -40, 1.0), (40, 0, 0), (0, 80, 0)),
@@ -157,7 +158,7 @@ def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monk
     truth, _ = reference.picture(scene, view, 16)
     errors = []
     for dim in (0.0, np.inf):
-        monkeypatch.setattr(reach, "DIM", dim)
+        monkeypatch.setattr(cull_lights, "DIM", dim)
         drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=256))
         assert bool(drawn.renderer.tables["found"]) == (dim == 0.0)
         errors.append(reference.nrmse(drawn.color[..., :3].reshape(-1, 3), truth))
@@ -180,7 +181,7 @@ def test_more_lights_than_fit_a_strip(device):
     meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (0.6, 0.0, 0.0), (0.0, 0.6, 0.0))
     scene, view, settings = stage(meshes, lights), from_above(4.0, (96, 96)), with_quality(SMALL_SETTINGS, samples=2)
     found = draw(replace(device, texture_size=100), scene, view, settings)
-    assert -(-view.height // BLOCK // reach.NEARER) * len(rows) > 100
+    assert -(-view.height // BLOCK // cull_lights.NEARER) * len(rows) > 100
     assert found.profile.counts["lights_used"] == len(rows)
     assert np.array_equal(found.color, draw(device, scene, view, settings).color)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ism_addon.gpu import program
+from ism_addon.gpu.gl import shader_compiler
 
 from .scenes.small import pillar_field
 from .studio import SMALL_SETTINGS
@@ -18,8 +18,8 @@ from .test_worker import LONG, begun, ended, request
 @pytest.fixture
 def shaders(tmp_path, monkeypatch):
     """The folder that shaders are read from: one of our own, to be edited."""
-    monkeypatch.setattr(program, "FOLDER", shutil.copytree(program.FOLDER, tmp_path / "shaders"))
-    return program.FOLDER
+    monkeypatch.setattr(shader_compiler, "FOLDER", shutil.copytree(shader_compiler.FOLDER, tmp_path / "gpu"))
+    return shader_compiler.FOLDER
 
 
 def edit(shader: Path, old: str, new: str) -> None:
@@ -32,7 +32,7 @@ def test_shaders_are_read_again(worker, shaders):
     settings = replace(SMALL_SETTINGS, show="albedo")
     before = worker.start(request(settings), "client")
     assert ended(before)
-    edit(shaders / "show.frag", "texel.rgb, 1.0);", "vec3(0.25), 1.0);")
+    edit(shaders / "passes/film/debug_image.frag", "texel.rgb, 1.0);", "vec3(0.25), 1.0);")
     unaware = worker.start(request(settings, pillar_field), "client")
     assert ended(unaware)
     assert unaware.picture().color[..., :3].max() > 0.26
@@ -44,16 +44,16 @@ def test_shaders_are_read_again(worker, shaders):
 
 
 def test_a_mistake_in_a_shader_is_one_line_and_can_be_mended(worker, shaders):
-    whole = (shaders / "shade.frag").read_text()
-    edit(shaders / "shade.frag", "void main() {", "void main() {\n    nonsense;")
-    line = (shaders / "shade.frag").read_text().splitlines().index("    nonsense;") + 1
+    whole = (shaders / "passes/film/shade.frag").read_text()
+    edit(shaders / "passes/film/shade.frag", "void main() {", "void main() {\n    nonsense;")
+    line = (shaders / "passes/film/shade.frag").read_text().splitlines().index("    nonsense;") + 1
     worker.reload()
     broken = worker.start(request(), "client")
     assert ended(broken)
     assert f"does not compile: shade.frag, line {line}: " in broken.error
     assert "nonsense" in broken.error
     assert "\n" not in broken.error
-    (shaders / "shade.frag").write_text(whole)
+    (shaders / "passes/film/shade.frag").write_text(whole)
     worker.reload()
     mended = worker.start(request(), "client")
     assert ended(mended)
@@ -61,14 +61,14 @@ def test_a_mistake_in_a_shader_is_one_line_and_can_be_mended(worker, shaders):
 
 
 def test_a_mistake_is_found_in_the_file_that_is_included(worker, shaders):
-    edit(shaders / "lib" / "luminance.glsl", "{", "{ nonsense;")
+    edit(shaders / "glsl/maths/luminance.glsl", "{", "{ nonsense;")
     job = worker.start(request(), "client")
     assert ended(job)
     assert re.search(r"does not compile: luminance.glsl, line \d+: .*nonsense", job.error)
 
 
 def test_a_missing_shader_is_one_line(worker, shaders):
-    (shaders / "shade.frag").unlink()
+    (shaders / "passes/film/shade.frag").unlink()
     job = worker.start(request(), "client")
     assert ended(job)
     assert "shade.frag does not compile: " in job.error

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.resolve import EVENNESS
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.passes.film.resolve import EVENNESS
 
 from .scenes.small import box_over_plane
 from .studio import SMALL_SETTINGS, draw, put, with_quality

@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from ism_addon.gpu.program import FOLDER
+from ism_addon.gpu.gl.shader_compiler import FOLDER
 
 from .scenes.small import sphere
 from .studio import SMALL_SETTINGS, draw, light, look, stage, with_quality
@@ -23,7 +23,7 @@ void main() { told = height_over_triangle(b, vec3[3](p0, p1, p2), vec3[3](n0, n1
 
 def heights(device, barycentric: np.ndarray, corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(N,) of places (N,3) on triangles (N,3,3) with corners' normals (N,3,3)."""
-    source = "#version 410 core\n" + (FOLDER / "lib" / "rise.glsl").read_text() + ASK
+    source = "#version 410 core\n" + (FOLDER / "glsl/surfaces/terminator_offset.glsl").read_text() + ASK
     program = device.gl.program(vertex_shader=source, varyings=["told"])
     rows = np.concatenate([barycentric, corners.reshape(-1, 9), normals.reshape(-1, 9)], 1).astype(np.float32)
     buffer = device.gl.buffer(reserve=4 * len(rows))

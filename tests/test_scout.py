@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import SCOUTED
+from ism_addon.gpu.frame import SCOUTED
 
 from . import reference
 from .scenes.small import box_over_plane, pillar_field

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.shade import Shade
+from ism_addon.gpu.passes.film.shade import Shade
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 

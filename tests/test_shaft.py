@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ism_addon.gpu.shaft import between
+from ism_addon.gpu.culling.shaft_culling import between
 
 
 def some_boxes(random: np.random.Generator, count: int, reach: float, size: float) -> np.ndarray:

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.bounds import Lamps
-from ism_addon.gpu.cloud import make_cloud
-from ism_addon.gpu.passes.light_points import points_per_light
-from ism_addon.gpu.passes.shares import deviations
+from ism_addon.gpu.culling.surface_bounds import Lamps
+from ism_addon.gpu.passes.shadow_maps.light_importance import deviations
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import points_per_light
 from ism_addon.scene import LightShape
 
 from . import reference

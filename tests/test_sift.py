@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes import BLOCK
-from ism_addon.gpu.passes.sift import BESIDE, LEAST_CHANCE, SAMPLES_FOR_ALL
+from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.passes.surfaces.select_tiles import BESIDE, LEAST_CHANCE, SAMPLES_FOR_ALL
 
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, texels, with_quality

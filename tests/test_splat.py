@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.atlas import EMPTY, batches
-from ism_addon.gpu.passes.light_points import point_tables
-from ism_addon.gpu.passes.subsets import POINT
+from ism_addon.gpu.passes.shadow_maps.select_points import POINT
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import point_tables
 
 from .reference_maps import disc_map, map_directions
 from .studio import draw, light, look, quad, rubble, shadows, stage, with_quality

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.cloud import make_cloud
-from ism_addon.gpu.passes.subsets import POINT, TURNS, chances, choose, solid_angles
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
+from ism_addon.gpu.passes.shadow_maps.select_points import POINT, TURNS, chances, choose, solid_angles
 
 from .scenes.small import SMALL
 from .studio import MAPS, both, draw, light, look, quad, rubble, stage, with_quality

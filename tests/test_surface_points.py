@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.cloud import make_cloud
-from ism_addon.gpu.passes.surface_points import SurfacePoints
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
+from ism_addon.gpu.passes.shadow_maps.sample_points import SurfacePoints
 from ism_addon.gpu.profile import Profile
 from ism_addon.sampling import triangle_areas
 

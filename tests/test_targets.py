@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ism_addon.gpu import targets
-from ism_addon.gpu.passes import BLOCK, by_block
-from ism_addon.gpu.targets import LONGEST_STRIP, STRIP, Target
+from ism_addon.gpu.frame import BLOCK, by_block
+from ism_addon.gpu.gl import render_targets
+from ism_addon.gpu.gl.render_targets import LONGEST_STRIP, STRIP, Target
 
 from .scenes.small import box_over_plane
 from .studio import SMALL_SETTINGS, draw, with_quality
@@ -42,7 +42,7 @@ def test_the_picture_does_not_depend_on_how_long_strips_are(device, monkeypatch,
     scene, view = box_over_plane(100, 60)
     settings = with_quality(SMALL_SETTINGS, samples=6)
     expected = draw(device, scene, view, settings)
-    monkeypatch.setattr(targets, "LONGEST_STRIP", longest)
+    monkeypatch.setattr(render_targets, "LONGEST_STRIP", longest)
     found = draw(device, scene, view, settings)
     assert np.array_equal(found.color, expected.color)
     assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)

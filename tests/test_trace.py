@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.trace import MOST_SURE, SURE_CHANCE, Trace
+from ism_addon.gpu.passes.direct.trace_shadows import MOST_SURE, SURE_CHANCE, Trace
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import LightShape

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.cores import LARGE
-from ism_addon.gpu.tree import (
+from ism_addon.gpu.accel.bvh import (
     NOTHING,
     PLANE,
     REACH,
@@ -20,6 +19,7 @@ from ism_addon.gpu.tree import (
     rows_over,
     scale_of,
 )
+from ism_addon.parallel import LARGE
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:

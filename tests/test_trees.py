@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.cores import LARGE
-from ism_addon.gpu.geometry import packed_corners
-from ism_addon.gpu.mesh_tree import mesh_tree
-from ism_addon.gpu.tree import REACH
+from ism_addon.gpu.accel.blas import mesh_tree
+from ism_addon.gpu.accel.bvh import REACH
+from ism_addon.gpu.buffers.mesh_buffers import packed_corners
+from ism_addon.parallel import LARGE
 
 from . import reference
 from .rays import compare, occluded, rays, truth

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu import context
-from ism_addon.gpu.job import Job, Request
-from ism_addon.gpu.passes.lights import Lights
-from ism_addon.gpu.passes.upload import Colours
+from ism_addon.gpu.gl import context
+from ism_addon.gpu.jobs.job import Job, Request
+from ism_addon.gpu.jobs.render_loop import draw as steps
+from ism_addon.gpu.passes.upload.upload_lights import Lights
+from ism_addon.gpu.passes.upload.upload_scene import Colours
 from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.gpu.studio import draw as steps
 from ism_addon.scene import Scene
 
 from .scenes.small import box_over_plane, pillar_field

@@ -7,8 +7,8 @@ import time
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.shade import Shade
-from ism_addon.gpu.worker import PATIENCE
+from ism_addon.gpu.jobs.render_thread import PATIENCE
+from ism_addon.gpu.passes.film.shade import Shade
 
 from .test_worker import LONG, begun, ended, request
 from .tools.memory import resident

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.app.handlers import persistent
 
-from ..gpu.worker import shared
-from . import account, frames, handlers, lookout
+from ..gpu.jobs.render_thread import shared
+from . import app_handlers
+from .render import persistent_data, render_statistics
+from .viewport import redraw_timer
 
 if TYPE_CHECKING:
-    from .viewport import Viewport
+    from .viewport.viewport import Viewport
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "is_rendering", "register", "statistics", "stop", "unregister"]
 
@@ -48,11 +50,11 @@ class ISMRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, "Normal", 3, "XYZ", "VECTOR")
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
-        from . import final
+        from .render import final_render
 
         _rendering.append(self.bl_idname)
         try:
-            final.render(self, depsgraph)
+            final_render.render(self, depsgraph)
         except KeyboardInterrupt:  # of the bpy module; Blender itself takes Ctrl+C for Escape
             self.report({"ERROR"}, "The render was interrupted")
         except Exception as error:
@@ -71,11 +73,11 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     @staticmethod
     def latest_statistics() -> tuple[str, dict]:
         """For the panels, which ask the engine by its name."""
-        return account.latest()
+        return render_statistics.latest()
 
     def _own_viewport(self) -> "Viewport":
         if self._viewport is None:
-            from .viewport import Viewport
+            from .viewport.viewport import Viewport
 
             self._viewport = Viewport()
         return self._viewport
@@ -83,13 +85,13 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
 def statistics() -> dict:
     """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
-    return account.of("render")
+    return render_statistics.of("render")
 
 
 @persistent
 def stop(*_args: Any) -> None:
     """End all drawing, and the worker's thread: before another file is loaded, and at the end."""
-    frames.forget()
+    persistent_data.forget()
     shared.stop()
 
 
@@ -100,13 +102,13 @@ def is_rendering() -> bool:
 
 def register() -> None:
     bpy.utils.register_class(ISMRenderEngine)
-    frames.register()
+    persistent_data.register()
     bpy.app.handlers.load_pre.append(stop)
 
 
 def unregister() -> None:
-    handlers.remove(bpy.app.handlers.load_pre, stop)
-    lookout.stop()
+    app_handlers.remove(bpy.app.handlers.load_pre, stop)
+    redraw_timer.stop()
     bpy.utils.unregister_class(ISMRenderEngine)
-    frames.unregister()
+    persistent_data.unregister()
     stop()

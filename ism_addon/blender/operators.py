@@ -5,8 +5,8 @@
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..gpu.worker import shared
-from . import lookout
+from ..gpu.jobs.render_thread import shared
+from .viewport import redraw_timer
 
 
 class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
@@ -26,10 +26,11 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
         return context.engine == "ISM"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from . import camera, origin  # Blender starts without what reads scenes
+        from .render import save_snapshot  # Blender starts without what reads scenes
+        from .sync import camera
 
         try:
-            saved = origin.save(context, self.filepath)
+            saved = save_snapshot.save(context, self.filepath)
         except (camera.CameraError, OSError) as reason:
             why = f"{reason.strerror}: {self.filepath}" if isinstance(reason, OSError) else reason
             self.report({"ERROR"}, f"The snapshot was not saved: {why}")
@@ -54,7 +55,7 @@ class ISM_OT_reload_shaders(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         shared.reload()
-        lookout.redraw()
+        redraw_timer.redraw()
         self.report({"INFO"}, "The next picture is drawn by the shaders as they are now")
         return {"FINISHED"}
 

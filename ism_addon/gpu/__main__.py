@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import snapshot
-from ..limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..scene import View
+from ..setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
-from .job import Job, Picture, Request
-from .png import display_from_linear, write_png
+from .jobs.job import Job, Picture, Request
+from .jobs.png import display_from_linear, write_png
+from .jobs.render_thread import Worker
 from .profile import table
-from .worker import Worker
 
 
 def parser() -> argparse.ArgumentParser:

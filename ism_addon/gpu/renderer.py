@@ -15,43 +15,43 @@ from ..sampling import GRIDS, grid, narrow_grid
 from ..scene import Scene, View
 from ..settings import Method, Settings
 from ..spaces import anchor_of, camera_position
-from . import block
 from .atlas import batches
-from .context import Device
-from .error import Error
-from .estimate import check, needed
-from .faults import Cancelled
-from .layout import directions_from_octahedron
-from .pace import Pace, never
-from .passes import FAR_AWAY, Frame, Pass
-from .passes.accumulate import Accumulate, margin
-from .passes.blur import Blur
-from .passes.check import Check
-from .passes.dim import Dim
-from .passes.gather import Gather
-from .passes.gbuffer import GBuffer
-from .passes.halves import Halves, is_due
-from .passes.light_points import LightPoints
-from .passes.lights import Lights
-from .passes.predict import Predict
-from .passes.pull_push import PullPush
-from .passes.reach import Reach
-from .passes.resolve import Resolve
-from .passes.scout import Scout
-from .passes.shade import Shade
-from .passes.shares import Shares
-from .passes.show import Show
-from .passes.sift import Sift
-from .passes.splat import Splat
-from .passes.ssao import SSAO
-from .passes.subsets import Subsets
-from .passes.surface_points import SurfacePoints
-from .passes.trace import Trace
-from .passes.trees import InstanceTree, MeshTrees
-from .passes.upload import Colours, Meshes, Place, Unwrap
-from .passes.wanted import Wanted
+from .convergence import Error
+from .frame import FAR_AWAY, Frame, Pass
+from .gl import frame_uniforms
+from .gl.context import Device
+from .gl.errors import Cancelled
+from .gl.render_targets import DEPTH, Targets
+from .gl.shader_records import directions_from_octahedron
+from .memory_estimate import check, needed
+from .passes.direct.predict_visibility import Predict
+from .passes.direct.trace_faint_lights import Dim
+from .passes.direct.trace_shadows import Trace
+from .passes.environment.ambient_occlusion import SSAO
+from .passes.environment.blur import Blur
+from .passes.film.accumulate import Accumulate, margin
+from .passes.film.debug_image import Show
+from .passes.film.estimate_error import Halves, is_due
+from .passes.film.resolve import Resolve
+from .passes.film.shade import Shade
+from .passes.light_selection.cull_lights import Reach
+from .passes.light_selection.probe_visibility import Scout
+from .passes.light_selection.retest_occluded import Check
+from .passes.shadow_maps.fill_holes import PullPush
+from .passes.shadow_maps.gather import Gather
+from .passes.shadow_maps.light_importance import Shares
+from .passes.shadow_maps.sample_points import SurfacePoints
+from .passes.shadow_maps.select_points import Subsets
+from .passes.shadow_maps.splat import Splat
+from .passes.shadow_maps.virtual_lights import LightPoints
+from .passes.surfaces.gbuffer import GBuffer
+from .passes.surfaces.select_tiles import Sift
+from .passes.upload.build_bvh import InstanceTree, MeshTrees
+from .passes.upload.cull_meshes import Wanted
+from .passes.upload.upload_lights import Lights
+from .passes.upload.upload_scene import Colours, Meshes, Place, Unwrap
 from .profile import Profile
-from .targets import DEPTH, Targets
+from .submission import Pace, never
 
 #: The scene, in the order that suits shadow rays;
 SCENE = (Wanted, MeshTrees, Meshes, Unwrap, Place, Colours)
@@ -95,7 +95,7 @@ class Renderer:
         self.passes = {kind: kind(device) for kind in PASSES}
         self.targets = Targets(device.gl)
         self.tables: dict = {}
-        self.block = device.gl.buffer(reserve=block.DTYPE.itemsize)
+        self.block = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
         self.keys: dict[type[Pass], dict] = {}
         #: Of targets and other resources: the same number where they hold the same.
         self.revisions: dict[str, int] = {}
@@ -158,7 +158,7 @@ class Renderer:
         fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
         if sample == 0:
             self.estimate(scene, view, settings, int(fine.bounds(view.width, view.height)[1].prod()))
-        self.block.write(block.frame_block(view, anchor, scene.working_space))
+        self.block.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
         return Frame(
             self.device,
             scene,
@@ -203,7 +203,8 @@ class Renderer:
             elif target.divisor:
                 self.targets.allocate(name, target, target.size(frame.view.width, frame.view.height))
         if needed:
-            self.block.bind_to_uniform_block(block.BINDING)  # another renderer may have drawn since the last pass
+            # Another renderer may have drawn since the last pass.
+            self.block.bind_to_uniform_block(frame_uniforms.BINDING)
             try:
                 step.draw(frame)
             except Cancelled:

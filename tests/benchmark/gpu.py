@@ -20,7 +20,7 @@ import numpy as np
 
 from ism_addon import snapshot
 from ism_addon.gpu.__main__ import resized
-from ism_addon.gpu.context import Device, open_device
+from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ism_addon.gpu.passes import Frame
-from ism_addon.gpu.passes.predict import Predict
-from ism_addon.gpu.passes.reach import Reach
-from ism_addon.gpu.passes.scout import Scout
+from ism_addon.gpu.frame import Frame
+from ism_addon.gpu.passes.direct.predict_visibility import Predict
+from ism_addon.gpu.passes.light_selection.cull_lights import Reach
+from ism_addon.gpu.passes.light_selection.probe_visibility import Scout
 from ism_addon.gpu.renderer import Renderer
 
 from .error.ism import Ism

@@ -16,7 +16,7 @@ from statistics import median
 
 import numpy as np
 
-from ism_addon.gpu.context import Device, open_device
+from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import COUNTS, Profile
 from ism_addon.gpu.renderer import Renderer
 from tests.scenes.sparing import Case, Picture, cases

@@ -16,8 +16,8 @@ import bpy
 import numpy as np
 
 from ism_addon import addon
-from ism_addon.blender import frames
 from ism_addon.blender.engine import statistics
+from ism_addon.blender.render import persistent_data
 from tests.benchmark.error import cycles
 from tests.demo.figure6 import quiet_stdout
 from tests.scenes import scenery
@@ -58,7 +58,7 @@ def stand(name: str, positions: np.ndarray, quads: np.ndarray, material: bpy.typ
 
 def ours() -> dict[str, float]:
     """Milliseconds of a render, and of its parts: reading, and each pass."""
-    scene, read, taken = bpy.context.scene, frames.Layer.read, []
+    scene, read, taken = bpy.context.scene, persistent_data.Layer.read, []
     scene.render.engine, scene.ism.render.samples = "ISM", 1
 
     def timed(*what: object) -> object:
@@ -67,13 +67,13 @@ def ours() -> dict[str, float]:
         taken.append(time.perf_counter() - begin)
         return found
 
-    frames.Layer.read = timed
+    persistent_data.Layer.read = timed
     start = time.perf_counter()
     try:
         with quiet_stdout():
             bpy.ops.render.render()
     finally:
-        frames.Layer.read = read
+        persistent_data.Layer.read = read
     whole = time.perf_counter() - start
     passes = {name: row["ms"] for name, row in statistics()["passes"].items()}
     return {"whole": 1e3 * whole, "read": 1e3 * sum(taken), **passes}

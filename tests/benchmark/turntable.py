@@ -21,8 +21,8 @@ from tempfile import TemporaryDirectory
 import bpy
 
 from ism_addon import addon
-from ism_addon.blender import final, frames
 from ism_addon.blender.engine import statistics
+from ism_addon.blender.render import final_render, persistent_data
 from tests.demo.figure6 import quiet_stdout, saved_atrium
 
 
@@ -100,9 +100,9 @@ def measured(count: int) -> list[dict]:
     """Render the open scene's animation: a dict of seconds a frame."""
     clock = Clock()
     with (
-        clock.timed(final, "render", "render"),
-        clock.timed(frames.Layer, "read", "read"),
-        clock.timed(final, "_fill", "fill"),
+        clock.timed(final_render, "render", "render"),
+        clock.timed(persistent_data.Layer, "read", "read"),
+        clock.timed(final_render, "_fill", "fill"),
         handled(bpy.app.handlers.render_write, clock.end_frame),
         quiet_stdout(),
     ):

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from ism_addon import addon
-from ism_addon.blender import extract
+from ism_addon.blender.sync import scene_reader
 
 SQUARE = ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
 
@@ -47,7 +47,7 @@ def add(empty_scene) -> Callable[..., bpy.types.Object]:
 @pytest.fixture
 def extracted(empty_scene) -> Callable[[], Any]:
     """Our Scene, of what a viewport is given."""
-    return lambda: extract.scene(bpy.context.evaluated_depsgraph_get())
+    return lambda: scene_reader.scene(bpy.context.evaluated_depsgraph_get())
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.renderer import Profile, Renderer
 from ism_addon.settings import SSAO, Quality, Settings, Shadow
 from tests.scenes.cycles import PIXEL_CENTRES, direct_light
@@ -52,7 +52,7 @@ def lamp_over_plane(empty_scene, add):
 def test_unshadowed_light_is_that_of_cycles(device, lamp_over_plane, shape, spread):
     lamp_over_plane(shape, SPREADS[spread])
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    scene = extract.scene(depsgraph)
+    scene = scene_reader.scene(depsgraph)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the truth
     renderer = Renderer(device)
     settings = Settings(

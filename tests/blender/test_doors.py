@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ism_addon import addon, snapshot
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.settings import FINAL, Settings
 
 
@@ -45,7 +45,7 @@ def test_the_doors_give_one_picture(empty_scene, add, tmp_path, transparent):
 
         depsgraph = bpy.context.evaluated_depsgraph_get()
         settings = Settings(quality=replace(FINAL, samples=3))
-        snapshot.save(tmp_path / "scene.npz", extract.scene(depsgraph), camera.final_view(depsgraph), settings)
+        snapshot.save(tmp_path / "scene.npz", scene_reader.scene(depsgraph), camera.final_view(depsgraph), settings)
     finally:
         addon.unregister()
     command = [sys.executable, "-m", "ism_addon.gpu", tmp_path / "scene.npz", "-o", tmp_path / "line.png"]

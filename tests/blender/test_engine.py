@@ -7,7 +7,8 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import engine, final
+from ism_addon.blender import engine
+from ism_addon.blender.render import final_render
 from tests.blender import exr
 
 WIDTH, HEIGHT = 48, 32
@@ -235,7 +236,7 @@ class CancelledRender(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         impatient = Impatient(self)
-        final.render(impatient, depsgraph)
+        final_render.render(impatient, depsgraph)
         CancelledRender.late = time.monotonic() - impatient.pressed
 
 

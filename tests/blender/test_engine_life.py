@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from ism_addon import addon
-from ism_addon.ui import borrowed, developer, panels, shading, statistics
+from ism_addon.ui import compatible_panels, developer, panels, shading, statistics
 
 ROOT = Path(__file__).parents[2]
 
@@ -128,7 +128,7 @@ def test_blenders_own_panels_serve_too(registered, name):
 
 
 def test_panels_about_what_is_not_drawn_stay_away(registered):
-    assert not compatible() & (borrowed.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
+    assert not compatible() & (compatible_panels.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
 
 
 def test_register_needs_no_opengl():

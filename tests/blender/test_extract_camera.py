@@ -9,7 +9,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Matrix, Vector
 
-from ism_addon.blender import camera as cameras
+from ism_addon.blender.sync import camera as cameras
 
 POINTS = [(0, 0, 0), (1, 0.5, 0), (-2, 1, 3), (0.25, -0.5, -4)]
 

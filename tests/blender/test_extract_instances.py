@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from ism_addon.blender import extract
+from ism_addon.blender.sync import scene_reader
 
 TRIANGLE = ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
 
@@ -131,7 +131,7 @@ def test_particles_show_their_object_and_their_emitter_if_it_does(add, as_render
     settings = system.settings
     settings.type, settings.count, settings.render_type, settings.instance_object = "HAIR", 7, "OBJECT", leaf
     emitter.show_instancer_for_render = shows_emitter
-    (scene,) = as_rendered(lambda engine, depsgraph: extract.scene(depsgraph))
+    (scene,) = as_rendered(lambda engine, depsgraph: scene_reader.scene(depsgraph))
     sizes = [len(scene.meshes[mesh].triangles) for mesh in scene.instances.mesh]
     assert sorted(sizes) == [1] * 7 + [2] * shows_emitter
     assert scene.warnings == ()
@@ -197,7 +197,7 @@ def test_hidden_things_do_not_render(add, as_rendered):
     add("Seen")
     add("Hidden", TRIANGLE).hide_render = True
     add("Dark", bpy.data.lights.new("Dark", "AREA")).hide_render = True
-    (scene,) = as_rendered(lambda engine, depsgraph: extract.scene(depsgraph))
+    (scene,) = as_rendered(lambda engine, depsgraph: scene_reader.scene(depsgraph))
     assert [len(mesh.triangles) for mesh in scene.meshes] == [2]
     assert len(scene.lights.shape) == 0
 

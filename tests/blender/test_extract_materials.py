@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import images
+from ism_addon.blender.sync.materials import images
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import meshes
+from ism_addon.blender.sync.geometry import meshes
 from tests.scenes.cycles import direct_light
 
 NAN, INF = math.nan, math.inf

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bpy.app.handlers import depsgraph_update_post, frame_change_post
 
-from ism_addon.blender import extract
+from ism_addon.blender.sync import scene_reader
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def textured(add):
 @pytest.fixture
 def followed(empty_scene):
     """followed(): what a Reader has read that is told of every update, and of nothing else."""
-    reader, read = extract.Reader(), []
+    reader, read = scene_reader.Reader(), []
 
     def follow(_scene, depsgraph):
         read[:] = [reader.read(depsgraph)]
@@ -63,7 +63,7 @@ def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted, fo
 
 def test_uvs_are_read_where_there_is_an_image_alone(textured, extracted):
     """And come and go with it, though nothing of the mesh has changed."""
-    node, reader, followed = textured(None, ("First", "Second")), extract.Reader(), []
+    node, reader, followed = textured(None, ("First", "Second")), scene_reader.Reader(), []
     handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
     depsgraph_update_post.append(handler)
     try:

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from bpy.app.handlers import depsgraph_update_post, frame_change_post
 
-from ism_addon.blender import geometry
-from ism_addon.blender.extract import Reader
+from ism_addon.blender.sync.geometry import instances
+from ism_addon.blender.sync.scene_reader import Reader
 from ism_addon.scene import Scene
 
 TRIANGLE = ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -267,7 +267,7 @@ def test_after_any_edits_the_scene_is_what_a_new_reader_reads(stage, followed, s
 )
 def test_only_what_changed_is_another_object(stage, followed, name, new, monkeypatch):
     before = followed()
-    monkeypatch.setattr(geometry, "_raw", None)  # no mesh is read
+    monkeypatch.setattr(instances, "_raw", None)  # no mesh is read
     EDITS[name](stage)
     after = followed()
     parts = ("meshes", "instances", "materials", "images", "lights", "world")

@@ -8,7 +8,10 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import engine, frames, images, meshes
+from ism_addon.blender import engine
+from ism_addon.blender.render import persistent_data
+from ism_addon.blender.sync.geometry import meshes
+from ism_addon.blender.sync.materials import images
 from tests.blender import exr
 from tests.blender.test_engine import prepare
 
@@ -79,7 +82,7 @@ def animated(scene, tmp_path, monkeypatch):
 
 def alone(scene, frame, folder: Path):
     """A frame rendered with nothing kept."""
-    frames.forget()
+    persistent_data.forget()
     scene.render.use_persistent_data = False
     scene.frame_set(frame)
     scene.render.filepath = str(folder / "alone.exr")
@@ -180,16 +183,16 @@ def test_a_packed_image_is_read_again_when_it_is_another(scene, animated, tmp_pa
 
 def test_nothing_is_kept_after_the_job_but_with_persistent_data(scene, animated):
     animated()
-    assert not frames._layers
+    assert not persistent_data._layers
     scene.render.use_persistent_data = True
     animated()
-    assert frames._layers
-    frames.forget()
+    assert persistent_data._layers
+    persistent_data.forget()
 
 
 def test_of_several_layers_one_is_kept(scene, animated):
     scene.view_layers.new("Other")
     scene.render.use_persistent_data = True
     animated()
-    assert [name for _scene, name in frames._layers] == ["Other"]
-    frames.forget()
+    assert [name for _scene, name in persistent_data._layers] == ["Other"]
+    persistent_data.forget()

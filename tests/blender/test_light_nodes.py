@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.renderer import Profile, Renderer
 from ism_addon.settings import SSAO, Quality, Settings, Shadow
 from tests.scenes.cycles import PIXEL_CENTRES, direct_light
@@ -46,7 +46,7 @@ def ours(device):
     quality = Quality(samples=1, light_points=4)
     settings = Settings(shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=quality)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the truth
-    for _ in renderer.sample(extract.scene(depsgraph), view, settings, 0, Profile()):
+    for _ in renderer.sample(scene_reader.scene(depsgraph), view, settings, 0, Profile()):
         pass
     picture = renderer.picture()[..., :3]
     renderer.release()

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.settings import SSAO, Quality, Settings
@@ -54,7 +54,7 @@ def drawn(device) -> np.ndarray:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     renderer = Renderer(device)
     settings = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=1))
-    for _ in renderer.sample(extract.scene(depsgraph), camera.final_view(depsgraph), settings, 0, Profile()):
+    for _ in renderer.sample(scene_reader.scene(depsgraph), camera.final_view(depsgraph), settings, 0, Profile()):
         pass
     return renderer.picture()
 
@@ -86,12 +86,12 @@ def test_the_children_of_a_collection_are_linked_with_it(things):
     collection, child = linked(things, "receiver"), bpy.data.collections.new("child")
     child.objects.link(things["right"])
     collection.children.link(child)
-    scene = extract.scene(bpy.context.evaluated_depsgraph_get())
+    scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert scene.lights.receivers.tolist() == [0]
     assert scene.lights.blockers.tolist() == [-1]
     assert sorted(scene.instances.groups.tolist()) == [0, 0, 1]
     collection.collection_children[0].light_linking.link_state = "EXCLUDE"
-    scene = extract.scene(bpy.context.evaluated_depsgraph_get())
+    scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert sorted(scene.instances.groups.tolist()) == [0, 1, 1]
 
 
@@ -103,12 +103,12 @@ def test_lights_that_are_linked_alike_share_a_group_and_too_many_are_told_of(thi
         for name in NAMES if number % 2 else NAMES[:1]:
             collection.objects.link(things[name])
         other.light_linking.receiver_collection = collection
-    scene = extract.scene(bpy.context.evaluated_depsgraph_get())
+    scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert set(scene.lights.receivers.tolist()) == {-1, 0, 1}
     for number in range(26):
         thing = add(f"thing {number}", ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
         bpy.data.objects[f"lamp {number}"].light_linking.receiver_collection.objects.link(thing)
-    scene = extract.scene(bpy.context.evaluated_depsgraph_get())
+    scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert set(scene.lights.receivers.tolist()) == {-1, *range(24)}
     (warning,) = scene.warnings
     assert warning.startswith("Lights are linked to no more than 24 groups, others are not linked: 'lamp")

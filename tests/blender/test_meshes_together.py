@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 
-from ism_addon.blender import meshes
+from ism_addon.blender.sync.geometry import meshes
 
 NAN, INF = math.nan, math.inf
 

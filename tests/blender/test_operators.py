@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from ism_addon import snapshot
-from ism_addon.blender import camera, controls
-from ism_addon.gpu.worker import shared
+from ism_addon.blender.render import read_settings
+from ism_addon.blender.sync import camera
+from ism_addon.gpu.jobs.render_thread import shared
 from ism_addon.settings import DebugView
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -39,7 +40,7 @@ def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
     assert (view.width, view.height) == (40, 20)
     expected = camera.final_view(bpy.context.evaluated_depsgraph_get())
     assert np.array_equal(view.clip_from_view, expected.clip_from_view)
-    assert settings == controls.read(scene, "render")
+    assert settings == read_settings.read(scene, "render")
     assert (settings.quality.samples, settings.show) == (5, DebugView.COLOR)
 
 
@@ -54,7 +55,7 @@ def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, presse
     _, view, settings = snapshot.load(tmp_path / "a.npz")
     assert (view.width, view.height) == (window.width // pixels, window.height // pixels)
     assert np.array_equal(view.clip_from_view, np.array(area.spaces.active.region_3d.window_matrix))
-    assert settings == controls.read(scene, "viewport")
+    assert settings == read_settings.read(scene, "viewport")
     assert (settings.quality.samples, settings.show) == (3, DebugView.DEPTH)
 
 

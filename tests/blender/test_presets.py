@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from ism_addon import addon, settings
-from ism_addon.blender import controls
+from ism_addon.blender.render import read_settings
 from ism_addon.settings import FINAL, VIEWPORT, Method
 from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
 
@@ -79,7 +79,7 @@ def test_a_preset_changes_what_it_says(scene, name, times, resolution):
 def test_the_report_of_2013(scene):
     turn(scene)
     choose("Classic_2013")
-    render, viewport = (controls.read(scene, use) for use in ("render", "viewport"))
+    render, viewport = (read_settings.read(scene, use) for use in ("render", "viewport"))
     assert render == viewport
     assert render.shadow.method is Method.CLASSIC
     assert astuple(render.quality) == pytest.approx(astuple(settings.Quality(samples=1)))

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 
 from .properties import INPUTS, INPUTS_OF_OTHERS, IRRELEVANT, READ, SAID
 
@@ -97,7 +97,7 @@ def properties_of(owner) -> set[str]:
 def drawn() -> tuple[bytes, tuple[str, ...]]:
     """All that a picture is made of, and what was said of it."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    scene = extract.scene(depsgraph)
+    scene = scene_reader.scene(depsgraph)
     parts = *scene.meshes, scene.instances, scene.materials, *scene.images, scene.lights, scene.world
     try:
         parts = *parts, camera.final_view(depsgraph)

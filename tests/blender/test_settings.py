@@ -7,7 +7,7 @@ import bpy
 import pytest
 
 from ism_addon import addon, settings
-from ism_addon.blender import controls
+from ism_addon.blender.render import read_settings
 from ism_addon.ui import panels, properties
 
 GROUPS = {
@@ -64,7 +64,7 @@ def same(ours, theirs):
 
 def test_defaults(scene):
     for use, quality in (("render", settings.FINAL), ("viewport", settings.VIEWPORT)):
-        read = controls.read(scene, use)
+        read = read_settings.read(scene, use)
         assert same(read.shadow, settings.Shadow())
         assert same(read.ssao, settings.SSAO())
         assert same(read.quality, settings.Quality(*astuple(quality)[: len(fields(settings.Quality))]))
@@ -99,7 +99,7 @@ def test_values_arrive_and_stay_in_range(scene, name, member, control):
     group, default = group_of(scene, name), getattr(GROUPS[name], member.name)
 
     def arrived():
-        read = controls.read(scene, "render" if name == "render" else "viewport")
+        read = read_settings.read(scene, "render" if name == "render" else "viewport")
         part = {"render": read.quality, "viewport": read.quality, "": read}.get(name) or getattr(read, name)
         return getattr(part, member.name)
 
@@ -138,37 +138,37 @@ def test_panels_have_the_settings_of_the_method(scene, method, shadow, sampling)
 
 def test_the_two_qualities_are_apart(scene):
     scene.ism.viewport.samples = 3
-    assert controls.read(scene, "viewport").quality.samples == 3
-    assert same(controls.read(scene, "render").quality, settings.FINAL)
+    assert read_settings.read(scene, "viewport").quality.samples == 3
+    assert same(read_settings.read(scene, "render").quality, settings.FINAL)
 
 
 def test_a_debug_view_is_for_the_viewport_alone(scene):
     scene.ism.show = "occlusion"
-    assert controls.read(scene, "viewport").show is settings.DebugView.OCCLUSION
-    assert controls.read(scene, "render").show is settings.DebugView.COLOR
+    assert read_settings.read(scene, "viewport").show is settings.DebugView.OCCLUSION
+    assert read_settings.read(scene, "render").show is settings.DebugView.COLOR
 
 
 @pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("50", 2), ("25", 4)])
 def test_a_resolution_is_a_size_of_pixels(scene, resolution, pixels):
     scene.ism.viewport.resolution = resolution
-    assert controls.pixel_size(scene) == pixels
+    assert read_settings.pixel_size(scene) == pixels
     assert not hasattr(scene.ism.render, "resolution")
 
 
 def test_survive_the_file(scene, tmp_path):
     turn_all(scene)
-    before = {use: controls.read(scene, use) for use in ("render", "viewport")}
+    before = {use: read_settings.read(scene, use) for use in ("render", "viewport")}
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "turned.blend"))
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    assert controls.read(bpy.context.scene, "render") != before["render"]
+    assert read_settings.read(bpy.context.scene, "render") != before["render"]
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "turned.blend"))
     for use, expected in before.items():
-        assert asdict(controls.read(bpy.context.scene, use)) == asdict(expected)
+        assert asdict(read_settings.read(bpy.context.scene, use)) == asdict(expected)
 
 
 def test_a_copied_scene_keeps_them(scene):
     turn_all(scene)
-    assert controls.read(scene.copy(), "render") == controls.read(scene, "render")
+    assert read_settings.read(scene.copy(), "render") == read_settings.read(scene, "render")
 
 
 @pytest.mark.parametrize("name, member, control", EVERY)

@@ -4,7 +4,8 @@
 import bpy
 import pytest
 
-from ism_addon.blender import account, engine
+from ism_addon.blender import engine
+from ism_addon.blender.render import render_statistics
 from ism_addon.ui import statistics
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -13,7 +14,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 @pytest.fixture(autouse=True)
 def forgotten():
     """What earlier pictures took."""
-    account._kept.clear()
+    render_statistics._kept.clear()
 
 
 @pytest.fixture
@@ -66,11 +67,11 @@ def test_counts_are_of_what_there_is(rendered, method, has_points):
 
 def test_the_newest_picture_is_the_latest():
     first, second = {"samples": 1}, {"samples": 2}
-    account.keep("render", first)
-    account.keep("viewport", second)
-    account.keep("viewport", {})
-    assert account.latest() == ("viewport", second)
-    account.keep("render", first)
-    assert account.latest() == ("render", first)
-    account.latest()[1]["samples"] = 7
-    assert account.of("render") == first
+    render_statistics.keep("render", first)
+    render_statistics.keep("viewport", second)
+    render_statistics.keep("viewport", {})
+    assert render_statistics.latest() == ("viewport", second)
+    render_statistics.keep("render", first)
+    assert render_statistics.latest() == ("render", first)
+    render_statistics.latest()[1]["samples"] = 7
+    assert render_statistics.of("render") == first

@@ -3,7 +3,7 @@
 
 import pytest
 
-from ism_addon.blender.viewport import COARSEST, FIRST, coarser
+from ism_addon.blender.viewport.viewport import COARSEST, FIRST, coarser
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def engine_class() -> Any:
 
 def is_busy() -> bool:
     """Whether a viewport lacks samples, or has not shown the last."""
-    viewports = list(module("blender.lookout")._alive)
+    viewports = list(module("blender.viewport.redraw_timer")._alive)
     return not viewports or any(
         viewport._job is None or viewport.is_waiting or viewport.has_news for viewport in viewports
     )
@@ -35,7 +35,7 @@ def is_busy() -> bool:
 
 def jobs() -> list[Any]:
     """What the viewports have asked the worker for last: other objects as soon as they ask for something else."""
-    return [viewport._job for viewport in module("blender.lookout")._alive]
+    return [viewport._job for viewport in module("blender.viewport.redraw_timer")._alive]
 
 
 def errors() -> list[str]:
@@ -45,7 +45,7 @@ def errors() -> list[str]:
 
 def milliseconds(*passes: str) -> float:
     """What each of these passes took on average in the viewports' last picture, summed up."""
-    rows = module("blender.account").of("viewport")["passes"]
+    rows = module("blender.render.render_statistics").of("viewport")["passes"]
     return sum(rows[name]["ms"] / max(rows[name]["drawn"], 1) for name in passes)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ism_addon import addon
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.scene import LightShape, Scene, View
 
 
@@ -47,7 +47,7 @@ def out_of_blender() -> tuple[Scene, View]:
     addon.register()
     try:
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        return extract.scene(depsgraph), camera.final_view(depsgraph)
+        return scene_reader.scene(depsgraph), camera.final_view(depsgraph)
     finally:
         addon.unregister()
 

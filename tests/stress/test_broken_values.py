@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ism_addon import addon
-from ism_addon.blender import controls
-from ism_addon.limits import within_limits
+from ism_addon.blender.render import read_settings
+from ism_addon.setting_limits import within_limits
 
 from ..scenes.small import box_over_plane
 from ..studio import SMALL_SETTINGS, draw
@@ -107,7 +107,7 @@ def test_a_broken_setting(value, path):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         section, name = path.split(".")
         setattr(getattr(bpy.context.scene.ism, section), name, value)
-        told = within_limits(controls.read(bpy.context.scene, "render"))
+        told = within_limits(read_settings.read(bpy.context.scene, "render"))
     finally:
         addon.unregister()
     held = getattr(getattr(told, {"render": "quality"}.get(section, section)), name)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from ism_addon import addon
-from ism_addon.blender import engine, final, geometry
+from ism_addon.blender import engine
+from ism_addon.blender.render import final_render
+from ism_addon.blender.sync.geometry import instances
 from ism_addon.gpu import renderer
-from ism_addon.gpu.job import Request
+from ism_addon.gpu.jobs.job import Request
 
 from ..blender import exr
 from ..scenes.small import box_over_plane
@@ -42,7 +44,7 @@ class Cancelled(bpy.types.RenderEngine):
         engine.ISMRenderEngine.update_render_passes(self, scene, layer)
 
     def render(self, depsgraph):
-        final.render(Watched(self), depsgraph)
+        final_render.render(Watched(self), depsgraph)
         Cancelled.answered = time.monotonic()
 
 
@@ -107,14 +109,14 @@ def test_cancel_while_the_scene_is_read(cancelled, monkeypatch, within):
     """Of a thousand objects, hardly one is read any more."""
     for _ in range(1000):
         bpy.context.collection.objects.link(bpy.data.objects.new("Cube", bpy.data.meshes["Cube"].copy()))
-    read, count = geometry.meshes.read, []
+    read, count = instances.meshes.read, []
 
     def read_and_press(*arguments):
         count.append(arguments)
         Cancelled.press()
         return read(*arguments)
 
-    monkeypatch.setattr(geometry.meshes, "read", read_and_press)
+    monkeypatch.setattr(instances.meshes, "read", read_and_press)
     picture, late = cancelled()
     assert not picture.any()
     assert len(count) == 1
@@ -136,8 +138,8 @@ def test_what_changed_before_a_cancelled_reading_is_read_by_the_next(cancelled, 
     bpy.ops.render.render()
     Cancelled.pressed = float("inf")
     read = []
-    real = final.Request
-    monkeypatch.setattr(final, "Request", lambda scene, *more: read.append(scene) or real(scene, *more))
+    real = final_render.Request
+    monkeypatch.setattr(final_render, "Request", lambda scene, *more: read.append(scene) or real(scene, *more))
     bpy.ops.render.render()
     assert max(abs(mesh.positions).max() for mesh in read[0].meshes) == 3.0
 

@@ -56,7 +56,7 @@ def test_another_process(device, tmp_path, method, name):
     lines = (
         "import hashlib, sys",
         "from ism_addon import snapshot",
-        "from ism_addon.gpu.context import open_device",
+        "from ism_addon.gpu.gl.context import open_device",
         "from tests.studio import draw",
         "print(hashlib.sha256(draw(open_device(), *snapshot.load(sys.argv[1])).color.tobytes()).hexdigest())",
     )

@@ -14,8 +14,8 @@ import bpy
 import pytest
 
 from ism_addon import addon, snapshot
-from ism_addon.blender import extract
-from ism_addon.files import replacing
+from ism_addon.atomic_files import replacing
+from ism_addon.blender.sync import scene_reader
 
 from ..scenes.small import pillar_field
 from ..studio import SMALL_SETTINGS
@@ -166,7 +166,7 @@ def test_images_that_are_missing(blender, tmp_path):
     surface = material.node_tree.nodes["Principled BSDF"]
     material.node_tree.links.new(texture.outputs["Color"], surface.inputs["Base Color"])
     bpy.data.objects["Cube"].data.materials[0] = material
-    assert GONE in extract.scene(bpy.context.evaluated_depsgraph_get()).warnings
+    assert GONE in scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
 
 
 def test_libraries_that_are_missing(blender, tmp_path):
@@ -183,11 +183,11 @@ def test_libraries_that_are_missing(blender, tmp_path):
     own = bpy.data.objects.new("Own", mesh), bpy.data.objects.new("Of linked mesh", bpy.data.meshes["Cube"])
     for each in (bpy.data.objects["Cube"], *own):
         bpy.context.collection.objects.link(each)
-    assert extract.scene(bpy.context.evaluated_depsgraph_get()).warnings == ()
+    assert scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings == ()
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     library.unlink()
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    (sentence,) = extract.scene(bpy.context.evaluated_depsgraph_get()).warnings
+    (sentence,) = scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
     kind, _, names = sentence.partition(": ")
     assert kind == "Linked data that was not found is missing from the picture"
     assert {"'Cube'", "'Material'"} <= set(names.removesuffix(".").replace(" (2)", "").split(", "))

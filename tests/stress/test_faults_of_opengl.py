@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ism_addon.gpu import estimate
-from ism_addon.gpu.job import Job
+from ism_addon.gpu import memory_estimate
+from ism_addon.gpu.jobs.job import Job
+from ism_addon.gpu.jobs.render_loop import Studio
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.gpu.studio import Studio
-from ism_addon.limits import beyond_limits
+from ism_addon.setting_limits import beyond_limits
 
 from ..studio import MAPS
 from ..test_reload import edit, shaders  # noqa: F401 (a fixture)
@@ -27,8 +27,8 @@ ROOT = Path(__file__).parents[2]
 
 #: Asks twice, in an interpreter of its own, and prints both errors.
 ASK = """
-from ism_addon.gpu.job import Request
-from ism_addon.gpu.worker import Worker
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.jobs.render_thread import Worker
 from tests.scenes.small import box_over_plane
 from ism_addon.settings import Settings
 worker = Worker()
@@ -179,7 +179,7 @@ def test_context_lost_and_worker_killed(worker, at_pass, do, sentence, number):
 
 
 def test_a_shader_that_is_broken(worker, shaders):  # noqa: F811 (a fixture)
-    edit(shaders / "shade.frag", "void main() {", "void main() {\n    nonsense;")
+    edit(shaders / "passes/film/shade.frag", "void main() {", "void main() {\n    nonsense;")
     job = worker.start(request(), "client")
     assert ended(job)
     assert re.fullmatch(
@@ -213,7 +213,7 @@ def test_out_of_graphics_memory(worker, device, monkeypatch):
 
     Where the system does not say how much is free, nothing is estimated before.
     """
-    monkeypatch.setattr(estimate, "free", lambda gl: None)
+    monkeypatch.setattr(memory_estimate, "free", lambda gl: None)
     if "llvmpipe" not in device.name:
         pytest.skip("only the software driver's limit is known")
     small = worker.start(request(LONG), "small")

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from ism_addon import snapshot
-from ism_addon.gpu.job import Request
-from ism_addon.limits import view_beyond_limits
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.setting_limits import view_beyond_limits
 
 from ..scenes.small import box_over_plane, pillar_field
 from ..studio import MAPS, SMALL_SETTINGS

@@ -67,8 +67,8 @@ def same(path: Path, expected: dict[str, np.ndarray]) -> bool:
 
 def test_exit_while_a_viewport_is_drawn(tmp_path):
     lines = (
-        "from ism_addon.gpu.job import Request",
-        "from ism_addon.gpu.worker import shared",
+        "from ism_addon.gpu.jobs.job import Request",
+        "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
         "from tests.test_worker import LONG, begun",
         "assert begun(shared.start(Request(*box_over_plane(320, 200), LONG), 'viewport'))",
@@ -136,8 +136,8 @@ def test_two_renders_at_once(tmp_path, alone):
 def test_a_render_beside_a_viewport(tmp_path, alone):
     """In one process, by one thread."""
     lines = (
-        "from ism_addon.gpu.job import Request",
-        "from ism_addon.gpu.worker import shared",
+        "from ism_addon.gpu.jobs.job import Request",
+        "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
         "from tests.test_worker import LONG, begun",
         "job = shared.start(Request(*box_over_plane(64, 40), LONG), 'viewport')",

@@ -15,10 +15,11 @@ import bpy
 import pytest
 
 from ism_addon import addon
-from ism_addon.blender import camera, controls, extract
-from ism_addon.gpu.job import Request
-from ism_addon.gpu.studio import Studio
-from ism_addon.gpu.worker import shared
+from ism_addon.blender.render import read_settings
+from ism_addon.blender.sync import camera, scene_reader
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.jobs.render_loop import Studio
+from ism_addon.gpu.jobs.render_thread import shared
 
 from ..tools.memory import resident
 
@@ -160,14 +161,14 @@ def test_soak_of_renders(scene, census, within, rounds):
 
 def test_soak_of_viewports(scene, census, within, rounds):
     """As a viewport asks: what changed is read, and each job replaces the one before, some of them half drawn."""
-    reader, patience = extract.Reader(), random.Random(2)
+    reader, patience = scene_reader.Reader(), random.Random(2)
     job = None
 
     def update(chance: random.Random) -> None:
         nonlocal job
         edit(chance)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        asked = reader.read(depsgraph), camera.final_view(depsgraph), controls.read(scene, "viewport")
+        asked = reader.read(depsgraph), camera.final_view(depsgraph), read_settings.read(scene, "viewport")
         job = shared.start(Request(*asked, surfaces=False, coarse=patience.choice([1, 4])), "viewport")
         while patience.random() < 0.9 and not job.finished:
             job.wait(0.01)

@@ -9,7 +9,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ism_addon.gpu.context import Device, open_device
+from ism_addon.gpu.gl.context import Device, open_device
 
 from . import plot, record, report
 from .cycles import Cycles

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import bpy
 
-from ism_addon.gpu.context import Device
+from ism_addon.gpu.gl.context import Device
 from tests.tools import project
 
 from .curve import time_to

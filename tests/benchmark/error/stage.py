@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ism_addon.blender import camera, extract
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.scene import Scene, View
 from tests.demo.figure6 import quiet_stdout
 from tests.scenes import corridor, dense, dim_atrium, lamps, objects, thin
@@ -60,7 +60,7 @@ def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, f
         bpy.ops.wm.save_mainfile(compress=True)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     start = time.perf_counter()
-    scene, view = extract.scene(depsgraph), camera.final_view(depsgraph)
+    scene, view = scene_reader.scene(depsgraph), camera.final_view(depsgraph)
     seconds = time.perf_counter() - start
     known = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(scene, view)}.npy"
     tree = SCENES[name].light_tree

@@ -11,7 +11,7 @@ import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
-from ism_addon.gpu.context import open_device
+from ism_addon.gpu.gl.context import open_device
 from tests.benchmark.error.record import machine
 from tests.tools import project
 

@@ -14,9 +14,10 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ism_addon.blender import camera, frames
-from ism_addon.blender.extract import everywhere
-from ism_addon.gpu.context import Device, open_device
+from ism_addon.blender.render import persistent_data
+from ism_addon.blender.sync import camera
+from ism_addon.blender.sync.scene_reader import everywhere
+from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import FITTED, Renderer
 from ism_addon.scene import Scene, View
@@ -60,7 +61,7 @@ def opened(picture: Picture) -> bpy.types.Depsgraph:
 
 def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> dict:
     """All frames, and after the first its first sample once more, which finds the trees kept."""
-    layer, renderer, settings = frames.Layer(), Renderer(device), picture.settings()
+    layer, renderer, settings = persistent_data.Layer(), Renderer(device), picture.settings()
     start = time.perf_counter()
     scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
     told = {"triangles": scene.triangle_count, "reading s": time.perf_counter() - start, "reading bytes": memory.peak()}
@@ -83,7 +84,7 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     return told
 
 
-def seconds_a_frame(renderer: Renderer, layer: frames.Layer, settings: Settings, count: int) -> float:
+def seconds_a_frame(renderer: Renderer, layer: persistent_data.Layer, settings: Settings, count: int) -> float:
     """Of a camera that goes around the scene, reading included."""
     start = time.perf_counter()
     for number in range(count):

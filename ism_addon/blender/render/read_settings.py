@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the user has turned: the properties under `scene.ism` as Settings."""
+
+from typing import Any
+
+import bpy
+
+from ... import settings
+
+
+def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
+    values = {}
+    for member, _control in settings.controls(cls):
+        kind: type = type(member.default)
+        values[member.name] = kind(getattr(group, member.name))  # a choice is a string in Blender
+    return cls(**values)
+
+
+def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
+    """The settings for a use, "render" or "viewport": one look, two qualities."""
+    group = scene.ism
+    show = settings.DebugView(group.show) if use == "viewport" else settings.Settings.show
+    return settings.Settings(
+        shadow=_section(settings.Shadow, group.shadow),
+        ssao=_section(settings.SSAO, group.ssao),
+        quality=_section(settings.Quality, getattr(group, use)),
+        show=show,
+    )
+
+
+def pixel_size(scene: bpy.types.Scene) -> int:
+    """How many of a viewport's pixels lie along either side of one that is drawn."""
+    return 100 // int(scene.ism.viewport.resolution)

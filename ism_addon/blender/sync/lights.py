@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Area lights to axes and radiance. Under an object's scale they are what Cycles makes of them.
+
+Sheared ones send their watts evenly from the parallelogram or ellipse that they are. So do the places that Cycles
+chooses on an ellipse; those on its rectangles lie off their plane, and rays that hit either meet another shape.
+"""
+
+from dataclasses import dataclass, fields
+
+import bpy
+import numpy as np
+
+from ... import radiometry
+from ...scene import MOST_GROUPS, Lights, LightShape
+from ...scene.limits import BRIGHTEST, spanning, within
+from . import light_nodes
+from .diagnostics import Findings
+from .light_linking import Links
+
+#: Blender's shapes: ours, and whether the height is a number of its own.
+SHAPES = {
+    "SQUARE": (LightShape.RECTANGLE, False),
+    "RECTANGLE": (LightShape.RECTANGLE, True),
+    "DISK": (LightShape.ELLIPSE, False),
+    "ELLIPSE": (LightShape.ELLIPSE, True),
+}
+
+#: Where the table's arrays are not float32.
+DTYPES = {
+    "shape": np.int32,
+    "position": np.float64,
+    "axis_u": np.float64,
+    "axis_v": np.float64,
+    "normal": np.float64,
+    "casts_shadow": np.bool_,
+    "receivers": np.int32,
+    "blockers": np.int32,
+}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One light, by the names of Lights."""
+
+    shape: LightShape
+    position: np.ndarray
+    axis_u: np.ndarray
+    axis_v: np.ndarray
+    normal: np.ndarray
+    radiance: np.ndarray
+    spread: float
+    casts_shadow: bool
+    receivers: int
+    blockers: int
+
+
+class LightTable:
+    """Collects the area lights, from one depsgraph after another, and says which lights are none."""
+
+    def __init__(self, links: Links) -> None:
+        self._links = links
+        self._rows: list[tuple[_Row | None, Findings]] = []
+        self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
+
+    def begin(self) -> None:
+        """Before all lights are added."""
+        self._rows.clear()
+        self._links.begin()
+        self._own.clear()
+
+    def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
+        """One light where it stands."""
+        if not instance.is_instance:
+            self._own[instance.object.original.session_uid] = len(self._rows)
+        self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64), self._links))
+
+    def renew(self, source: bpy.types.Object) -> None:
+        """A light that stands for itself has changed; one that was not shown still is not."""
+        index = self._own.get(source.original.session_uid)
+        if index is not None:
+            self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
+
+    def table(self, findings: Findings) -> Lights:
+        """All that shine."""
+        for _, found in self._rows:
+            findings.include(found)
+        rows = [row for row, _ in self._rows if row is not None]
+        columns = {}
+        for member in fields(_Row):
+            column = np.array([getattr(row, member.name) for row in rows], DTYPES.get(member.name, np.float32))
+            vector = member.type is np.ndarray
+            columns[member.name] = column.reshape(-1, 3) if vector else column
+        return Lights(**columns)
+
+
+def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) -> tuple[_Row | None, Findings]:
+    """A light where it stands, (4,4); None if it is no area light, has no size or lights nothing."""
+    findings, light = Findings(), source.data
+    if light.type != "AREA":
+        kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
+        findings.note(kind, source.name)
+        return None, findings
+    portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
+    if portal or not source.visible_diffuse:
+        return None, findings  # as in Cycles, where portals only guide rays to the world
+    power = watts(light) * light_nodes.factor(light, source.name, findings)
+    if not power.any():
+        return None, findings
+    if source.visible_camera:
+        findings.note("Lights are not seen by the camera", source.name)
+    linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
+    if None in linked:
+        findings.note(f"Lights are linked to no more than {MOST_GROUPS} groups, others are not linked", source.name)
+    row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
+    if row is None:
+        findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
+        return None, findings
+    if not radiometry.is_upright(row.axis_u, row.axis_v):
+        findings.note("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
+    if not within(row.radiance, BRIGHTEST).all():
+        findings.note("Area lights too bright to be drawn are left out", source.name)
+        return None, findings
+    return row, findings
+
+
+def watts(light: bpy.types.Light) -> np.ndarray:
+    """(3,) linear: colour × energy, and since Blender 4.5 × exposure and the colour of its temperature."""
+    power = np.array(light.color, np.float64) * light.energy * 2.0 ** getattr(light, "exposure", 0.0)
+    if getattr(light, "use_temperature", False):
+        power *= np.array(light.temperature_color, np.float64)
+    return power
+
+
+def _row(
+    light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray, receivers: int, blockers: int
+) -> _Row | None:
+    """None where the light has no area or no direction."""
+    shape, own_height = SHAPES[light.shape]
+    axis_u = world_from_light[:3, 0] * light.size
+    axis_v = world_from_light[:3, 1] * (light.size_y if own_height else light.size)
+    backwards = world_from_light[:3, 2]
+    depth = np.linalg.norm(backwards)
+    sides = np.linalg.norm([axis_u, axis_v], axis=1)
+    area = box = float(sides.prod())
+    if shape is LightShape.ELLIPSE:
+        area *= np.pi / 4
+    has_size = within(sides).all() and spanning(axis_u[None], axis_v[None]).item()
+    if not (has_size and within(world_from_light).all() and depth > 0):
+        return None
+    # A sheared one sends out as much as if it were not, from less area.
+    if not radiometry.is_upright(axis_u, axis_v):
+        power = power * (box / np.linalg.norm(np.cross(axis_u, axis_v)))
+    # A light that is not normalised shines per square metre what a normalised one shines in all.
+    radiant_area = area if getattr(light, "normalize", True) else 1.0
+    return _Row(
+        shape=shape,
+        position=world_from_light[:3, 3],
+        axis_u=axis_u,
+        axis_v=axis_v,
+        normal=-backwards / depth,
+        radiance=radiometry.area_light_radiance(power, radiant_area),
+        spread=light.spread,
+        casts_shadow=light.use_shadow,
+        receivers=receivers,
+        blockers=blockers,
+    )

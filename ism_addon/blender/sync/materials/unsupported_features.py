@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a material will look otherwise than the artist meant it, because this engine does not draw it.
+
+A new Principled BSDF has some gloss, so that each file would have a sentence about it: said is only what is more.
+"""
+
+import bpy
+
+from ..diagnostics import Findings
+from . import nodes
+
+#: Sockets that are drawn only where nothing feeds them and they have this value, and what is said of others.
+PLAIN: dict[str, dict[str, tuple[float, str]]] = {
+    "ShaderNodeBsdfPrincipled": {
+        "Metallic": (0.0, "Metal is drawn as if it were none"),
+        "Alpha": (1.0, "Transparent materials are drawn opaque"),
+        "Transmission Weight": (0.0, "Transmission is not drawn"),
+        "Subsurface Weight": (0.0, "Subsurface scattering is not drawn"),
+        "Diffuse Roughness": (0.0, "Diffuse roughness is not drawn"),
+        "Coat Weight": (0.0, "Coats and sheen are not drawn"),
+        "Sheen Weight": (0.0, "Coats and sheen are not drawn"),
+    },
+    "ShaderNodeBsdfDiffuse": {"Roughness": (0.0, "Diffuse roughness is not drawn")},
+}
+
+#: Of a new Principled BSDF, which has so much gloss at most: its least roughness, and its most of all else.
+LEAST_ROUGHNESS = 0.5
+MOST_GLOSS = {"IOR": 1.5, "Specular IOR Level": 0.5, "Anisotropic": 0.0, "Thin Film Thickness": 0.0}
+GLOSS = "Gloss is not drawn"
+
+
+def note_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Findings) -> None:
+    """Of what else than a surface a material's output shows."""
+    if output is None:
+        return
+    if nodes.source(output.inputs["Volume"]) is not None:
+        findings.note("Volumes are not drawn by this engine", material.name)
+    if nodes.source(output.inputs["Displacement"]) is not None:
+        findings.note("Displacement is not drawn", material.name)
+
+
+def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Findings) -> None:
+    """Of all but the colour of a shader that is drawn."""
+    for name, (plain, kind) in PLAIN[shader.bl_idname].items():
+        socket = shader.inputs.get(name)
+        if socket is not None and not _is(socket, plain):
+            findings.note(kind, material.name)
+    normal = nodes.source(shader.inputs["Normal"])
+    if normal is not None:
+        findings.note(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
+    if shader.bl_idname == "ShaderNodeBsdfPrincipled":
+        if _is_glossy(shader):
+            findings.note(GLOSS, material.name)
+        if not (_is(shader.inputs["Emission Strength"], 0.0) or _is_black(shader.inputs["Emission Color"])):
+            findings.note("Emission of surfaces is not drawn", material.name)
+
+
+def _is(socket: bpy.types.NodeSocket, value: float) -> bool:
+    found, fed_by = nodes.number(socket)
+    return fed_by is None and found == value
+
+
+def _is_black(socket: bpy.types.NodeSocket) -> bool:
+    found, fed_by = nodes.rgb(socket, 1.0)
+    return fed_by is None and not found.any()
+
+
+def _is_glossy(shader: bpy.types.Node) -> bool:
+    """Whether it may have more gloss than a new one. Blender's sockets are float32."""
+    if _is(shader.inputs["Specular IOR Level"], 0.0):
+        return False
+    roughness, fed_by = nodes.number(shader.inputs["Roughness"])
+    if fed_by is not None or roughness < LEAST_ROUGHNESS:
+        return True
+    for name, most in MOST_GLOSS.items():
+        value, fed_by = nodes.number(shader.inputs[name]) if name in shader.inputs else (most, None)
+        if fed_by is not None or value > most:
+            return True
+    return False
+
+
+def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings) -> None:
+    """Say where a texture will not lie as the artist meant it."""
+    placed_by = nodes.source(node.inputs["Vector"])
+    if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
+        kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
+        findings.note(kind, material.name)
+    elif placed_by is not None and getattr(placed_by.node, "from_instancer", False):
+        findings.note("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
+    mapping = node.texture_mapping
+    if any(mapping.translation) or any(mapping.rotation) or tuple(mapping.scale) != (1.0, 1.0, 1.0):
+        findings.note("Textures with a mapping of their own lie on the active UV map as it is", material.name)
+    if node.interpolation != "Linear":
+        findings.note("Textures that are interpolated otherwise than linearly are interpolated linearly", material.name)
+    if node.projection != "FLAT":
+        findings.note("Textures projected otherwise than flat lie on the active UV map", material.name)
+    if node.extension not in ("REPEAT", "EXTEND"):
+        kind = "Textures that are clipped or mirrored at their border have the border's colour there"
+        findings.note(kind, material.name)

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The world's background as one radiance."""
+
+import bpy
+import numpy as np
+
+from ...scene import World
+from ...scene.limits import within
+from .diagnostics import Findings
+from .materials import nodes
+
+
+def read(world: bpy.types.World | None, findings: Findings) -> World:
+    """The Background node's colour × strength, or the world's colour where it has no nodes.
+
+    No world is black, and so is what is no number.
+    """
+    if world is None:
+        return World(np.zeros(3, np.float32))
+    radiance = _radiance(world, findings)
+    seen_by = getattr(world, "cycles_visibility", None)  # Cycles can be switched off
+    if seen_by is not None and not (seen_by.camera and seen_by.diffuse):
+        findings.note("The ray visibility of worlds is not obeyed", world.name)
+    return World(np.where(within(radiance), radiance, 0.0).astype(np.float32))
+
+
+def _radiance(world: bpy.types.World, findings: Findings) -> np.ndarray:
+    node_tree = nodes.tree(world)
+    if node_tree is None:
+        return nodes.color(world.color, 0.0)
+    output = nodes.output(node_tree)
+    if output is not None and nodes.source(output.inputs["Volume"]) is not None:
+        findings.note("Volumes of worlds are not drawn", world.name)
+    shader = nodes.surface(output)
+    if shader is None:
+        return np.zeros(3)
+    if shader.bl_idname != "ShaderNodeBackground":
+        findings.note(
+            f"A world whose surface is a node '{shader.bl_label}' is drawn in its viewport colour", world.name
+        )
+        return nodes.color(world.color, 0.0)
+    color, fed_by = nodes.rgb(shader.inputs["Color"], 0.0)
+    if fed_by is not None:
+        findings.note(
+            f"A world coloured by a node '{fed_by.bl_label}' is drawn in the Background's plain colour", world.name
+        )
+    strength, fed_by = nodes.number(shader.inputs["Strength"])
+    if fed_by is not None:
+        findings.note(f"A world whose strength a node '{fed_by.bl_label}' gives has its socket's", world.name)
+    return color * np.float64(strength)

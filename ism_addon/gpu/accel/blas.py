@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tree of one mesh, and the order in which its triangles lie on the GPU, so that those of a leaf are neighbours.
+
+Triangles that follow one another in a mesh mostly lie together too. Where they do, a leaf is a run of them as they are,
+and what is sorted is runs. They are bounded while their triangles are made ready for the upload, when their corners are
+at hand, and sorted while the camera's pass draws them.
+"""
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from ...parallel import side_by_side
+from ...scene import Mesh
+from .bvh import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
+from .quantization import Lattice
+
+#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
+#: hold 1.5 on average at least. An even number, as quads are two.
+TRIANGLES_PER_LEAF = 6
+
+#: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
+FEW = 1 << 17
+
+#: Triangles that are looked at to see whether neighbours in a mesh lie together.
+SOME = 1 << 14
+
+#: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at
+#: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
+LOOSE, MOSTLY = 3.0, 0.9
+
+#: Most boxes of a mesh by which its instances are bounded; a power of two.
+PARTS = 32
+
+#: Triangles whose boxes are found at a time: so many stay in a processor's cache.
+PORTION = 1 << 15
+
+
+@dataclass(frozen=True, eq=False)
+class MeshTree:
+    """A mesh's tree in its lattice's steps, and where its leaves' triangles are."""
+
+    parts: (
+        np.ndarray
+    )  # (P,2,3) steps, P = min(PARTS, leaves): boxes around all of the mesh, closer than one when turned
+    nodes: np.ndarray  # (leaves // 2,) NODE
+    starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
+    per_leaf: int  # triangles from there on that a leaf looks at
+    order: np.ndarray | None  # (T,) uint32: which triangle of the mesh is where; None: all are where they were
+
+    @property
+    def leaves(self) -> int:
+        """How many there are."""
+        return len(self.starts)
+
+    @property
+    def tree(self) -> "MeshTree":
+        """This one: see Runs."""
+        return self
+
+
+class Runs:
+    """A large mesh whose triangles stay where they are; its tree is begun when all runs of them have been bounded."""
+
+    order = None
+
+    def __init__(self, lattice: Lattice, count: int):
+        self.lattice, self.count, self.run = lattice, count, run_of(count)
+        self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
+        self.making: Future[MeshTree] | None = None
+
+    def end_of(self, triangle: int) -> int:
+        """Where the run ends that has the triangle before this one."""
+        return min(-(-triangle // self.run) * self.run, self.count)
+
+    def bound(self, first: int, corners: list[np.ndarray]) -> None:
+        """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in steps."""
+        if self.making is not None:
+            return
+        begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
+        found = np.empty((2, 3, begun.stop - begun.start), np.float32)
+        for side, either in enumerate((np.minimum, np.maximum)):
+            for axis in range(3):
+                along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
+                along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
+                found[side, axis] = reduce(either, along.T)
+        self.boxes[:, :, begun] = in_planes(found)
+
+    def begin(self) -> None:
+        """Make the tree, beside whatever else is done."""
+        if self.making is None:
+            core = ThreadPoolExecutor(1)
+            self.making = core.submit(tree_of_runs, self.boxes, self.count)
+            core.shutdown(wait=False)
+
+    @property
+    def tree(self) -> MeshTree:
+        """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
+        self.begin()
+        try:
+            made = self.making.result()
+        except BaseException:
+            self.making = None
+            raise
+        self.boxes = None
+        return made
+
+
+def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
+    """The tree of a mesh that has triangles, or what will have it."""
+    lattice = Lattice.of(mesh)
+    if len(mesh.triangles) > FEW and lie_together(mesh, lattice):
+        return Runs(lattice, len(mesh.triangles))
+    return tree_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
+
+
+def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
+    """Whether the triangles of some of a mesh's runs do."""
+    run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
+    some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SOME)]
+    corners = lattice.steps(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
+    inside = surfaces(corners.min(2), corners.max(2)).reshape(-1, run).sum(1)
+    of_runs = corners.reshape(3, -1, 3 * run)
+    return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= LOOSE * inside) >= MOSTLY)
+
+
+def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
+    """Sorted triangle by triangle; steps are (3,V)."""
+    tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
+    real = tree.order < len(triangles)
+    filled = np.count_nonzero(real.reshape(tree.leaves, -1), 1)
+    # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
+    starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
+    order = tree.order[real].astype(np.uint32)
+    return MeshTree(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+
+
+def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
+    """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
+    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
+    rows, nodes = rows_over(boxes, members)
+    starts = np.minimum(members * run, count - run).astype(np.uint32)
+    return MeshTree(parts_of(nodes), rows, starts, run, None)
+
+
+def run_of(count: int) -> int:
+    """Triangles in a run, of so many in all: no quad's two are in different ones."""
+    return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_LEAF)))
+
+
+def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(2,3,T) int16: boxes around triangles (T,3) of steps (3,V), in planes."""
+    boxes = np.empty((2, 3, len(triangles)), np.int16)
+
+    def find(first: int) -> None:
+        part = slice(first, first + PORTION)
+        places = steps.take(np.ascontiguousarray(triangles[part].T), 1)
+        boxes[:, :, part] = in_planes(np.stack([places.min(1), places.max(1)]))
+
+    side_by_side(find, range(0, len(triangles), PORTION), len(triangles))
+    return boxes
+
+
+def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(N,) half the surface of boxes from (3,N) to (3,N): in proportion to it rays meet them."""
+    x, y, z = high - low
+    return x * y + y * z + z * x
+
+
+def parts_of(nodes: np.ndarray) -> np.ndarray:
+    """MeshTree.parts of Tree.nodes."""
+    level = min(PARTS, nodes.shape[2] // 2)
+    boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
+    boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(PLANE)
+    return boxes[np.arange(level) % len(boxes)]

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A tree of boxes over boxes: what a shadow ray looks through instead of all triangles.
+
+Complete, so that its shape needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and the leaves are
+as many as the next power of four asks for. Each node splits its boxes at the median of their middles along the longest
+axis (Kay & Kajiya 1986), all nodes of a level at once. Rays go two levels at a step, from k to 4k … 4k + 3: what they
+fetch for that is 32 bytes, corners in bytes within the box around all four (Ylitie, Karras & Laine 2017). Lengths are
+in steps of a grid, see scale_of and lattice; boxes begin and end in planes of it, whose numbers take 16 bits.
+"""
+
+from dataclasses import dataclass
+from functools import reduce
+from itertools import repeat
+
+import numpy as np
+
+from ...parallel import LARGE, side_by_side
+
+#: Rows of so many boxes are short: numpy is slow along them.
+SHORT = 1 << 8
+
+#: Rows of so few that to count their digits takes longer than to compare them.
+TINY = 1 << 5
+
+#: Nodes that are packed at a time: so many stay in a processor's cache.
+PORTION = 1 << 13
+
+#: The box (2,3,1) around nothing: it begins after its end.
+NOTHING = np.repeat(np.int16([[[32767]], [[-32768]]]), 3, 1)
+
+#: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
+PLANE = 512
+
+#: Steps that boxes reach beyond what is in them: more than rays err that start as far away as the tree is large.
+SLACK = 32
+
+#: Rays see a tree on a grid of so many steps on either side of the origin: as many as float32 tells apart, nearly, and
+#: boxes that reach a little farther still end in the last planes.
+REACH = 255 * 128 * PLANE - 2 * SLACK
+
+#: A node as rays read it, two texels: the plane where its box begins; how many planes are the unit of the rest, as a
+#: power of two of four bits an axis; and on each axis, from where to where the four boxes two levels below reach.
+NODE = np.dtype([("begin", "<i2", 3), ("unit", "<u2"), ("low", "u1", (3, 4)), ("high", "u1", (3, 4))])
+
+
+#: The power of two of planes by which a byte reaches so many of them.
+POWERS = np.ceil(np.log2(np.maximum(np.arange(1 << 16) / 255.0, 1.0))).astype(np.uint16)
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Which boxes lie in which leaf, and around what."""
+
+    order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; their number where a leaf is not full
+    leaves: int
+    nodes: np.ndarray  # (2,3,2 * leaves) int16: box around node k, in planes
+
+    @property
+    def per_leaf(self) -> int:
+        """Boxes a leaf, at most."""
+        return len(self.order) // self.leaves
+
+
+def in_planes(boxes: np.ndarray) -> np.ndarray:
+    """(2,3,N) int16: boxes (2,3,N) float32 in steps, with the slack around them."""
+    found = np.empty(boxes.shape, np.int16)
+    found[0] = np.floor((boxes[0] - np.float32(SLACK)) * np.float32(1.0 / PLANE))
+    found[1] = np.ceil((boxes[1] + np.float32(SLACK)) * np.float32(1.0 / PLANE))
+    return found
+
+
+def build(boxes: np.ndarray, most_per_leaf: int) -> Tree:
+    """A tree over N > 0 boxes (2,3,N) in planes."""
+    leaves = leaves_for(boxes.shape[2], most_per_leaf)
+    order = in_leaves(boxes, leaves)
+    boxes, in_leaf = np.append(boxes, NOTHING, 2), order.reshape(leaves, -1).T
+    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate((np.minimum, np.maximum)))
+    return Tree(order, leaves, nodes_over(np.stack([low, high]), np.arange(leaves)))
+
+
+def leaves_for(count: int, most_per_leaf: int) -> int:
+    """A power of four of leaves that hold `count` boxes."""
+    return 4 ** int(np.ceil(np.log2(max(count / most_per_leaf, 1.0)) / 2.0))
+
+
+def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
+    """(leaves * per_leaf,) int64: which of the boxes (2,3,N) is where, leaf by leaf; N where a leaf is not full."""
+    count = boxes.shape[2]
+    per_leaf = -(-count // leaves)
+    order = np.minimum(np.arange(leaves * per_leaf), count)
+    middles = ((boxes[0] >> 1) + (boxes[1] >> 1)).take(order[None], 1, mode="clip")
+    halves = [(middles, order[None])]
+    if leaves > 1 and count > LARGE:
+        middles, both = split(*halves[0])
+        halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
+    most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
+    return np.concatenate(side_by_side(lambda half: sort(*half, most), halves, count))
+
+
+def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
+    """(2,3,2 * leaves): Tree.nodes above leaves that hold a box (2,3,N) each, by number; N where there is none."""
+    leaves, empty = len(members), members == boxes.shape[2]
+    nodes = np.empty((2, 3, 2 * leaves), np.int16)
+
+    def fill(side: int, axis: int) -> None:
+        along, either, nothing = nodes[side, axis], (np.minimum, np.maximum)[side], NOTHING[side, axis]
+        boxes[side, axis].take(members, out=along[leaves:], mode="clip")
+        np.copyto(along[leaves:], nothing, where=empty)
+        first = leaves // 2
+        while first:
+            children = along[2 * first : 4 * first]
+            either(children[::2], children[1::2], out=along[first : 2 * first])
+            first //= 2
+        along[0] = nothing[0]
+
+    side_by_side(lambda each: fill(*each), np.ndindex(2, 3), leaves)
+    return nodes
+
+
+def scale_of(reach: np.ndarray) -> np.ndarray:
+    """(3,) float32: steps of the grid a unit of length, for what reaches (3,) from the origin.
+
+    What is flat counts as thicker, lest products overflow.
+    """
+    return np.float32(REACH) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20)).astype(np.float32)
+
+
+def packed(nodes: np.ndarray) -> np.ndarray:
+    """(leaves // 2,) NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
+    rows = np.zeros(nodes.shape[2] // 4, NODE)
+    levels = [4**k for k in range(15) if 4**k < len(rows)]
+    parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
+    side_by_side(lambda part: pack(nodes[..., four_times(part)], nodes[..., part], rows[part]), parts, len(rows))
+    return rows
+
+
+def rows_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What packed makes of nodes_over of these, 16 leaves or more; and the nodes, but the two lowest levels.
+
+    Those would be most of the memory: they are made and packed in portions.
+    """
+    leaves, above = len(members), len(members) // 4
+    rows, around = np.zeros(leaves // 2, NODE), np.empty((2, 3, above), np.int16)
+
+    def fill(first: int) -> None:
+        part = slice(first, min(first + PORTION, above))
+        chosen = members[four_times(part)]
+        inside = boxes.take(chosen, 2, mode="clip")
+        np.copyto(inside, NOTHING, where=chosen == boxes.shape[2])
+        for side, either in enumerate((np.minimum, np.maximum)):
+            around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
+        pack(inside, around[:, :, part], rows[above:][part])
+
+    side_by_side(fill, range(0, above, PORTION), leaves)
+    nodes = nodes_over(around, np.arange(above))
+    rows[: above // 2] = packed(nodes)
+    return rows, nodes
+
+
+def four_times(part: slice) -> slice:
+    """Where the boxes two levels below some nodes are."""
+    return slice(4 * part.start, 4 * part.stop)
+
+
+def pack(inside: np.ndarray, around: np.ndarray, into: np.ndarray) -> None:
+    """Fill rows (N,) NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
+    begin = around[0]
+    # Differences that wrap around are right as 16 bits without a sign.
+    powers = POWERS.take((around[1] - begin).view(np.uint16))
+    into["begin"], into["unit"] = begin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
+    low, high = (inside - np.repeat(begin, 4, 1)).view(np.uint16)
+    powers = np.repeat(powers, 4, 1)
+    low, high = low >> powers, high + ((np.uint16(1) << powers) - np.uint16(1)) >> powers
+    nowhere = inside[0, 0] > inside[1, 0]
+    low[:, nowhere], high[:, nowhere] = 255, 0
+    words = into.view(np.uint32).reshape(-1, 8)  # four bytes at a time, as numpy is slow along short axes
+    words[:, 2:5], words[:, 5:] = (corner.astype(np.uint8).view(np.uint32).T for corner in (low, high))
+
+
+def sort(middles: np.ndarray, groups: np.ndarray, most: int) -> np.ndarray:
+    """Split boxes (1,N), N a power of two times what a leaf holds, into rows of `most`; their middles are (3,1,N)."""
+    while groups.shape[1] > most:
+        middles, groups = split(middles, groups)
+    return groups.ravel()
+
+
+def split(middles: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each row of groups (G,N) as two, the lower half along its longest axis first; with middles (3,G,N).
+
+    Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
+    """
+    count, size = groups.shape
+    longest = (of_rows(np.maximum, middles) - of_rows(np.minimum, middles)).view(np.uint16).argmax(0)
+    order = ascending(middles[longest, np.arange(count)])
+    order += np.arange(0, count * size, size)[:, None]
+    order = order.reshape(2 * count, size // 2)
+    return middles.reshape(3, -1).take(order, 1), groups.ravel().take(order)
+
+
+def ascending(values: np.ndarray) -> np.ndarray:
+    """(G,N) int64: where in its row of values (G,N) int16 the least is, the next one, and so on.
+
+    To sort takes less than to part halves: 16 bits are sorted by their digits, or with their places as one number.
+    """
+    size = values.shape[1]
+    if size > TINY:
+        return np.argsort(values, axis=1, kind="stable")
+    keys = values.astype(np.int32) << 16 | np.arange(size, dtype=np.int32)
+    keys.sort(axis=1)
+    return (keys & 0xFFFF).astype(np.int64)
+
+
+def of_rows(either: np.ufunc, middles: np.ndarray) -> np.ndarray:
+    """(3,G) the least or the greatest of each row of middles (3,G,N)."""
+    rows, size = middles.shape[:2], middles.shape[2]
+    while size <= SHORT and size % 2 == 0:
+        middles, size = middles.reshape(-1), size // 2
+        middles = either(middles[::2], middles[1::2])
+    return either.reduce(middles.reshape(*rows, size), 2)

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The triangles of all meshes on the GPU, one mesh behind the other: one number names a triangle of the scene.
+
+Those of a leaf of the tree lie side by side, so the camera and shadow rays read the same arrays. All is made and
+uploaded in portions: what the processor holds of it at a time is small.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+
+from ...scene import Mesh, bounding_boxes
+from ..accel.blas import MeshTree, Runs
+from ..accel.quantization import Lattice, lattices
+from ..gl.buffer_texture import Array
+from ..gl.context import Device
+from ..gl.shader_records import octahedron_from_directions
+from .heap_trim import give_back
+from .small_meshes import Together, in_groups
+
+#: Triangles that are made ready and uploaded at a time: little enough for a processor's cache.
+PORTION = 1 << 15
+
+#: Portions that are made ready while one is uploaded.
+AHEAD = 3
+
+#: Tables hold triangles' numbers as floats, see layout.
+MOST_TRIANGLES = 1 << 24
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class Vertices:
+    """As they are uploaded."""
+
+    steps: np.ndarray  # (3,V) int32
+    octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
+
+
+@dataclass(frozen=True)
+class Source:
+    """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
+
+    arrays: Mesh | Together
+    steps: Callable[[], np.ndarray]  # makes (3,V) int32
+    order: np.ndarray | None  # (T,): which triangle is where; None: all are where they were
+    runs: Runs | None
+
+    @classmethod
+    def of(cls, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]) -> "Source":
+        """That of one mesh, or of some small ones."""
+        if len(meshes) == 1:
+            (mesh,), (tree,) = meshes, trees
+            steps = partial(Lattice.of(mesh).steps, mesh.positions)
+            return cls(mesh, steps, tree.order if tree else None, tree if isinstance(tree, Runs) else None)
+        together = Together(meshes)
+        order = None
+        if trees[0] is not None:
+            order = np.concatenate([tree.order for tree in trees]) + together.first.repeat(together.counts)
+        return cls(together, partial(together.steps, np.int32), order, None)
+
+    def vertices(self) -> Vertices:
+        """Its own."""
+        normals = self.arrays.normals
+        return Vertices(self.steps(), snorm(normals) if normals.ndim == 2 else None)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Some triangles of a source."""
+
+    source: Source
+    chosen: np.ndarray | slice
+    vertices: Vertices | None
+
+    @property
+    def triangles(self) -> np.ndarray:
+        """(N,3) uint32 into the positions of its source."""
+        return self.source.arrays.triangles[self.chosen]
+
+    def places(self) -> list[np.ndarray]:
+        """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
+        runs, triangles = self.source.runs, self.triangles
+        if runs is None:
+            return places_of(triangles, self.vertices)
+        first, count = self.chosen.start, len(triangles)
+        places = places_of(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
+        runs.bound(first, places)
+        return [along[:count] for along in places]
+
+
+class Order:
+    """The triangles of some meshes one behind the other."""
+
+    def __init__(self, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]):
+        counts = [len(mesh.triangles) for mesh in meshes]
+        self.groups = in_groups(counts)
+        self.meshes, self.trees = meshes, trees
+        self.runs = [tree for tree in trees if isinstance(tree, Runs)]
+        self.first_triangle = np.cumsum([0, *counts])
+
+    @property
+    def count(self) -> int:
+        """Triangles of all meshes."""
+        return int(self.first_triangle[-1])
+
+    def portions(self, with_vertices: bool) -> Iterator[list[Piece]]:
+        """All triangles, PORTION by PORTION. Vertices are kept as long as pieces of their source are."""
+        latest, source, vertices = -1, None, None
+        ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
+        for pieces in portions(np.diff(ends), PORTION):
+            portion = []
+            for number, part in pieces:
+                if number != latest:
+                    group = self.groups[number]
+                    latest, source = number, Source.of(self.meshes[group], self.trees[group])
+                    vertices = source.vertices() if with_vertices else None
+                portion.append(Piece(source, part if source.order is None else source.order[part], vertices))
+            yield portion
+
+    def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[Made]:
+        """What `make` makes of each portion, by all cores, in their order."""
+        waiting: deque[Future[Made]] = deque()
+        with ThreadPoolExecutor() as cores:
+            for pieces in self.portions(with_vertices):
+                waiting.append(cores.submit(make, pieces))
+                if len(waiting) > AHEAD:
+                    yield waiting.popleft().result()
+            for ready in waiting:
+                yield ready.result()
+
+
+class Geometry:
+    """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
+
+    def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
+        """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
+        #: Triangles of each mesh.
+        self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
+        count = int(self.counts.sum())
+        if count > MOST_TRIANGLES:
+            raise ValueError(
+                f"the meshes have {count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "
+                "(instances of a mesh count once)"
+            )
+        self.meshes, self.in_trees = meshes, in_trees
+        #: Of those that are there, in the order in which they came: their numbers, and their trees.
+        self.trees: dict[int, MeshTree | Runs | None] = {}
+        #: Of each mesh; -1 before it is there.
+        self.first_triangle = np.full(len(meshes), -1)
+        self.count = self.bytes = 0
+        self.centres, self.scales = lattices(meshes)
+        low, high = bounding_boxes(meshes).swapaxes(0, 1)
+        self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
+        self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
+        return {"corners": self.corners.array, "normals": self.normals.array}
+
+    def add(self, wanted: Iterable[int], trees: Mapping[int, MeshTree | Runs]) -> int:
+        """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
+        new = [number for number in wanted if number not in self.trees]
+        own = {number: trees[number] if self.in_trees else None for number in new}
+        order = Order([self.meshes[number] for number in new], list(own.values()))
+        give_back()  # from reading and the trees: this is where most is in memory
+        self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
+        self.corners.reserve(2 * order.count)
+        self.normals.reserve(3 * order.count)
+        for corners, normals in order.made(arrays_of, with_vertices=True):
+            self.corners.append(corners)
+            self.normals.append(normals)
+        for runs in order.runs:
+            runs.begin()
+        # Last: what has failed on the way is not there, and comes again for the next picture.
+        self.first_triangle[new] = self.count + order.first_triangle[:-1]
+        self.trees |= own
+        self.count += order.count
+        self.bytes += (32 + 12) * order.count
+        return (32 + 12) * order.count
+
+    def order(self, numbers: Sequence[int]) -> Order:
+        """Where the triangles of some meshes that are there lie."""
+        return Order([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
+
+
+def arrays_of(pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
+    corners, normals = zip(*map(arrays_of_piece, pieces), strict=True)
+    return np.concatenate(corners), np.concatenate(normals)
+
+
+def arrays_of_piece(piece: Piece) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one source's."""
+    arrays, vertices = piece.source.arrays, piece.vertices
+    corners = packed_corners(piece.places(), arrays.materials[piece.chosen]).reshape(-1, 4)
+    if vertices.octahedra is None:
+        return corners, snorm(arrays.normals[piece.chosen]).reshape(-1, 2)
+    return corners, vertices.octahedra.view(np.uint32).take(piece.triangles).view(np.int16).reshape(-1, 2)
+
+
+def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
+    """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first of each, and so on."""
+    return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
+
+
+class Coordinates:
+    """Texture coordinates by corner, zero where a mesh has none."""
+
+    def __init__(self, device: Device, geometry: Geometry):
+        self.geometry, self.meshes, self.bytes = geometry, 0, 0
+        self.uvs = device.growing(2, "f4")
+
+    def follow(self) -> int:
+        """Upload those of the meshes that have come: bytes."""
+        order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
+        self.uvs.count = self.bytes // self.uvs.array.row  # of what has failed, none is left
+        self.uvs.reserve(3 * order.count)
+        for uvs in order.made(uvs_of, with_vertices=False):
+            self.uvs.append(uvs)
+        self.meshes += len(order.meshes)
+        self.bytes += 24 * order.count
+        return 24 * order.count
+
+
+def uvs_of(pieces: list[Piece]) -> np.ndarray:
+    """(3 N,2) float32 of N triangles."""
+    nothing = np.zeros((PORTION, 3, 2), np.float32)
+    every = ((piece.source.arrays.uvs, piece) for piece in pieces)
+    found = [uvs[piece.chosen] if len(uvs) else nothing[: len(piece.triangles)] for uvs, piece in every]
+    return np.concatenate(found).reshape(-1, 2)
+
+
+def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
+    """Arrays of these lengths, one behind the other, in portions of `size`: the pieces of each, by array and slice."""
+    pieces, room = [], size
+    for index, length in enumerate(lengths):
+        first = 0
+        while first < length:
+            end = min(first + room, length)
+            pieces.append((index, slice(first, end)))
+            room -= end - first
+            first = end
+            if not room:
+                yield pieces
+                pieces, room = [], size
+    if pieces:
+        yield pieces
+
+
+def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarray:
+    """(T,8) uint32: corners, nine coordinates (T,) int32 of 25 bits, and materials (T,) of 28.
+
+    The upper bits of the words are all coordinates but the last; the lower seven are that one, and the material.
+    """
+    words = np.empty((len(materials), 8), np.uint32)
+    for k, along in enumerate(corners[:8]):
+        lower = corners[8].view(np.uint32) if k < 4 else materials
+        words[:, k] = along.view(np.uint32) << np.uint32(7) | lower >> np.uint32(7 * (k % 4)) & np.uint32(127)
+    return words
+
+
+def snorm(directions: np.ndarray) -> np.ndarray:
+    """Unit vectors (…,3) as points (…,2) int16 of the octahedron's square."""
+    return np.rint(octahedron_from_directions(directions) * np.float32(32767.0)).astype(np.int16)

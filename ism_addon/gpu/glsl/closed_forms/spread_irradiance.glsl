@@ -1,0 +1,118 @@
+// What a spread's cone leaves of a light, integrated from the receiver's foot on the light's plane, see radiometry.py.
+// Lengths are in units of the receiver's height; n is its normal in the light's space, z towards the light.
+#include "maths/atan2.glsl"
+#include "closed_forms/polygon.glsl"
+
+// Integrals over the radius from 0 to r of (reach - r) r / (1 + r^2)^2 and of the same times r.
+vec2 radial(float r, float reach) {
+    float s = r * r, part = s / (1.0 + s);
+    vec2 b = 0.5 * vec2(arc(r, 1.0) - r / (1.0 + s), log(1.0 + s) - part);
+    if (s < 0.06) // these cancel
+        b = s * vec2(r * (1.0 / 3.0 - s * (2.0 / 5.0 - s * (3.0 / 7.0 - s * (4.0 / 9.0 - s * (5.0 / 11.0))))),
+                     s * (1.0 / 4.0 - s * (2.0 / 6.0 - s * (3.0 / 8.0 - s * (4.0 / 10.0 - s * (5.0 / 12.0))))));
+    return vec2(0.5 * reach * part - b.x, reach * b.x - b.y);
+}
+
+// Gauss's three points on the part of a line at the distance d from the foot, between the angles `first` and `last`
+// about the receiver. `base`: the line's point next to the foot.
+float line_integral(vec2 base, vec2 along, float d, float first, float last, vec3 n, float reach) {
+    float root = sqrt(1.0 + d * d), sum = 0.0;
+    for (int k = -1; k <= 1; ++k) {
+        float s = root * tan(0.5 * (first + last) + 0.3872983346207417 * float(k) * (last - first));
+        float square = max(d * d + s * s, 1e-20), r = sqrt(square);
+        vec2 g = radial(r, reach);
+        float sent = n.z * g.x + dot(n.xy, base + s * along) / r * g.y;
+        sum += (k == 0 ? 8.0 : 5.0) / 18.0 * sent * (1.0 + square) / square;
+    }
+    return sum * (last - first) * d / root;
+}
+
+// Below an edge, or a corner, the foot counts as being inside by this.
+const float INSIDE = 1e-15;
+
+// An edge's part of the boundary integral less what the cone's rim takes over beyond it; 0 outside the cone. `around`
+// becomes false where the foot is on the edge's outer side.
+float cone_edge_term(vec2 from, vec2 edge, vec3 n, float reach, inout bool around) {
+    float size = length(edge);
+    vec2 along = edge / max(size, 1e-30);
+    float d = from.x * along.y - from.y * along.x, start = dot(from, along);
+    float chord = sqrt(max(reach * reach - d * d, 0.0)), end = min(start + size, chord);
+    start = max(start, -chord);
+    if (d == 0.0) {
+        d = INSIDE;
+        start -= INSIDE;
+        end += INSIDE;
+    }
+    around = around && d > 0.0;
+    if (start >= end) return 0.0;
+    float root = sqrt(1.0 + d * d);
+    float first = sign(start) * arc(abs(start), root), last = sign(end) * arc(abs(end), root);
+    float foot = clamp(0.0, first, last); // where r has its kink
+    vec2 base = d * vec2(along.y, -along.x);
+    float sum = 0.0;
+    if (first < foot) sum += line_integral(base, along, d, first, foot, n, reach);
+    if (foot < last) sum += line_integral(base, along, d, foot, last, n, reach);
+    vec2 turn = normalize(base + end * along) - normalize(base + start * along), rim = radial(reach, reach);
+    float angle = sign(d) * arc((end - start) * abs(d), d * d + start * end);
+    return sum - n.z * rim.x * angle - rim.y * (n.x * turn.y - n.y * turn.x);
+}
+
+// Sides u, v, with u x v > 0. `edges`: 5, or 0 where it is not wanted; some drivers run both sides of an `if`.
+float cone_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) {
+    Outline o = outline(vec3(centre, 1.0), vec3(u, 0.0), vec3(v, 0.0), n);
+    bool around = true;
+    float sum = 0.0;
+    for (int k = 0; k < edges; ++k) {
+        vec3 from, part;
+        if (!next_edge(o, k, from, part)) continue;
+        sum += cone_edge_term(centre + from.xy, part.xy, n, reach, around);
+    }
+    return (around ? 6.283185307179586 * n.z * radial(reach, reach).x : 0.0) + sum;
+}
+
+const float[6] GAUSS_PLACES = float[6](
+    0.1252334085, 0.3678314990, 0.5873179543, 0.7699026742, 0.9041172564, 0.9815606342);
+const float[6] GAUSS_SHARES = float[6](
+    0.2491470458, 0.2334925365, 0.2031674267, 0.1600783285, 0.1069393260, 0.0471753364);
+
+// The directions from the foot f under which an ellipse is seen: the first in radians, and the span. f is in units of
+// the semi-axes u, v about the centre. From inside it is the half turn from one nearest tangent to the other.
+vec2 seen_directions(vec2 u, vec2 v, vec2 f) {
+    float square = dot(f, f);
+    vec2 aside = vec2(-f.y, f.x), to = square > 1.0 ? -f * sqrt(square - 1.0) : vec2(0.0);
+    if (square == 0.0) aside = vec2(1.0, 0.0);
+    vec2 first = (to.x + aside.x) * u + (to.y + aside.y) * v, last = (to.x - aside.x) * u + (to.y - aside.y) * v;
+    float sine = max(first.x * last.y - first.y * last.x, 0.0);
+    return vec2(atan(first.y, first.x), square > 1.0 ? arc(sine, dot(first, last)) : 3.141592653589793);
+}
+
+// Semi-axes u, v, with u x v > 0. Gauss's points in the directions from the foot; for `points` see cone_polygon.
+float cone_ellipse(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int points) {
+    float area = u.x * v.y - u.y * v.x, sum = 0.0;
+    vec2 f = vec2(centre.y * v.x - centre.x * v.y, u.y * centre.x - u.x * centre.y) / area;
+    float outside = dot(f, f) - 1.0;
+    vec2 seen = seen_directions(u, v, f);
+    if (outside <= 0.0) points *= 2;
+    for (int k = 0; k < points; ++k) {
+        int row = (k >> 1) % 6;
+        float place = (k & 1) == 0 ? GAUSS_PLACES[row] : -GAUSS_PLACES[row], share = GAUSS_SHARES[row];
+        if (outside > 0.0) { // the chords grow like a root at both ends
+            share *= 1.5 - 1.5 * place * place;
+            place *= 1.5 - 0.5 * place * place;
+        }
+        float angle = seen.x + 0.5 * seen.y * (1.0 + place);
+        vec2 d = vec2(cos(angle), sin(angle));
+        if (k >= 12) d = -d;
+        vec2 e = vec2(d.x * v.y - d.y * v.x, u.x * d.y - u.y * d.x) / area;
+        float square = dot(e, e), b = dot(e, f), root = sqrt(max(b * b - square * outside, 0.0));
+        float far = outside < 0.0 && b > 0.0 ? -outside / (b + root) : (root - b) / square;
+        float near = outside > 0.0 ? outside / max(square * far, 1e-30) : 0.0;
+        float slope = dot(n.xy, d), horizon = -n.z / slope;
+        if (slope < 0.0) far = n.z > 0.0 ? min(far, horizon) : 0.0;
+        else if (n.z <= 0.0) near = max(near, slope > 0.0 ? horizon : reach);
+        far = min(far, reach);
+        vec2 g = radial(far, reach) - radial(min(near, far), reach);
+        sum += share * (n.z * g.x + slope * g.y);
+    }
+    return 0.5 * seen.y * sum;
+}

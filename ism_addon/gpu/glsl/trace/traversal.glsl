@@ -1,0 +1,87 @@
+// Whether anything stands between two points, by the trees of boxes of tree.py: one over the instances, in whose leaves
+// one over the triangles of a mesh begins. Four boxes are looked at together, for what takes long is to fetch them.
+// Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Moller 2013, for complete trees).
+// Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
+// that walk through both sides of every "if".
+#include "trace/triangle_fetch.glsl"
+#include "surfaces/light_linking.glsl"
+uniform usamplerBuffer tree_nodes;
+uniform usamplerBuffer tree_starts;
+uniform usamplerBuffer caster_nodes;
+uniform samplerBuffer casters;
+uniform int caster_leaves;
+uniform vec3 casters_middle;
+uniform vec3 casters_scale;
+
+// Where a ray is in one tree: the node, and which of its siblings and of its ancestors' wait, four bits a level, the
+// latest eight levels in x. Node 0: nowhere.
+struct Place { int node; uvec2 trail; };
+
+Place next_place(Place here) {
+    if (here.trail.x == 0u) here = Place(here.node >> 16, uvec2(here.trail.y, 0u));
+    int waiting = findLSB(here.trail.x), up = waiting & ~3;
+    uvec2 trail = uvec2(here.trail.x >> up | here.trail.y << 1 << (31 - up), here.trail.y >> up);
+    int node = (here.node >> (up >> 1) & ~3) | (waiting & 3);
+    return here.trail.x == 0u ? Place(0, uvec2(0u)) : Place(node, uvec2(trail.x & (trail.x - 1u), trail.y));
+}
+
+vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
+
+vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
+
+// On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
+Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec3 inverse_ray) {
+    int at = 2 * (first_node + here.node);
+    uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
+    vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
+    vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
+    vec3 first = (begin - origin) * inverse_ray, step = unit * inverse_ray;
+    uvec3 low = uvec3(one.zw, other.x), high = other.yzw;
+    vec4 enter = vec4(0.0), leave = vec4(1.0);
+    for (int k = 0; k < 3; ++k) {
+        bool back = inverse_ray[k] < 0.0;
+        enter = max(enter, bytes(back ? high[k] : low[k]) * step[k] + first[k]);
+        leave = min(leave, bytes(back ? low[k] : high[k]) * step[k] + first[k]);
+    }
+    uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
+    uint all = met.x | met.y | met.z | met.w;
+    uvec2 trail = uvec2(here.trail.x << 4 | (all & (all - 1u)), here.trail.y << 4 | here.trail.x >> 28);
+    return all > 0u ? Place(4 * here.node + findLSB(all), trail) : next_place(here);
+}
+
+bool crosses(int triangle, vec3 origin, vec3 ray) {
+    Corners corners = corners_of(triangle);
+    vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
+    float scale = 1.0 / dot(corners.u, p);
+    float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
+    return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
+}
+
+// By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
+bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
+    vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
+    vec3 whole_origin = (from - casters_middle) * casters_scale;
+    Place outside = Place(1, uvec2(0u));
+    bool hit = false;
+    while (outside.node > 0) {
+        while (outside.node > 0 && outside.node < caster_leaves)
+            outside = descend(caster_nodes, 0, outside, whole_origin, whole_inverse);
+        if (outside.node == 0) break;
+        Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
+        mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
+        vec3 origin = inside * vec4(from, 1.0), ray = without_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
+        int own = caster.instance == instance ? triangle : -1;
+        Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
+        while (here.node > 0) {
+            while (here.node > 0 && here.node < caster.leaves)
+                here = descend(tree_nodes, caster.first_node, here, origin, inverse_ray);
+            int start = caster.first_start + here.node - caster.leaves;
+            int first = caster.first_triangle + int(texelFetch(tree_starts, start).x);
+            int last = here.node > 0 ? first + caster.per_leaf : first;
+            for (int k = first; k < last; ++k) hit = hit || (crosses(k, origin, ray) && k != own);
+            here = hit ? Place(0, uvec2(0u)) : next_place(here);
+        }
+        outside = hit ? Place(0, uvec2(0u)) : next_place(outside);
+    }
+    return hit;
+}

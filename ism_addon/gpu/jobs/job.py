@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is to be drawn, and what has come of it so far."""
+
+import math
+import threading
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...scene import Scene, View
+from ...setting_limits import view_within_limits, within_limits
+from ...settings import Settings
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is to be drawn."""
+
+    scene: Scene
+    view: View
+    settings: Settings
+    surfaces: bool = True  # whether depth and normals are wanted too
+    coarse: int = 0  # px of the view along either side of one in the first picture, which comes the sooner; 0 if
+    # nobody waits for that, but only for the last one
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
+
+    color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
+    depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
+    normal: np.ndarray | None  # (H,W,3) float32 world space
+    samples: int
+
+
+class Job:
+    """One request on its way. All of it may be asked from any thread."""
+
+    def __init__(self, request: Request, news: threading.Condition):
+        view, settings = view_within_limits(request.view), within_limits(request.settings)
+        self.request = replace(request, view=view, settings=settings)
+        self.samples = self.request.settings.quality.samples  # at most
+        self.samples_done = 0
+        self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one
+        self.finished = False
+        self.cancelled = False
+        self.error = ""
+        self.statistics: dict = {}
+        self._news = news
+        self._seen = 0
+        self._happened = 0
+        self._picture: Picture | None = None
+
+    @property
+    def status(self) -> str:
+        """How far it is, and how far the picture is thought to be from its end."""
+        error = self.statistics.get("error", math.inf)
+        told = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
+        return f"Sample {self.samples_done}/{self.samples}{told}"
+
+    def picture(self) -> Picture | None:
+        """The newest picture, the same object until there is a newer one."""
+        return self._picture
+
+    def wait(self, timeout: float) -> bool:
+        """Until there is news since the last call, or `timeout` seconds: whether there was any."""
+        with self._news:
+            told = self._news.wait_for(lambda: self._happened != self._seen or self.finished, timeout)
+            self._seen = self._happened
+            return told
+
+    def cancel(self) -> None:
+        """Stop after the pass that is being drawn or, if that is a long one, within it."""
+        self.cancelled = True
+
+    def tell(self, **changes: object) -> None:
+        """Set attributes and wake whoever waits. The worker's side."""
+        with self._news:
+            for name, value in changes.items():
+                setattr(self, name, value)
+            self._happened += 1
+            self._news.notify_all()

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the worker's thread draws: renderers, kept for each client, and jobs, a pass at each step."""
+
+import logging
+import time
+from collections.abc import Hashable, Iterator
+from itertools import chain
+
+import numpy as np
+
+from ...settings import Quality
+from ..convergence import Error
+from ..gl.context import Device
+from ..gl.errors import Cancelled, ContextLost, GraphicsError
+from ..profile import Profile
+from ..renderer import Renderer
+from .job import Job, Picture
+
+log = logging.getLogger(__name__)
+
+#: The part of the time that pictures may take which are only shown until there is a better one.
+SHOWING = 0.1
+
+
+class Studio:
+    """A renderer a client, and how far their jobs are."""
+
+    def __init__(self, device: Device, edition: int):
+        self.device = device
+        self.edition = edition
+        #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
+        self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
+        self.running: dict[Job, Iterator[None]] = {}
+
+    def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
+        """Drop jobs that were replaced, and the renderers of clients that are gone."""
+        for job in self.running.keys() - set(jobs.values()):
+            self.end(job)
+        for client in forgotten:
+            self.forget(client)
+
+    def forget(self, client: Hashable) -> None:
+        """Free what is kept for a client."""
+        for renderer in self.renderers.pop(client, ()):
+            renderer.release()
+
+    def reload(self, edition: int) -> None:
+        """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
+        if edition != self.edition:
+            self.edition = edition
+            self.device.forget_programs()
+            self.renderers.clear()
+            self.device.collect()
+
+    def step(self, client: Hashable, job: Job) -> None:
+        """Draw one pass of a job. Whatever goes wrong is its own error, but for ContextLost, which is raised."""
+        try:
+            if job not in self.running:
+                self.running[job] = draw(*self.of(client), job)
+            goes_on = not job.cancelled and next(self.running[job], job) is not job
+        except Cancelled:
+            goes_on = False
+        except ContextLost:
+            raise
+        except Exception as reason:  # anything of OpenGL's or the driver's: the thread must live on for the others
+            log.debug("drawing failed", exc_info=True)
+            self.end(job, f"The picture could not be drawn: {self.cause(reason)}")
+            self.forget(client)
+            return
+        if not goes_on:
+            self.end(job)
+
+    def cause(self, reason: Exception) -> Exception:
+        """Why drawing has failed: if OpenGL could not do what it was asked, our own failure only followed from that."""
+        try:
+            self.device.check()
+        except GraphicsError as error:
+            return error
+        return reason
+
+    def of(self, client: Hashable) -> tuple[Renderer, Renderer]:
+        """The renderers that are kept for the client."""
+        if client not in self.renderers:
+            self.renderers[client] = Renderer(self.device), Renderer(self.device)
+        return self.renderers[client]
+
+    def end(self, job: Job, error: str = "") -> None:
+        """Nothing more comes of this job."""
+        if job in self.running:
+            self.running.pop(job).close()
+        job.tell(finished=True, error=error)
+
+    def close(self) -> None:
+        """Free all that the GPU holds for us. What becomes of jobs is the worker's to say."""
+        for steps in self.running.values():
+            steps.close()
+        for renderer in chain(*self.renderers.values()):
+            renderer.release()
+        self.device.close()
+
+
+def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
+    """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
+    request, profile, start = job.request, Profile(), time.perf_counter()
+
+    def cancelled() -> bool:
+        return job.cancelled
+
+    if request.coarse > 1:
+        sample = request.scene, request.view.coarse(request.coarse), request.settings, 0, profile
+        for _ in coarse_renderer.sample(*sample, hurried=True, cancelled=cancelled):
+            coarse_renderer.device.check()
+            yield
+        job._picture = Picture(coarse_renderer.picture(), None, None, 0)
+        job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
+        yield
+    next_picture, ended_by = start, ""
+    surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
+    while not ended_by:
+        sample = request.scene, request.view, request.settings, job.samples_done, profile
+        for _ in renderer.sample(*sample, hurried=request.coarse > 0, cancelled=cancelled):
+            if job.samples_done == 0:  # later ones do nothing new
+                renderer.device.check()
+            yield
+        renderer.device.check()
+        now = time.perf_counter()
+        if job.samples_done == 0 and request.surfaces:
+            surfaces = renderer.depth_and_normal()
+        job.samples_done += 1
+        ended_by = what_ends(request.settings.quality, job.samples_done, now - start, renderer.error)
+        if ended_by:
+            renderer.pace.finish()
+        job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
+        job.statistics = profile.statistics(
+            request.scene, job.samples_done, now - start, renderer.error.of_picture, ended_by
+        )
+        if ended_by or now >= next_picture:
+            job._picture = Picture(renderer.picture(), *surfaces, job.samples_done)
+            shown = time.perf_counter()
+            next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
+        job.tell()
+        yield
+
+
+def what_ends(quality: Quality, samples: int, seconds: float, error: Error) -> str:
+    """Why a picture that has so many samples after so many seconds has no more; "" if it has."""
+    if samples >= quality.samples:
+        return "samples"
+    if error.settled.all():
+        return "error"
+    return "time" if 0.0 < quality.time_limit <= seconds else ""

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the passes have in common that refine a prediction by rays: Trace, and Dim for lights that are faint."""
+
+from dataclasses import asdict, dataclass
+from typing import Self
+
+import numpy as np
+
+from ....sampling import RAY_STEPS, TURN_STEPS, fixed_point
+from ....scene import Lights, LightShape
+from ...frame import Frame
+from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
+
+#: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
+ENOUGH = 0.1
+
+#: Doubt in a prediction that all rays of a neighbourhood agree on.
+TRUST = 0.03
+
+#: What their shaders fetch.
+RECORDS = LIGHT, CASTER, MEMBERSHIP
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Of a light: what the others would need, many drivers would walk through too. Each is 0 or 1."""
+
+    rectangles: int
+    ellipses: int
+    spreads: int
+
+    @classmethod
+    def of(cls, lights: Lights, light: int) -> Self:
+        """A light's."""
+        rectangle = lights.shape[light] == LightShape.RECTANGLE
+        return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
+
+
+def constants_of(kind: Kind, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
+    """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
+    return {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": least_chance, **asdict(kind)}
+
+
+def ray_sequence() -> dict[str, tuple[int, ...]]:
+    """Uniforms: which ray of a pixel goes where on its light, and when it is its turn."""
+    return {"ray_steps": fixed_point(RAY_STEPS), "turn_steps": fixed_point(TURN_STEPS)}
+
+
+def enough(frame: Frame) -> float:
+    """The change of a pixel's luminance that a ray is traced for in any case."""
+    return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
+
+
+def count_used(frame: Frame, lights: set[int]) -> None:
+    """Of all samples, the most lights that one was drawn with."""
+    frame.counts["lights_used"] = max(frame.counts["lights_used"], len(lights))

@@ -1,0 +1,55 @@
+// The part of a cone of points about the normal that is not behind what the camera sees.
+#include "maths/octahedron.glsl"
+#include "textures/half_resolution.glsl"
+#include "maths/orthonormal_basis.glsl"
+
+uniform sampler2D depth;
+uniform sampler2D position;
+uniform sampler2D normals;
+uniform sampler2D random;
+uniform vec3 cone_points[POINTS]; // in [0,1): two for the place on the cone's cap, one for the distance
+uniform float turn;
+uniform float radius;
+uniform float cone_sine;
+uniform float intensity;
+uniform float attenuation;
+out float occlusion; // 1 is open
+
+// In pixels, and whether it is ahead at all.
+vec3 on_screen(vec3 p) {
+    vec4 clip = clip_from_anchor * vec4(p, 1.0);
+    return vec3((0.5 * clip.xy / clip.w + 0.5) * picture_size.xy, clip.w);
+}
+
+// `place`: of this sample, from the pixels' centres.
+float occluded_by(vec3 p, vec3 facet, vec2 place, vec3 s) {
+    vec3 seen_at = on_screen(s);
+    ivec2 at = ivec2(floor(seen_at.xy - place));
+    if (seen_at.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThan(at, last_pixel()))) return 0.0;
+    if (fetch(depth, at).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
+    vec3 to = fetch(position, at).xyz - p;
+    float square = dot(to, to) / (radius * radius);
+    // What lies in the pixel's own plane occludes nothing; what is far in front of it is not a neighbour.
+    return square > 1.0 || dot(to, facet) <= 0.02 * length(to) ? 0.0 : 1.0 / (1.0 + attenuation * square);
+}
+
+void main() {
+    ivec2 at = full_from_half(ivec2(gl_FragCoord.xy));
+    vec4 here = fetch(position, at);
+    occlusion = 1.0;
+    if (here.w == 0.0) return;
+    vec4 octahedra = fetch(normals, at);
+    vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
+    vec2 place = on_screen(here.xyz).xy - (vec2(at) + 0.5);
+    mat3 cone = basis(n);
+    vec2 noise = 0.5 * fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + 0.5;
+    float hidden = 0.0;
+    for (int k = 0; k < POINTS; ++k) {
+        vec3 c = cone_points[k];
+        float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * fract(c.y + noise.x + turn);
+        vec3 direction = cone * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - sine * sine));
+        float reach = fract(c.z + noise.y + turn);
+        hidden += occluded_by(here.xyz, facet, place, here.xyz + direction * radius * sqrt(reach));
+    }
+    occlusion = clamp(1.0 - intensity * hidden / float(POINTS), 0.0, 1.0);
+}

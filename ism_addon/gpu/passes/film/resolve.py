@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture of all samples so far: the mean of what was predicted, and of the corrections what stands out of noise.
+
+A correction is believed by the part that is left when the noise of its neighbourhood is taken from their mean square
+(James & Stein 1961): nothing of one ray a pixel, all of it in the end, so nothing of the prediction's error remains.
+"""
+
+from functools import cached_property
+
+import moderngl
+import numpy as np
+
+from ....scene import Change, Lights
+from ...frame import BLOCK, Frame, Pass
+from ...gl.render_targets import Target
+from ...gl.shader_compiler import bind
+
+#: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
+EVENNESS = 0.4
+
+#: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where
+#: surfaces meet, that tells more than the newest sample's positions and normals do.
+STRICTNESS = 20.0
+
+
+class Resolve(Pass):
+    """The sums as one picture."""
+
+    reads = ("sum", "sum_correction", "weights", "sum_headroom", "counts")
+    writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
+    depends_on = (Change.SAMPLE,)
+
+    @cached_property
+    def near(self) -> moderngl.VertexArray:
+        return self.full_screen(part="neighbours", block=BLOCK, evenness=EVENNESS, strictness=STRICTNESS)
+
+    @cached_property
+    def predicted(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK, corrected=0)
+
+    @cached_property
+    def corrected(self) -> moderngl.VertexArray:
+        return self.full_screen(block=BLOCK, corrected=1)
+
+    def draw(self, frame: Frame) -> None:
+        self.device.gl.enable_only(moderngl.NOTHING)
+        if frame.sample > 0:  # the first one has no corrections
+            self.look_around(frame)
+        pixels = self.corrected if frame.sample > 0 else self.predicted
+        bind(
+            pixels.program,
+            sum=frame.targets["sum"],
+            sum_correction=frame.targets["sum_correction"],
+            weights=frame.targets["weights"],
+            sum_headroom=frame.targets["sum_headroom"],
+            counts=frame.tables["counts"],
+            near=frame.targets["near"],
+            least=least_light(frame.scene.lights),
+            stand_out=frame.targets["stand_out"],
+        )
+        self.draw_pixels(frame, frame.targets.into("resolved"), pixels)
+
+    def look_around(self, frame: Frame) -> None:
+        """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
+        bind(
+            self.near.program,
+            sum=frame.targets["sum"],
+            sum_correction=frame.targets["sum_correction"],
+            weights=frame.targets["weights"],
+            counts=frame.tables["counts"],
+        )
+        self.draw_pixels(frame, frame.targets.into("near", "stand_out"), self.near)
+
+
+def least_light(lights: Lights) -> float:
+    """Nothing, unless lights are negative."""
+    return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which lights matter in which tile, and which of them arrive there."""

@@ -1,0 +1,40 @@
+// What a block shows nearby, and what far off: the boxes around it, and the cones of its normals.
+#include "textures/tile_index.glsl"
+#include "maths/octahedron.glsl"
+#include "maths/packed_normal.glsl"
+uniform sampler2D position; // in alpha, the normal, packed
+uniform sampler2D depth;
+layout(location = 0) out vec4 lowest; // in alpha, whether there is any surface
+layout(location = 1) out vec4 highest;
+layout(location = 2) out vec4 facing; // the first normal; in alpha, the cosine of the cone's half angle about it
+layout(location = 3) out vec4 far_lowest;
+layout(location = 4) out vec4 far_highest;
+layout(location = 5) out vec4 far_facing;
+
+void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
+    if (low.w == 0.0) cone.xyz = n;
+    cone.w = min(cone.w, dot(cone.xyz, n));
+    low = vec4(min(low.xyz, p), 1.0);
+    high.xyz = max(high.xyz, p);
+}
+
+void main() {
+    ivec2 first = block_here() * BLOCK, last = last_pixel();
+    vec2 texel = texel_size(position), range = vec2(1e30, -1e30);
+    for (int k = 0; k < BLOCK * BLOCK; ++k) {
+        float z = fetch(depth, min(first + ivec2(k % BLOCK, k / BLOCK), last), texel).x;
+        if (z < FAR_AWAY) range = vec2(min(range.x, z), max(range.y, z));
+    }
+    float middle = range.y > SPLIT * range.x ? 0.5 * (range.x + range.y) : FAR_AWAY;
+    lowest = far_lowest = vec4(vec3(1e15), 0.0);
+    highest = far_highest = vec4(-1e15);
+    facing = far_facing = vec4(0.0, 0.0, 1.0, 1.0);
+    for (int k = 0; k < BLOCK * BLOCK; ++k) {
+        ivec2 at = min(first + ivec2(k % BLOCK, k / BLOCK), last);
+        vec4 p = fetch(position, at, texel);
+        if (p.w == 0.0) continue;
+        vec3 n = direction_from_octahedron(octahedron_of(p.w));
+        if (fetch(depth, at, texel).x < middle) add(p.xyz, n, lowest, highest, facing);
+        else add(p.xyz, n, far_lowest, far_highest, far_facing);
+    }
+}

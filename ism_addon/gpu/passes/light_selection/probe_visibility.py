@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A close look at what each light reaches: one shadow ray from every fourth pixel, where Reach asks for it."""
+
+from dataclasses import asdict
+
+import moderngl
+
+from ....sampling import PIXEL_STEPS, additive_sequence, fixed_point
+from ....scene import Change
+from ...frame import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
+from ...gl.shader_compiler import bind
+from ..direct.ray_correction import RECORDS, Kind
+
+
+class Scout(Pass):
+    """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
+
+    reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach")
+    makes = ("scouted",)
+    depends_on = (Change.VIEW, Change.LIGHTS)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.traces and frame.sample == 0
+
+    def draw(self, frame: Frame) -> None:
+        gl, view = self.device.gl, frame.view
+        size = SCOUTED.size(view.width, view.height)
+        casts = frame.scene.lights.casts_shadow
+        lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
+        scouted = {light: SCOUTED.create(gl, size) for light in lights}
+        gl.enable_only(moderngl.NOTHING)
+        places = additive_sequence(0, len(casts), 2)
+        for light in lights:
+            into = gl.framebuffer([scouted[light]])
+            into.clear()
+            kind = Kind.of(frame.scene.lights, light)
+            program = self.in_blocks(*RECORDS, scouts_apart=SCOUTS_APART, **asdict(kind))
+            bind(
+                program,
+                **frame.receivers,
+                lights=frame.tables["lights"],
+                light_index=light,
+                offset=(0, 0),
+                pixel_steps=fixed_point(PIXEL_STEPS),
+                place=fixed_point(places[light]),
+                **frame.tables["casters"],
+            )
+            blocks = blocks_at(frame.tables["reach"][light].scouted)
+            self.draw_blocks(frame, into, program, blocks, block=SCOUTED_BLOCK)
+        frame.tables["scouted"] = scouted

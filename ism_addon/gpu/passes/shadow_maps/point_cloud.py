@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random points on all triangles that cast shadows, in proportion to their world area."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....sampling import points_on_triangles, shares, triangle_areas
+from ....scene import Mesh, Scene
+
+#: Points that are placed at a time.
+PORTION = 1 << 17
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """P points; each stands for `area` m². Anchor space."""
+
+    positions: np.ndarray  # (P,3) float32
+    normals: np.ndarray  # (P,3) float32
+    groups: np.ndarray  # (P,) uint32: of the instances that they are on
+    area: float
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+def similarity(linear: np.ndarray) -> np.ndarray:
+    """(I,) scale of linear maps (I,3,3) that keep angles; 0 where they do not."""
+    gram = np.einsum("nki,nkj->nij", linear, linear)
+    square = np.trace(gram, axis1=1, axis2=2) / 3.0
+    stretched = np.abs(gram - square[:, None, None] * np.eye(3)).max((1, 2)) > 1e-5 * square
+    return np.where(stretched, 0.0, np.sqrt(square))
+
+
+def make_cloud(scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], None] = lambda: None) -> Cloud:
+    """Points on all instances that cast shadows, in proportion to their world area. Between portions it calls `look`.
+
+    An instance's points are the first of its mesh's endless sequence: they stay where they are on it
+    while it, or anything else, moves.
+    """
+    instances = scene.instances
+    rows = np.flatnonzero(instances.casts_shadow)
+    matrices = instances.world_from_object[rows]
+    scales = similarity(matrices[:, :3, :3])
+    corners = {k: object_corners(scene.meshes[k]) for k in np.unique(instances.mesh[rows])}
+    own_area = {k: triangle_areas(c).sum() for k, c in corners.items()}
+    areas = np.array([own_area[k] for k in instances.mesh[rows]]) * scales**2
+    for i in np.flatnonzero(scales == 0.0):
+        areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
+    total = areas.sum()
+    if total <= 0.0:
+        return Cloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
+    due = shares(areas, count)
+    positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(due)
+    for k, mesh_corners in corners.items():
+        of_mesh = instances.mesh[rows] == k
+        for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
+            fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group], look)
+    positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
+    return Cloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
+
+
+def fill(
+    positions: np.ndarray,
+    normals: np.ndarray,
+    corners: np.ndarray,
+    matrices: np.ndarray,
+    due: np.ndarray,
+    ends: np.ndarray,
+    look: Callable[[], None],
+) -> None:
+    """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each instance, before `ends` (I,)."""
+    if not due.sum():
+        return
+    linear = matrices[:, :3, :3]
+    # Instances that keep angles share one sequence; one that does not weighs its triangles anew.
+    seen = corners if len(matrices) > 1 or similarity(linear)[0] > 0.0 else corners @ linear[0].T
+    chosen, on_mesh = points_on_triangles(seen, int(due.max()))
+    if seen is not corners:
+        linear = np.eye(3)[None]
+    facets = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])[chosen]
+    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+    all_of = np.repeat(np.arange(len(due)), due)
+    all_index = np.arange(len(all_of)) - np.repeat(np.cumsum(due) - due, due)
+    for first in range(0, len(all_of), PORTION):
+        look()
+        of, index = (numbers[first : first + PORTION] for numbers in (all_of, all_index))
+        to = (ends - due)[of] + index
+        positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
+        turned = np.einsum("nij,nj->ni", linear[of], facets[index])
+        normals[to] = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
+
+
+def object_corners(mesh: Mesh) -> np.ndarray:
+    """(T,3,3) float64 object space."""
+    return mesh.positions.astype(np.float64)[mesh.triangles]

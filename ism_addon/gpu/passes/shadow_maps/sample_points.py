@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as random points on its triangles, each standing for the same share of its area.
+
+Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008: a triangle is chosen with probability in
+proportion to its area, a point uniformly on it. Which of the points a shadow map sees, subsets decides.
+"""
+
+from ....scene import Change
+from ...frame import Frame, Pass
+from .point_cloud import make_cloud
+
+#: Points in the cloud for each that a map sees, and the most points in the cloud, whatever a map sees.
+CHOICE = 16
+MOST_POINTS = 1 << 20
+
+
+class SurfacePoints(Pass):
+    """The cloud that stands for the scene."""
+
+    makes = ("cloud",)
+    settings = (
+        "shadow.method",
+        "quality.surface_points",
+    )
+    depends_on = (Change.MESHES, Change.INSTANCES)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.splats
+
+    def draw(self, frame: Frame) -> None:
+        seen = frame.settings.quality.surface_points
+        count = max(seen, min(CHOICE * seen, MOST_POINTS))
+        frame.tables["cloud"] = make_cloud(frame.scene, frame.anchor, count, frame.pace.look)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which surface points stand for the scene in the shadow maps of a light.
+
+Ritschel et al. 2008 give each map a random subset of the points. We choose those by what a map can show of them: a
+point is taken with a probability in proportion to the solid angle that its share of area fills as seen from the
+light, and then stands for as many times more area. So all discs of a map are about as large, one covers about one
+texel where there are as many points as texels, and what is near the light is drawn finely (compare the
+view-adaptive maps of Ritschel et al. 2011). A point's chance is its own and fixed: subsets change only where
+the light's view of them does. Light points take turns with several such subsets.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ....parallel import side_by_side
+from ....sampling import additive_sequence
+from ....scene import Change, Lights
+from ...culling.surface_bounds import Lamps
+from ...frame import Frame, Pass
+from .point_cloud import Cloud
+
+#: Subsets a light; its light points share them out.
+TURNS = 4
+
+POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])
+
+
+@dataclass(frozen=True)
+class Subset:
+    """Vertices first … first + count - 1 of the buffer of points."""
+
+    first: int
+    count: int
+    maps: float  # that all discs would fill if none hid another, at most
+
+
+def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
+    """(P,) float32, in proportion to the sr that points fill, seen from about a light.
+
+    0 behind it, outside of where its spread sends light, and if not linked: nothing there hides any of its light.
+    A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
+    """
+    lamp = Lamps.of(lights, anchor)[light : light + 1]
+    to = cloud.positions - lamp.position.ravel()
+    square = np.einsum("nk,nk->n", to, to) + (lamp.area.ravel() / np.float32(12.0) + np.float32(1e-12))
+    facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
+    reach = np.sqrt(cloud.area)
+    blockers = lights.blockers[light]
+    ahead = to @ lamp.normal.ravel()
+    across = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
+    lit = (ahead > -reach) & ~lamp.outside(ahead, across, lamp.radius + reach)[0]
+    counts = lit & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
+    return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
+
+
+def chances(weights: np.ndarray, count: int) -> np.ndarray:
+    """(P,) probabilities in proportion to weights (P,), no more than 1, that sum to `count` if they can."""
+    scale = count / max(float(weights.sum()), 1e-30)
+    for _ in range(8):  # what is cut off at 1 is given to the others
+        full = weights * scale >= 1.0
+        rest = float(weights[~full].sum())
+        if rest <= 0.0:
+            break
+        scale = (count - int(full.sum())) / rest
+    return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
+
+
+def choose(
+    cloud: Cloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
+) -> list[np.ndarray]:
+    """TURNS subsets of about `count` points, as arrays of POINT. Before each it calls `look`."""
+    chance = chances(weights, count)
+    luck = additive_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
+    found = []
+    for turn in range(TURNS):
+        look()
+        taken = np.flatnonzero(np.modf(luck + np.float32(turn / TURNS))[0] < chance)
+        points = np.zeros(len(taken), POINT)
+        points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
+        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / chance[taken])
+        found.append(points)
+    return found
+
+
+def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
+    """How many maps the discs of points (P,) of POINT would fill if none hid another, seen from a light's middle (3,).
+
+    That is what splat.vert draws: squares, where maps stretch them most, and all of the map for a disc close by.
+    """
+    to = points["position"] - light.astype(np.float32)
+    distance = np.sqrt(np.einsum("nk,nk->n", to, to))
+    side = 2.0 * points["radius"] / np.maximum(distance, 2.0 * points["radius"])
+    return float(np.minimum((side + side * side) ** 2, 1.0).sum(dtype=np.float64))
+
+
+class Subsets(Pass):
+    """A vertex buffer of all subsets, and where each light's lie in it."""
+
+    reads = ("cloud",)
+    compares = ("reaching",)
+    makes = ("surface_points",)
+    settings = ("shadow.method", "quality.surface_points", "shadow.splat_size")
+    depends_on = (Change.LIGHTS,)
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.splats
+
+    def draw(self, frame: Frame) -> None:
+        cloud, lights = frame.tables["cloud"], frame.scene.lights
+        count, size = frame.settings.quality.surface_points, frame.settings.shadow.splat_size
+        look = frame.pace.look
+
+        def of_light(light: int) -> list[tuple[np.ndarray, float]]:
+            if not lights.casts_shadow[light] or light not in frame.tables["reaching"]:
+                return [(np.zeros(0, POINT), 0.0)] * TURNS
+            subsets = choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
+            return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
+
+        chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
+        look()
+        points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
+        ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, TURNS)
+        table = [
+            [
+                Subset(int(end) - len(points), len(points), maps)
+                for end, (points, maps) in zip(row, subsets, strict=True)
+            ]
+            for row, subsets in zip(ends, chosen, strict=True)
+        ]
+        look()
+        buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
+        frame.tables["surface_points"] = table, buffer
+        frame.counts["bytes_uploaded"] += points.nbytes
+        frame.counts["surface_points"] = max((subset.count for row in table for subset in row), default=0)

@@ -1,0 +1,16 @@
+// Where the texel's direction meets the disc: its plane's distance, not its centre's. m
+#include "maths/octahedron.glsl"
+uniform int side;
+uniform ivec2 corner;
+flat in vec3 disc_centre;
+flat in vec3 disc_normal;
+flat in float disc_radius;
+out float nearest;
+
+void main() {
+    vec2 square = 2.0 * (gl_FragCoord.xy - vec2(corner)) / float(side) - 1.0;
+    vec3 direction = hemisphere_from_square(square);
+    float along = dot(disc_normal, disc_centre) / dot(disc_normal, direction);
+    vec3 off = along * direction - disc_centre;
+    nearest = along > 0.0 && dot(off, off) <= disc_radius * disc_radius ? along : EMPTY;
+}

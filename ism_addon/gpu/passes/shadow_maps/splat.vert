@@ -1,0 +1,41 @@
+// A surface point becomes the square of the map that its disc can touch. Map space: z along the light's normal. m
+#include "maths/octahedron.glsl"
+uniform vec3 light_point;
+uniform mat3 map_from_anchor;
+uniform int side;
+in vec3 position;
+in vec3 normal;
+in float radius;
+flat out vec3 disc_centre;
+flat out vec3 disc_normal;
+flat out float disc_radius;
+
+// How far the map's coordinate can move, at most, when a direction moves by a unit of angle. Two octants meet where
+// x or y is 0: within `angle` of there the steeper one counts.
+float stretch(vec3 d, float angle) {
+    float sum = abs(d.x) + abs(d.y) + abs(d.z);
+    vec2 q = vec2(d.x + d.y, d.x - d.y) / sum; // square_from_hemisphere
+    bvec2 meet = lessThan(abs(d.xy), vec2(angle));
+    vec2 side = vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    vec2 u = mix(1.0 - q.x * side, 1.0 + abs(q.xx), meet);
+    vec2 v = mix(1.0 + q.y * vec2(-side.x, side.y), 1.0 + abs(q.yy), meet);
+    return sqrt(max(dot(u, u) + q.x * q.x, dot(v, v) + q.y * q.y)) / sum;
+}
+
+void main() {
+    vec3 c = map_from_anchor * (position - light_point);
+    float distance = length(c), angle = radius / distance;
+    disc_centre = c;
+    disc_normal = map_from_anchor * normal;
+    disc_radius = radius;
+    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    gl_PointSize = 2.0 * float(side);
+    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or the light point itself
+        gl_Position.x = 2.0;
+    } else if (angle < 0.5) {
+        vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
+        gl_Position.xy = square_from_hemisphere(d);
+        // The second term is what the map bends within the disc.
+        gl_PointSize = stretch(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
+    }
+}

@@ -1,0 +1,117 @@
+// From a triangle's number to all that the other passes ask about a pixel.
+#include "trace/triangle_fetch.glsl"
+#include "maths/octahedron.glsl"
+#include "maths/packed_normal.glsl"
+#include "surfaces/camera_ray.glsl"
+#include "surfaces/terminator_offset.glsl"
+#if IMAGES
+#include "textures/image.glsl"
+uniform samplerBuffer uvs;
+
+vec2 uv_at(int corner) { return texelFetch(uvs, corner).xy; }
+#endif
+
+uniform usampler2D triangles_seen;
+uniform mat2 fine_from_pixel;
+uniform vec2 first; // fine pixel of the first pixel
+uniform ivec2 last; // and the last one that there is
+flat in vec4 place;
+flat in float own_number;
+uniform samplerBuffer instances;
+uniform samplerBuffer material_table;
+uniform isamplerBuffer normals;
+layout(location = 0) out float depth;
+layout(location = 1) out vec4 position;
+layout(location = 2) out vec4 normal;
+layout(location = 3) out vec4 albedo;
+layout(location = 4) out uvec2 triangle_seen;
+
+const float VAST = 100.0; // a triangle's size over its distance
+
+// Barycentric coordinates of where a ray meets the plane of the triangle a, a + u, a + v, whose normal is n.
+vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
+    vec3 q = cross(ray.direction, ray.origin - a);
+    float scale = 1.0 / dot(ray.direction, n);
+    float s = dot(v, q) * scale, t = -dot(u, q) * scale;
+    return vec3(1.0 - s - t, s, t);
+}
+
+// Those of the point on the triangle's edges that is the nearest to a ray which passes it by: of a long and thin one, any
+// other that is in the triangle may be far away.
+vec3 barycentric_of_edge(Ray ray, vec3 a, vec3 u, vec3 v) {
+    vec3 corners[3] = vec3[3](a, a + u, a + v), way = normalize(ray.direction), found = vec3(1.0, 0.0, 0.0);
+    float nearest = 1e38;
+    for (int k = 0; k < 3; ++k) {
+        vec3 begin = corners[k] - ray.origin, along = corners[(k + 1) % 3] - corners[k];
+        vec3 off = begin - way * dot(begin, way), across = along - way * dot(along, way); // as the ray sees them
+        float part = clamp(-dot(off, across) / max(dot(across, across), 1e-38), 0.0, 1.0);
+        vec3 apart = off + part * across;
+        float square = dot(apart, apart);
+        vec3 b = vec3(0.0);
+        b[k] = 1.0 - part;
+        b[(k + 1) % 3] = part;
+        if (square < nearest) found = b;
+        nearest = min(nearest, square);
+    }
+    return found;
+}
+
+void main() {
+    ivec2 at = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + place.xy + 0.5);
+    vec2 pixel = gl_FragCoord.xy + place.zw;
+    uvec2 id = fetch(triangles_seen, clamp(at, ivec2(0), last)).xy;
+    triangle_seen = id;
+    if (id.x == 0u) {
+        depth = FAR_AWAY;
+        position = normal = albedo = vec4(0.0);
+        return;
+    }
+    int triangle = int(id.x) - 1;
+    Instance here = fetch_Instance(instances, int(id.y));
+    mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
+    vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
+
+    Corners corner = corners_of(triangle);
+    vec3 a = linear * corner.first + offset, u = linear * corner.u, v = linear * corner.v;
+    vec3 facet = cross(u, v);
+
+    Ray ray = view_ray(pixel);
+    vec3 exact = barycentric(ray, a, u, v, facet);
+    vec3 b = all(greaterThanEqual(exact, vec3(0.0))) ? exact : barycentric_of_edge(ray, a, u, v);
+    vec3 p = a + u * b.y + v * b.z, way = p - ray.origin;
+    // Of a vast triangle the coordinates are too coarse to say where on it a pixel looks; how high it is, they say.
+    if (max(dot(u, u), dot(v, v)) > VAST * VAST * dot(way, way))
+        p = ray.origin + ray.direction * (dot(way, facet) / dot(ray.direction, facet));
+    depth = -(view_from_anchor * vec4(p, 1.0)).z;
+
+    // Normals go by the cofactor matrix, which a mirrored instance turns inside out, as it does its triangles.
+    linear /= max(max(length(linear[0]), length(linear[1])), length(linear[2])); // steps are short
+    mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
+    vec3 smooth_normal = vec3(0.0);
+    vec3 corner_normals[3];
+    for (int k = 0; k < 3; ++k) {
+        vec2 octahedra = vec2(texelFetch(normals, 3 * triangle + k).xy) / 32767.0;
+        corner_normals[k] = direction_from_octahedron(octahedra);
+        smooth_normal += b[k] * corner_normals[k];
+    }
+    smooth_normal = normalize(cofactor * smooth_normal);
+    facet = normalize(facet);
+    float side = dot(facet, ray.direction) > 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; ++k) corner_normals[k] = side * normalize(cofactor * corner_normals[k]);
+    float rise = height_over_triangle(b, vec3[3](a, a + u, a + v), corner_normals);
+    normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * facet));
+    position = vec4(p, number_of(normal.xy));
+
+    Material material = fetch_Material(material_table, corner.material);
+    albedo = vec4(material.color, rise);
+#if IMAGES
+    if (material.width > 0) {
+        mat3x2 at = mat3x2(uv_at(3 * triangle), uv_at(3 * triangle + 1), uv_at(3 * triangle + 2));
+        vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));
+        vec3 by = barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v));
+        // A sample's share of the pixel: the more samples, the less is left to the image's smaller copies.
+        float share = inversesqrt(1.0 + own_number);
+        albedo.rgb = image_color(material, at * b, share * (at * (bx - exact)), share * (at * (by - exact)));
+    }
+#endif
+}

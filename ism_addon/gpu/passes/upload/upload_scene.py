@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
+
+from ....scene import Change
+from ...accel.blas import MeshTree, Runs
+from ...buffers.instance_buffers import Owners, Placement
+from ...buffers.material_buffers import Surfaces, Texels
+from ...buffers.mesh_buffers import Coordinates, Geometry
+from ...frame import Frame, Pass
+
+
+def trees_of(frame: Frame) -> dict[int, MeshTree | Runs] | None:
+    """Those of the wanted meshes, or None where rays have never asked for them."""
+    table = frame.tables.get("mesh_trees")
+    return table.made if table is not None and table.meshes == frame.scene.meshes else None
+
+
+class Meshes(Pass):
+    """Vertices and triangles of the wanted meshes."""
+
+    reads = ("mesh_trees",)
+    compares = ("wanted",)
+    makes = ("geometry",)
+    depends_on = (Change.MESHES,)
+
+    def draw(self, frame: Frame) -> None:
+        trees = trees_of(frame)
+        geometry = frame.shared(Geometry, frame.scene.meshes, trees is not None)
+        frame.counts["bytes_uploaded"] += geometry.add(frame.tables["wanted"], trees or {})
+        frame.tables["geometry"] = geometry
+
+
+class Unwrap(Pass):
+    """Texture coordinates of the wanted meshes."""
+
+    reads = ("geometry",)
+    makes = ("coordinates",)
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.images) > 0
+
+    def draw(self, frame: Frame) -> None:
+        coordinates = frame.shared(Coordinates, frame.tables["geometry"])
+        frame.counts["bytes_uploaded"] += coordinates.follow()
+        frame.tables["coordinates"] = coordinates
+
+
+class Place(Pass):
+    """The matrices of the instances."""
+
+    reads = ("geometry",)
+    makes = ("placement",)
+    depends_on = (Change.INSTANCES,)
+
+    def draw(self, frame: Frame) -> None:
+        geometry = frame.tables["geometry"]
+        placement = Placement(self.device, geometry, frame.scene.instances, frame.anchor)
+        placement.own(lambda pairs: frame.shared(Owners, geometry, pairs))
+        frame.tables["placement"] = placement
+        frame.counts["bytes_uploaded"] += placement.bytes
+
+
+class Colours(Pass):
+    """Materials and images."""
+
+    makes = ("surfaces",)
+    depends_on = (Change.MATERIALS,)
+
+    def draw(self, frame: Frame) -> None:
+        texels = frame.shared(Texels, frame.scene.images)
+        frame.tables["surfaces"] = frame.shared(Surfaces, frame.scene.materials, texels)
