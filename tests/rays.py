@@ -8,9 +8,9 @@ import numpy as np
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
-from ism_addon.gpu.passes.upload.build_bvh import InstanceTree, MeshTrees
-from ism_addon.gpu.passes.upload.cull_meshes import Wanted
-from ism_addon.gpu.passes.upload.upload_scene import Meshes, Place
+from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS
+from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
+from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 
@@ -34,7 +34,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, skip=False), 0, Profile())
-    for kind in (Wanted, MeshTrees, Meshes, Place, InstanceTree):
+    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, BuildTLAS):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), ASK])

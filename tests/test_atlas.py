@@ -45,7 +45,7 @@ def test_several_batches_give_the_picture_of_one(device):
     narrow = replace(device, texture_size=96)
     parts = draw(narrow, scene, view, quality)
     assert len(batches(40, 32, 96)) == 5
-    assert parts.profile.rows["Splat"].drawn == 5 * whole.profile.rows["Splat"].drawn
+    assert parts.profile.rows["SplatMaps"].drawn == 5 * whole.profile.rows["SplatMaps"].drawn
     assert nrmse(parts.color, whole.color) < 1e-6
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.environment.blur import Blur
+from ism_addon.gpu.passes.environment.blur import BlurOcclusion
 from ism_addon.gpu.profile import Profile
 from ism_addon.settings import SSAO
 
@@ -21,7 +21,7 @@ def blurred(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     renderer = drawn.renderer
     put(renderer.targets["occlusion"], occlusion.astype(np.float16))
     frame = renderer.frame(scene, view, SETTINGS, 0, Profile())
-    renderer.passes[Blur].draw(frame)
+    renderer.passes[BlurOcclusion].draw(frame)
     return drawn.target("smooth_occlusion")[..., 0]
 
 

@@ -97,18 +97,30 @@ def set_to(section: str, **changes: object):
 
 #: Of each method, passes, and what is different where they are the first that are drawn again.
 STAGES = [
-    *((RAYS, moved, stage) for stage in ("GBuffer", "Reach", "Scout", "Predict", "Trace", "Dim", "Blur", "Accumulate")),
-    (RAYS, set_to("ssao", radius=0.3), "SSAO"),
+    *(
+        (RAYS, moved, stage)
+        for stage in (
+            "GBuffer",
+            "CullLights",
+            "ProbeVisibility",
+            "PredictVisibility",
+            "TraceShadows",
+            "TraceFaintLights",
+            "BlurOcclusion",
+            "Accumulate",
+        )
+    ),
+    (RAYS, set_to("ssao", radius=0.3), "AmbientOcclusion"),
     (RAYS, brighter, "Shade"),
-    (BY_MAPS, set_to("quality", surface_points=1500), "SurfacePoints"),
-    (BY_MAPS, set_to("shadow", splat_size=2.0), "Subsets"),
-    (BY_MAPS, set_to("quality", map_size=56), "Splat"),
-    (BY_MAPS, set_to("shadow", fill_threshold=0.5), "PullPush"),
-    (BY_MAPS, set_to("shadow", bias=3.0), "Gather"),
+    (BY_MAPS, set_to("quality", surface_points=1500), "SamplePoints"),
+    (BY_MAPS, set_to("shadow", splat_size=2.0), "SelectPoints"),
+    (BY_MAPS, set_to("quality", map_size=56), "SplatMaps"),
+    (BY_MAPS, set_to("shadow", fill_threshold=0.5), "FillHoles"),
+    (BY_MAPS, set_to("shadow", bias=3.0), "GatherLight"),
 ]
 #: Passes that draw later samples too, of the same picture.
-LATER = [(RAYS, "GBuffer"), (RAYS, "Trace"), (RAYS, "Dim"), (RAYS, "Accumulate"), (RAYS, "Resolve")]
-LATER += [(BY_MAPS, "Splat"), (BY_MAPS, "Gather")]
+LATER = [(RAYS, "GBuffer"), (RAYS, "TraceShadows"), (RAYS, "TraceFaintLights"), (RAYS, "Accumulate"), (RAYS, "Resolve")]
+LATER += [(BY_MAPS, "SplatMaps"), (BY_MAPS, "GatherLight")]
 
 
 @pytest.fixture
@@ -155,7 +167,7 @@ def test_another_method_after_shadow_maps_were_cancelled(device, cancel):
     """Both blend, and not by the same equation."""
     scene, view = lit_by_many(60, 36)
     truth = draw(device, scene, view, RAYS).color
-    cancel(Renderer(device), "Splat", (scene, view, BY_MAPS), 0)
+    cancel(Renderer(device), "SplatMaps", (scene, view, BY_MAPS), 0)
     assert np.array_equal(draw(device, scene, view, RAYS).color, truth)
 
 
@@ -172,7 +184,7 @@ def test_a_narrow_filter_after_a_wide_one_was_cancelled(device, watch):
 
 
 @pytest.mark.parametrize("how", ["cancel", "stop"])
-@pytest.mark.parametrize("stage", ["SurfacePoints", "Subsets", "Splat"])
+@pytest.mark.parametrize("stage", ["SamplePoints", "SelectPoints", "SplatMaps"])
 def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     """Of shadow maps, of which one pass takes 15 s on two cores: it asks for no more than one draw from then on.
 

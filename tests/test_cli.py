@@ -83,7 +83,7 @@ def test_it_is_a_module_of_its_own(scene_file, tmp_path):
     command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--profile"]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert (run.returncode, run.stderr) == (0, "")
-    assert "Trace" in run.stdout
+    assert "TraceShadows" in run.stdout
     assert read_png(out).shape == (16, 24, 4)
 
 

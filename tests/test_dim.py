@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.direct import trace_faint_lights
-from ism_addon.gpu.passes.direct.trace_faint_lights import Dim
+from ism_addon.gpu.passes.direct.trace_faint_lights import TraceFaintLights
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 
@@ -37,7 +37,7 @@ def turns(device, part: float) -> tuple[dict, dict]:
         list(renderer.sample(scene, view, settings, sample, Profile()))
         if sample > 0:
             frame, _ = renderer.last
-            had.update(map(tuple, renderer.passes[Dim].chosen(frame)["block"]))
+            had.update(map(tuple, renderer.passes[TraceFaintLights].chosen(frame)["block"]))
             took_part.update(map(tuple, frame.tables["blocks"]["block"]))
     return had, took_part
 

@@ -30,7 +30,7 @@ from .studio import MAPS, SMALL_SETTINGS, both, draw, shadows, with_quality
 #: Rays: so few that all passes of a small picture are drawn in portions.
 FEW = 100
 
-#: Rays of a pixel of Gather, with as many light points as a sample may have.
+#: Rays of a pixel of GatherLight, with as many light points as a sample may have.
 MOST_POINTS = (1 + 1 + 4096) / POINTS
 
 counts_draws = pytest.mark.skipif(
@@ -116,7 +116,7 @@ def test_a_usual_picture_is_drawn_at_once(device, asked):
         found.append({name: len(rays) for name, rays in asked.items()})
         asked.clear()
     assert found[0] == found[1]
-    assert found[0]["Trace"] == 1 + 2  # of the second sample, where rays are and where not
+    assert found[0]["TraceShadows"] == 1 + 2  # of the second sample, where rays are and where not
 
 
 def test_draws_are_as_few_as_they_can_be():
@@ -130,7 +130,7 @@ def test_draws_are_as_few_as_they_can_be():
     [((1280, 720), 1.0, 1), ((3840, 2160), 1.0, 8), ((3840, 2160), MOST_POINTS, 2160), ((16384, 1), MOST_POINTS, 3)],
 )
 def test_pixels_of_large_pictures(size, rays, draws):
-    """Gather's of most light points, too: a row each, or less where that is too much."""
+    """GatherLight's of most light points, too: a row each, or less where that is too much."""
     found = list(rectangles(size, rays))
     assert len(found) == draws
     assert all(rays * width * height <= draw_limit.MOST_RAYS for _, _, width, height in found)
@@ -169,7 +169,7 @@ def test_discs_of_the_largest_maps(device, asked, monkeypatch):
         table, _ = drawn.renderer.tables["surface_points"]
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
-        found.append(len(asked.pop("Splat")))
+        found.append(len(asked.pop("SplatMaps")))
         assert found[-1] == draws_of(subset.count, A_DISC + texels / subset.count / TEXELS)
         discs = drawn.target("splats")
         assert texels > (discs < EMPTY).sum()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.light_selection.retest_occluded import Check
+from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
 from ism_addon.settings import SSAO, Method
 
 from .scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
@@ -44,13 +44,13 @@ def test_after_one_sample(device, method, edit):
 @pytest.mark.parametrize("edit", EDITS)
 def test_after_several_samples(device, method, edit, last):
     settings = with_quality(SETTINGS[method], samples=SEVERAL)
-    later = {"Check"} if last and method == Method.FITTED else set()
+    later = {"RetestOccluded"} if last and method == Method.FITTED else set()
     assert drawn_again(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
 
 
 def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, monkeypatch):
     """Samples add to what the first look found, which the next picture may use again."""
-    monkeypatch.setattr(Check, "spotted", lambda _pass, frame: {0: np.ones(frame.blocks[::-1], bool)})
+    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {0: np.ones(frame.blocks[::-1], bool)})
     lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
     lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
     scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
@@ -59,12 +59,12 @@ def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, mo
     assert set(first.renderer.tables["found"]) == {0, 1}
     again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
     assert set(again.renderer.tables["found"]) == {1}
-    assert not again.profile.rows["Scout"].drawn
+    assert not again.profile.rows["ProbeVisibility"].drawn
 
 
 def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, method, monkeypatch):
     """The next one has fewer lights, and may be of the other method."""
-    monkeypatch.setattr(Check, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
+    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
     floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
     before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
     renderer = draw(device, before, view, with_quality(SETTINGS[Method.FITTED], samples=SEVERAL)).renderer

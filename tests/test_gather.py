@@ -8,14 +8,14 @@ import pytest
 
 from ism_addon.gpu.atlas import batches
 from ism_addon.gpu.gl.shader_records import octahedron_from_directions
-from ism_addon.gpu.passes.shadow_maps.fill_holes import PullPush
-from ism_addon.gpu.passes.shadow_maps.gather import Gather
-from ism_addon.gpu.passes.shadow_maps.splat import Splat
-from ism_addon.gpu.passes.shadow_maps.virtual_lights import LightPoints
+from ism_addon.gpu.passes.shadow_maps.fill_holes import FillHoles
+from ism_addon.gpu.passes.shadow_maps.gather import GatherLight
+from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import PlaceVirtualLights
 from ism_addon.gpu.passes.surfaces.gbuffer import GBuffer
-from ism_addon.gpu.passes.upload.cull_meshes import Wanted
-from ism_addon.gpu.passes.upload.upload_lights import Lights
-from ism_addon.gpu.passes.upload.upload_scene import Meshes, Place
+from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
+from ism_addon.gpu.passes.upload.upload_lights import UploadLights
+from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
 from ism_addon.scene import LightShape
 
@@ -32,7 +32,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     size = (len(points), 1)
     renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
     frame.tables["reaching"] = tuple(range(len(lights.shape)))
-    for kind in (Wanted, Meshes, Place, Lights, LightPoints):
+    for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
         renderer.run(kind, frame, Profile())
     frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
@@ -41,7 +41,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
         frame.targets.allocate(name, GBuffer.writes[name], size)
         put(frame.targets[name], rows[None].astype(np.float32))
     (frame.batch,) = batches(0, 8, device.texture_size)
-    for kind in (Splat, PullPush, Gather):
+    for kind in (SplatMaps, FillHoles, GatherLight):
         renderer.run(kind, frame, Profile())
     return frame.targets.read("irradiance")[0, :, :3].astype(float)
 

@@ -126,8 +126,8 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
     plate = quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
     plain, view = stage([plate], light()), from_above(2.0)
     painted = stage([plate], light(), image=Image(np.full((2, 2, 4), 255, np.uint8)))
-    assert draw(device, plain, view).profile.rows["Unwrap"].drawn == 0
-    assert draw(device, painted, view).profile.rows["Unwrap"].drawn == 1
+    assert draw(device, plain, view).profile.rows["UploadUVs"].drawn == 0
+    assert draw(device, painted, view).profile.rows["UploadUVs"].drawn == 1
 
 
 def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):

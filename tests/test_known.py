@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ism_addon.gpu.passes.light_selection.probe_visibility import Scout
+from ism_addon.gpu.passes.light_selection.probe_visibility import ProbeVisibility
 from ism_addon.gpu.profile import Profile
 
 from .benchmark.known import tell
@@ -18,7 +18,7 @@ def test_told_it_looks_at_less_and_draws_the_same(device):
     first = draw(device, scene, view, settings, last=0)
     renderer = draw(device, scene, view, settings).renderer
     tell(renderer)
-    looks, scout = [], renderer.passes[Scout]
+    looks, scout = [], renderer.passes[ProbeVisibility]
     draw_blocks = scout.draw_blocks
     scout.draw_blocks = lambda *given, **more: (looks.append(len(given[3])), draw_blocks(*given, **more))
     beside = replace(view, clip_from_view=(1.0 + 1e-6) * view.clip_from_view)  # or what is there would do

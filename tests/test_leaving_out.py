@@ -21,12 +21,12 @@ from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, prepared, quad
 SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
 SIZE = 64, 48
 
-RAYS = {"MeshTrees", "InstanceTree", "Scout", "Check"}
-LIGHTS = {"Lights", "Reach"}
-LIGHT_BY_RAYS = {"Predict", "Trace"}
-LIGHT_BY_MAPS = {"LightPoints", "Gather"}
-MAPS_ALONE = {"SurfacePoints", "Shares", "Subsets", "Splat", "PullPush"}
-OCCLUSION = {"SSAO", "Blur"}
+RAYS = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
+LIGHTS = {"UploadLights", "CullLights"}
+LIGHT_BY_RAYS = {"PredictVisibility", "TraceShadows"}
+LIGHT_BY_MAPS = {"PlaceVirtualLights", "GatherLight"}
+MAPS_ALONE = {"SamplePoints", "WeighLights", "SelectPoints", "SplatMaps", "FillHoles"}
+OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
 
 #: What only the other method draws.
 OTHERS = {
@@ -34,7 +34,7 @@ OTHERS = {
     Method.CLASSIC: RAYS | LIGHT_BY_RAYS,
 }
 LIT = {Method.FITTED: LIGHTS | RAYS | LIGHT_BY_RAYS, Method.CLASSIC: LIGHTS | MAPS_ALONE | LIGHT_BY_MAPS}
-SHADOWED = {Method.FITTED: RAYS | {"Predict"}, Method.CLASSIC: MAPS_ALONE}
+SHADOWED = {Method.FITTED: RAYS | {"PredictVisibility"}, Method.CLASSIC: MAPS_ALONE}
 
 
 WITHOUT = {
@@ -126,9 +126,9 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
     scene, view = lit_stage()
     settings = with_ssao(SETTINGS[Method.FITTED], radius=1e-3)
     left_out = draw(device, scene, view, settings)
-    assert not left_out.profile.rows["SSAO"].drawn
+    assert not left_out.profile.rows["AmbientOcclusion"].drawn
     drawn = draw(device, scene, view, replace(settings, skip=False))
-    assert drawn.profile.rows["SSAO"].drawn
+    assert drawn.profile.rows["AmbientOcclusion"].drawn
     assert (drawn.target("occlusion") == 1.0).all()
     assert (drawn.target("smooth_occlusion") == 1.0).all()
 

@@ -13,7 +13,7 @@ from ism_addon.gpu.accel.small_blas import mesh_trees
 from ism_addon.gpu.buffers.mesh_buffers import PORTION, Geometry, Order
 from ism_addon.gpu.buffers.small_meshes import PORTION as TOGETHER
 from ism_addon.gpu.buffers.small_meshes import SMALL, in_groups
-from ism_addon.gpu.passes.upload.build_bvh import MeshTrees
+from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS
 
 from .rays import compare, occluded, rays
 from .scenes.small import grid_triangles, mesh
@@ -37,7 +37,7 @@ def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
     sheet = bumps(MANY)
     assert len(sheet.triangles) > FEW
     compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
-    tree = MeshTrees.kept[sheet].tree
+    tree = BuildBLAS.kept[sheet].tree
     assert tree.order is None
     assert tree.per_leaf * len(np.unique(tree.starts)) >= len(sheet.triangles)
 
@@ -92,7 +92,7 @@ def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
     sheet = bumps(MANY)
     scene, (starts, ends) = stage([sheet], light()), rays(150)
     before = occluded(device, scene, starts, ends)
-    assert MeshTrees.kept[sheet].boxes is None
+    assert BuildBLAS.kept[sheet].boxes is None
     more = stage([rubble(3, size=1e-3), sheet], light())
     assert np.array_equal(occluded(device, more, starts, ends), before)
 

@@ -38,7 +38,7 @@ def test_no_meshes(device, base):
 def test_no_lights(device, base):
     drawn = draw(device, stage([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0))], world=0.5), look((3, -3, 6)), base)
     assert drawn.color[..., :3] == pytest.approx(0.3, abs=1e-3)
-    assert drawn.profile.rows["Splat"].drawn == drawn.profile.rows["Gather"].drawn == 0
+    assert drawn.profile.rows["SplatMaps"].drawn == drawn.profile.rows["GatherLight"].drawn == 0
 
 
 @BOTH

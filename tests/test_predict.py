@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct.predict_visibility import Predict
+from ism_addon.gpu.passes.direct.predict_visibility import PredictVisibility
 from ism_addon.gpu.profile import Profile
 
 from . import reference
@@ -32,7 +32,7 @@ def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None 
     rays = np.ones_like(arrived) if rays is None else rays
     pairs = np.stack([arrived, rays], -1)
     put(drawn.renderer.tables["scouted"][0], (255 * pairs).astype(np.uint8))
-    drawn.renderer.passes[Predict].draw(drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile()))
+    drawn.renderer.passes[PredictVisibility].draw(drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile()))
     return prediction(drawn.renderer)
 
 

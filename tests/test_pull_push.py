@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.atlas import EMPTY, Batch, batches
-from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, PullPush
-from ism_addon.gpu.passes.shadow_maps.splat import Splat
+from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, FillHoles
+from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps
 
 from .reference_maps import pull_push
 from .studio import MAPS, draw, light, look, prepared, put, quad, rubble, shadows, stage, with_quality
@@ -27,9 +27,9 @@ def filled(device, depths: np.ndarray, threshold: float = 0.02) -> np.ndarray:
     corners = [batch.corner(index) for index in range(count)]
     for depth, (x, y) in zip(depths, corners, strict=True):
         atlas[y : y + side, x : x + side] = depth
-    frame.targets.allocate("splats", Splat.writes["splats"], batch.size)
+    frame.targets.allocate("splats", SplatMaps.writes["splats"], batch.size)
     put(frame.targets["splats"], atlas)
-    renderer.passes[PullPush].draw(frame)
+    renderer.passes[FillHoles].draw(frame)
     pixels = frame.targets.read("shadow_maps")[..., 0]
     return np.array([pixels[y : y + side, x : x + side] for x, y in corners])
 
@@ -121,5 +121,5 @@ def test_maps_do_not_flow_into_their_neighbours(device):
 def test_left_out_when_holes_stay_open(device):
     scene = stage([quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], light())
     drawn = draw(device, scene, look((3.0, -3.0, 2.0)), shadows(fill_holes=False))
-    assert drawn.profile.rows["PullPush"].drawn == 0
-    assert drawn.profile.rows["Gather"].drawn == 1
+    assert drawn.profile.rows["FillHoles"].drawn == 0
+    assert drawn.profile.rows["GatherLight"].drawn == 1

@@ -89,7 +89,7 @@ def seen(device, monkeypatch):
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))
-        assert drawn.profile.rows["Dim" if 0.0 < part < 0.01 else "Trace"].drawn == 2
+        assert drawn.profile.rows["TraceFaintLights" if 0.0 < part < 0.01 else "TraceShadows"].drawn == 2
         return (drawn.target("predicted") + drawn.target("correction"))[..., 0]
 
     return lambda view, count, part: (irradiance(view, count, part) / irradiance(view, 0, 0.0) - 1.0) / (count * part)
@@ -103,7 +103,7 @@ def test_no_two_rows_of_pixels_have_the_same_places(seen):
     assert max(alike) < 0.95
 
 
-@pytest.mark.parametrize("part", [1.0, 0.002], ids=["Trace", "Dim"])
+@pytest.mark.parametrize("part", [1.0, 0.002], ids=["TraceShadows", "TraceFaintLights"])
 def test_lights_in_one_place_have_places_of_their_own(seen, part):
     """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
     errors = {}

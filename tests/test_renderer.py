@@ -17,15 +17,18 @@ from .studio import MAPS, SMALL_SETTINGS, draw, from_above, quad, stage, with_qu
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 BY_MAPS = replace(MAPS, ssao=SSAO())
 METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, BY_MAPS), strict=True)}
-TREES = {"MeshTrees", "InstanceTree"}
-BEFORE = {kind.__name__ for kind in renderer.BEFORE} - TREES - {"Unwrap"}
-LIGHT = {kind.__name__ for kind in renderer.FITTED} - {"Check", "Dim"}  # nothing to check yet, and no light is dim
+TREES = {"BuildBLAS", "BuildTLAS"}
+BEFORE = {kind.__name__ for kind in renderer.BEFORE} - TREES - {"UploadUVs"}
+LIGHT = {kind.__name__ for kind in renderer.FITTED} - {
+    "RetestOccluded",
+    "TraceFaintLights",
+}  # nothing to check yet, and no light is dim
 RAYS = TREES | LIGHT
 SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
 ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS
-OCCLUSION = {"SSAO", "Blur"}
-WANTED = {"Wanted"}
-AFTER = {"Shade", "Accumulate", "Resolve", "Halves"}
+OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
+WANTED = {"CullMeshes"}
+AFTER = {"Shade", "Accumulate", "Resolve", "EstimateError"}
 
 
 @pytest.fixture
@@ -85,7 +88,7 @@ def test_another_colour_uploads_no_image(device):
     first = draw(device, scene, view)
     materials = replace(scene.materials, base_color=scene.materials.base_color / 2.0)
     second = draw(device, replace(scene, materials=materials), view, renderer=first.renderer)
-    assert second.profile.rows["Colours"].drawn
+    assert second.profile.rows["UploadMaterials"].drawn
     assert first.profile.counts["bytes_uploaded"] > texels.nbytes
     assert second.profile.counts["bytes_uploaded"] == second.renderer.tables["surfaces"].bytes
 
@@ -100,10 +103,12 @@ def test_another_world_is_only_shaded(again, scene_and_view, base):
 
 
 def test_the_other_method_keeps_what_the_camera_sees(again):
-    assert again(SETTINGS, after=BY_MAPS) >= ALL_MAPS | {"Sift", "Shade", "Accumulate"}
-    assert again(BY_MAPS, after=SETTINGS) >= RAYS | {"Sift", "Shade", "Accumulate"}
-    assert not again(SETTINGS, after=BY_MAPS) & {"Meshes", "Place", "Colours"}
-    assert "Colours" not in again(BY_MAPS, after=SETTINGS), "rays want triangles in an order of their own, but no more"
+    assert again(SETTINGS, after=BY_MAPS) >= ALL_MAPS | {"SelectTiles", "Shade", "Accumulate"}
+    assert again(BY_MAPS, after=SETTINGS) >= RAYS | {"SelectTiles", "Shade", "Accumulate"}
+    assert not again(SETTINGS, after=BY_MAPS) & {"UploadMeshes", "UploadInstances", "UploadMaterials"}
+    assert "UploadMaterials" not in again(BY_MAPS, after=SETTINGS), (
+        "rays want triangles in an order of their own, but no more"
+    )
 
 
 @pytest.mark.parametrize(
@@ -112,19 +117,19 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
         ("ssao", {"radius": 0.2}, OCCLUSION | AFTER, OCCLUSION | AFTER),
         ("ssao", {"intensity": 2.0}, OCCLUSION | AFTER, OCCLUSION | AFTER),
         ("ssao", {"enabled": False}, AFTER, AFTER),
-        ("shadow", {"bias": 2.0}, set(), {"Gather"} | AFTER),
-        ("shadow", {"fill_threshold": 0.1}, set(), {"PullPush", "Gather"} | AFTER),
-        ("shadow", {"fill_holes": False}, set(), {"Gather"} | AFTER),
-        ("shadow", {"splat_size": 2.0}, set(), {"Subsets"} | SHADOWS | AFTER),
+        ("shadow", {"bias": 2.0}, set(), {"GatherLight"} | AFTER),
+        ("shadow", {"fill_threshold": 0.1}, set(), {"FillHoles", "GatherLight"} | AFTER),
+        ("shadow", {"fill_holes": False}, set(), {"GatherLight"} | AFTER),
+        ("shadow", {"splat_size": 2.0}, set(), {"SelectPoints"} | SHADOWS | AFTER),
         (
             "shadow",
             {"enabled": False},
-            {"Wanted", "Reach", "Trace"} | AFTER,
-            {"Wanted", "LightPoints", "Gather"} | AFTER,
+            {"CullMeshes", "CullLights", "TraceShadows"} | AFTER,
+            {"CullMeshes", "PlaceVirtualLights", "GatherLight"} | AFTER,
         ),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
         ("quality", {"surface_points": 1000}, set(), ALL_MAPS | AFTER),
-        ("quality", {"light_points": 5}, set(), {"LightPoints"} | SHADOWS | AFTER),
+        ("quality", {"light_points": 5}, set(), {"PlaceVirtualLights"} | SHADOWS | AFTER),
     ],
 )
 def test_a_setting_redraws_its_own_passes(again, section, changes, by_rays, by_maps):
@@ -149,19 +154,25 @@ def test_another_size_of_picture(device, scene_and_view, base):
     larger = replace(view, width=40, height=30)
     second = draw(device, scene, larger, base, first.renderer)
     assert np.array_equal(second.color, draw(device, scene, larger, base).color)
-    assert second.profile.rows["Splat"].drawn == second.profile.rows["InstanceTree"].drawn == 0
+    assert second.profile.rows["SplatMaps"].drawn == second.profile.rows["BuildTLAS"].drawn == 0
 
 
 def test_every_sample_has_its_own_light_points(device, scene_and_view):
     rows = draw(device, *scene_and_view, with_quality(BY_MAPS, samples=3)).profile.rows
-    assert rows["LightPoints"].drawn == rows["Splat"].drawn == rows["GBuffer"].drawn == 3
-    assert rows["Meshes"].drawn == rows["SurfacePoints"].drawn == rows["Subsets"].drawn == 1
+    assert rows["PlaceVirtualLights"].drawn == rows["SplatMaps"].drawn == rows["GBuffer"].drawn == 3
+    assert rows["UploadMeshes"].drawn == rows["SamplePoints"].drawn == rows["SelectPoints"].drawn == 1
 
 
 def test_every_sample_has_its_own_rays(device, scene_and_view):
     rows = draw(device, *scene_and_view, with_quality(SETTINGS, samples=3)).profile.rows
-    assert rows["Sift"].drawn == rows["GBuffer"].drawn == rows["Trace"].drawn == 3
-    assert rows["Meshes"].drawn == rows["MeshTrees"].drawn == rows["InstanceTree"].drawn == rows["Scout"].drawn == 1
+    assert rows["SelectTiles"].drawn == rows["GBuffer"].drawn == rows["TraceShadows"].drawn == 3
+    assert (
+        rows["UploadMeshes"].drawn
+        == rows["BuildBLAS"].drawn
+        == rows["BuildTLAS"].drawn
+        == rows["ProbeVisibility"].drawn
+        == 1
+    )
 
 
 def test_two_renders_are_bit_identical(device, scene_and_view, base):

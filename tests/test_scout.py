@@ -74,6 +74,6 @@ def test_lights_without_shadows_are_not_scouted_and_two_have_places_of_their_own
 def test_only_the_first_sample_scouts(device):
     scene, view = box_over_plane(32, 24)
     drawn = draw(device, scene, view, with_quality(SETTINGS, samples=5))
-    assert drawn.profile.rows["Scout"].drawn == 1
+    assert drawn.profile.rows["ProbeVisibility"].drawn == 1
     off = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
-    assert draw(device, scene, view, off).profile.rows["Scout"].drawn == 0
+    assert draw(device, scene, view, off).profile.rows["ProbeVisibility"].drawn == 0

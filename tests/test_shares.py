@@ -115,8 +115,8 @@ def test_a_small_move_of_the_camera_draws_no_map(device, metres):
     counts = first.renderer.tables["points_per_light"]
     again = draw(device, scene, moved, settings, first.renderer)
     rows = again.profile.rows
-    assert rows["Reach"].drawn
-    assert not rows["LightPoints"].drawn + rows["Splat"].drawn + rows["PullPush"].drawn
+    assert rows["CullLights"].drawn
+    assert not rows["PlaceVirtualLights"].drawn + rows["SplatMaps"].drawn + rows["FillHoles"].drawn
     assert again.renderer.tables["points_per_light"] == counts
     assert np.array_equal(again.color, draw(device, scene, moved, settings).color)
 
@@ -148,7 +148,7 @@ def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
 def test_where_nothing_is_seen_no_map_is_drawn(device):
     drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), MAPS)
     assert drawn.renderer.tables["points_per_light"] == {}
-    assert not drawn.profile.rows["Splat"].drawn + drawn.profile.rows["PullPush"].drawn
+    assert not drawn.profile.rows["SplatMaps"].drawn + drawn.profile.rows["FillHoles"].drawn
     assert not drawn.target("irradiance")[..., :3].any()
 
 

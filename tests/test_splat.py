@@ -110,5 +110,5 @@ def test_what_casts_no_shadow_is_not_splatted(device):
     scene = stage([rubble()], light(position=(0.0, 0.0, 4.0)))
     hidden = replace(scene, instances=replace(scene.instances, casts_shadow=np.zeros(1, bool)))
     drawn = draw(device, hidden, look((3.0, -3.0, 2.0)))
-    assert drawn.profile.rows["Splat"].drawn == 0
-    assert drawn.profile.rows["SurfacePoints"].drawn == 0
+    assert drawn.profile.rows["SplatMaps"].drawn == 0
+    assert drawn.profile.rows["SamplePoints"].drawn == 0

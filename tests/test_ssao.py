@@ -114,7 +114,7 @@ def test_intensity_is_linear_until_it_is_black(device):
 def test_switched_off_it_costs_nothing_and_changes_nothing(device, off):
     scene, view = corner()
     drawn = draw(device, scene, view, replace(SMALL_SETTINGS, ssao=replace(FULL, **off)))
-    assert drawn.profile.rows["SSAO"].drawn == drawn.profile.rows["Blur"].drawn == 0
+    assert drawn.profile.rows["AmbientOcclusion"].drawn == drawn.profile.rows["BlurOcclusion"].drawn == 0
     assert drawn.target("occlusion").shape[:2] == (1, 1)
     assert drawn.color[..., :3] == pytest.approx(0.6, abs=1e-3)
 
@@ -123,7 +123,7 @@ def test_a_black_world_needs_none(device):
     scene, view = corner()
     dark = replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32)), lights=light())
     drawn = draw(device, dark, view, replace(SMALL_SETTINGS, ssao=FULL))
-    assert drawn.profile.rows["SSAO"].drawn == 0
+    assert drawn.profile.rows["AmbientOcclusion"].drawn == 0
 
 
 def test_it_darkens_the_worlds_light_only(device):

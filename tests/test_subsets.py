@@ -138,4 +138,4 @@ def test_behind_a_sheared_light_is_behind_the_plane_of_its_shape():
 
 def test_a_light_that_casts_none_may_be_the_only_one(device):
     scene = stage([rubble()], replace(light(), casts_shadow=np.array([False])))
-    assert draw(device, scene, look((3, -3, 2))).profile.rows["Subsets"].drawn == 0
+    assert draw(device, scene, look((3, -3, 2))).profile.rows["SelectPoints"].drawn == 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
-from ism_addon.gpu.passes.shadow_maps.sample_points import SurfacePoints
+from ism_addon.gpu.passes.shadow_maps.sample_points import SamplePoints
 from ism_addon.gpu.profile import Profile
 from ism_addon.sampling import triangle_areas
 
@@ -127,5 +127,5 @@ def test_points_are_exact_far_from_the_worlds_origin():
 
 def test_the_pass_makes_at_least_the_points_that_a_map_sees(device):
     renderer, frame = prepared(device, stage([rubble()], light()), MAPS)
-    renderer.run(SurfacePoints, frame, Profile())
+    renderer.run(SamplePoints, frame, Profile())
     assert len(frame.tables["cloud"]) >= MAPS.quality.surface_points

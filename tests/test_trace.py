@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct.trace_shadows import MOST_SURE, SURE_CHANCE, Trace
+from ism_addon.gpu.passes.direct.trace_shadows import MOST_SURE, SURE_CHANCE, TraceShadows
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import LightShape
@@ -35,7 +35,7 @@ def predicting(
     renderer, profile = Renderer(device), Profile()
     for sample in range(samples):
         for name in renderer.sample(scene, view, settings, sample, profile):
-            if name == "Predict" and sample < until:
+            if name == "PredictVisibility" and sample < until:
                 for texture in renderer.tables["predictions"].values():
                     pixels = np.tile(np.array([part, doubt], np.float16), (texture.height, texture.width, 1))
                     texture.write(pixels)
@@ -81,7 +81,7 @@ def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_p
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):
         blocks["number"] = number
-        traced, _ = renderer.passes[Trace].chosen(frame, 0, 0.3)
+        traced, _ = renderer.passes[TraceShadows].chosen(frame, 0, 0.3)
         turn += (blocks["block"][:, None] == traced["block"]).all(2).any(1)
     rounds = turns.reshape(64, places, len(blocks))
     assert places == 16
@@ -99,7 +99,7 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
     renderer, profile = Renderer(device), Profile()
     for sample in range(16):
         for name in renderer.sample(scene, view, settings, sample, profile):
-            if name == "Predict":
+            if name == "PredictVisibility":
                 of = renderer.targets.read("foreseen")
                 lit = of[..., 2] > of[..., 2].mean()
                 put(renderer.tables["predictions"][0], np.stack([lit, 0 * lit], -1).astype(np.float16))

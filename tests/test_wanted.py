@@ -99,7 +99,7 @@ def test_what_comes_into_the_picture_is_uploaded_then_and_stays(device):
     third = draw(device, scene, VIEW, renderer=first.renderer)
     assert wanted(third) == (0, 1)
     assert third.profile.counts["bytes_uploaded"] == 0
-    assert not third.profile.rows["MeshTrees"].drawn
+    assert not third.profile.rows["BuildBLAS"].drawn
     assert np.array_equal(third.color, first.color)
 
 

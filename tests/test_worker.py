@@ -11,8 +11,8 @@ import pytest
 from ism_addon.gpu.gl import context
 from ism_addon.gpu.jobs.job import Job, Request
 from ism_addon.gpu.jobs.render_loop import draw as steps
-from ism_addon.gpu.passes.upload.upload_lights import Lights
-from ism_addon.gpu.passes.upload.upload_scene import Colours
+from ism_addon.gpu.passes.upload.upload_lights import UploadLights
+from ism_addon.gpu.passes.upload.upload_scene import UploadMaterials
 from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene
@@ -234,7 +234,9 @@ def with_materials(scene: Scene) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("kind", "change"), [(Lights, with_lights), (Colours, with_materials)], ids=["Lights", "Colours"]
+    ("kind", "change"),
+    [(UploadLights, with_lights), (UploadMaterials, with_materials)],
+    ids=["UploadLights", "UploadMaterials"],
 )
 def test_the_picture_after_a_failed_one_is_that_of_a_new_renderer(worker, device, monkeypatch, kind, change):
     """What was made before it failed is not taken for what had been there before, for the client's earlier picture."""

@@ -111,7 +111,7 @@ class Frame:
 
     @property
     def fitted(self) -> bool:
-        """Whether light and shadow come from Trace; else they come from the shadow maps."""
+        """Whether light and shadow come from TraceShadows; else they come from the shadow maps."""
         return self.settings.shadow.method == Method.FITTED
 
     @property

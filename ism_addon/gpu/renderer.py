@@ -24,51 +24,51 @@ from .gl.errors import Cancelled
 from .gl.render_targets import DEPTH, Targets
 from .gl.shader_records import directions_from_octahedron
 from .memory_estimate import check, needed
-from .passes.direct.predict_visibility import Predict
-from .passes.direct.trace_faint_lights import Dim
-from .passes.direct.trace_shadows import Trace
-from .passes.environment.ambient_occlusion import SSAO
-from .passes.environment.blur import Blur
+from .passes.direct.predict_visibility import PredictVisibility
+from .passes.direct.trace_faint_lights import TraceFaintLights
+from .passes.direct.trace_shadows import TraceShadows
+from .passes.environment.ambient_occlusion import AmbientOcclusion
+from .passes.environment.blur import BlurOcclusion
 from .passes.film.accumulate import Accumulate, margin
-from .passes.film.debug_image import Show
-from .passes.film.estimate_error import Halves, is_due
+from .passes.film.debug_image import DebugImage
+from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
 from .passes.film.shade import Shade
-from .passes.light_selection.cull_lights import Reach
-from .passes.light_selection.probe_visibility import Scout
-from .passes.light_selection.retest_occluded import Check
-from .passes.shadow_maps.fill_holes import PullPush
-from .passes.shadow_maps.gather import Gather
-from .passes.shadow_maps.light_importance import Shares
-from .passes.shadow_maps.sample_points import SurfacePoints
-from .passes.shadow_maps.select_points import Subsets
-from .passes.shadow_maps.splat import Splat
-from .passes.shadow_maps.virtual_lights import LightPoints
+from .passes.light_selection.cull_lights import CullLights
+from .passes.light_selection.probe_visibility import ProbeVisibility
+from .passes.light_selection.retest_occluded import RetestOccluded
+from .passes.shadow_maps.fill_holes import FillHoles
+from .passes.shadow_maps.gather import GatherLight
+from .passes.shadow_maps.light_importance import WeighLights
+from .passes.shadow_maps.sample_points import SamplePoints
+from .passes.shadow_maps.select_points import SelectPoints
+from .passes.shadow_maps.splat import SplatMaps
+from .passes.shadow_maps.virtual_lights import PlaceVirtualLights
 from .passes.surfaces.gbuffer import GBuffer
-from .passes.surfaces.select_tiles import Sift
-from .passes.upload.build_bvh import InstanceTree, MeshTrees
-from .passes.upload.cull_meshes import Wanted
-from .passes.upload.upload_lights import Lights
-from .passes.upload.upload_scene import Colours, Meshes, Place, Unwrap
+from .passes.surfaces.select_tiles import SelectTiles
+from .passes.upload.build_bvh import BuildBLAS, BuildTLAS
+from .passes.upload.cull_meshes import CullMeshes
+from .passes.upload.upload_lights import UploadLights
+from .passes.upload.upload_scene import UploadInstances, UploadMaterials, UploadMeshes, UploadUVs
 from .profile import Profile
 from .submission import Pace, never
 
 #: The scene, in the order that suits shadow rays;
-SCENE = (Wanted, MeshTrees, Meshes, Unwrap, Place, Colours)
+SCENE = (CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, UploadMaterials)
 #: what the camera sees of it, in the parts of the picture that the sample is spent on, and the lights that reach it
 #: (the trees of large meshes are made while the camera looks);
-BEFORE = (*SCENE, Sift, GBuffer, Lights, InstanceTree, Reach)
+BEFORE = (*SCENE, SelectTiles, GBuffer, UploadLights, BuildTLAS, CullLights)
 #: what of them arrives, by a few rays that predict it and more that say how wrong that is;
-FITTED = (Scout, Check, Predict, Trace, Dim)
+FITTED = (ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows, TraceFaintLights)
 #: or as in the paper: the scene as points, and for as many light points as an atlas holds an imperfect shadow map each,
 #: filled, and the light they let through,
-CLASSIC = (SurfacePoints, Shares, LightPoints, Subsets)
-FOR_EACH_BATCH = (Splat, PullPush, Gather)
+CLASSIC = (SamplePoints, WeighLights, PlaceVirtualLights, SelectPoints)
+FOR_EACH_BATCH = (SplatMaps, FillHoles, GatherLight)
 #: the creases too small for either, and all of it put together; again with other points, and summed.
-AFTER = (SSAO, Blur, Shade, Show, Accumulate)
+AFTER = (AmbientOcclusion, BlurOcclusion, Shade, DebugImage, Accumulate)
 #: Whenever the picture is wanted: the sums as one; and how far that is from its end.
 AT_LAST = Resolve
-JUDGED = Halves
+JUDGED = EstimateError
 
 PASSES = (*BEFORE, *FITTED, *CLASSIC, *FOR_EACH_BATCH, *AFTER, AT_LAST, JUDGED)
 
@@ -79,7 +79,7 @@ SHOWABLE = tuple(
     for name, target in kind.writes.items()
     if target.dtype != DEPTH
     and name != "triangles"
-    and kind not in (Sift, Reach, Check, Show, Accumulate, Resolve, Halves)
+    and kind not in (SelectTiles, CullLights, RetestOccluded, DebugImage, Accumulate, Resolve, EstimateError)
 )
 
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What skipping could gain if it knew for nothing which blocks see all, nothing or a part of each light.
 
-Once it has drawn many samples, a renderer is told for all pictures after them what it found: Reach then costs nothing,
-Scout looks only where a light is seen in part, and Predict need not ask where that is. No way to find it is quicker.
+Once it has drawn many samples, a renderer is told for all pictures after them what it found. CullLights then costs
+nothing, ProbeVisibility looks only where a light is seen in part, and PredictVisibility need not ask where that is. No
+way to find it is quicker.
 """
 
 from dataclasses import replace
@@ -10,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from ism_addon.gpu.frame import Frame
-from ism_addon.gpu.passes.direct.predict_visibility import Predict
-from ism_addon.gpu.passes.light_selection.cull_lights import Reach
-from ism_addon.gpu.passes.light_selection.probe_visibility import Scout
+from ism_addon.gpu.passes.direct.predict_visibility import PredictVisibility
+from ism_addon.gpu.passes.light_selection.cull_lights import CullLights
+from ism_addon.gpu.passes.light_selection.probe_visibility import ProbeVisibility
 from ism_addon.gpu.renderer import Renderer
 
 from .error.ism import Ism
@@ -35,7 +36,7 @@ class Known(Ism):
 
 def tell(renderer: Renderer) -> None:
     """What it has found so far, in each first sample from now on."""
-    reach, scout, predict = (renderer.passes[kind] for kind in (Reach, Scout, Predict))
+    reach, scout, predict = (renderer.passes[kind] for kind in (CullLights, ProbeVisibility, PredictVisibility))
     look, ask, ask_by_blocks = reach.draw, scout.draw, predict.by_blocks
     lights, found = renderer.tables["reach"], renderer.tables["found"]
     kept = {name: getattr(reach, name) for name in ("bounds", "most", "light")}

@@ -46,10 +46,10 @@ def test_a_final_render_is_told(rendered):
     assert use in statistics.USES
     assert told == engine.statistics()
     rows = {name: numbers for name, *numbers in statistics.passes(told)}
-    assert len(statistics.COLUMNS) == 1 + len(rows["Trace"])
-    assert rows["Trace"][:3] == ["2", "0", "0"]
-    assert rows["Splat"][:3] == ["0", "0", "2"]
-    assert float(rows["Trace"][3]) > 0.0
+    assert len(statistics.COLUMNS) == 1 + len(rows["TraceShadows"])
+    assert rows["TraceShadows"][:3] == ["2", "0", "0"]
+    assert rows["SplatMaps"][:3] == ["0", "0", "2"]
+    assert float(rows["TraceShadows"][3]) > 0.0
 
 
 @pytest.mark.parametrize(("method", "has_points"), [("FITTED", False), ("CLASSIC", True)])

@@ -43,15 +43,15 @@ def object_moved(scene: Scene, view: View) -> tuple[Scene, View]:
 
 EDITS: tuple[Edit, ...] = (nothing_changed, view_turned, light_moved, colour_changed, object_moved)
 
-OCCLUSION = {"SSAO", "Blur"}
-PICTURE = {"Shade", "Accumulate", "Halves", "Resolve"}
-BY_RAYS = {"Reach", "Predict", "Trace"}
-BY_MAPS = {"Splat", "PullPush", "Gather"}
+OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
+PICTURE = {"Shade", "Accumulate", "EstimateError", "Resolve"}
+BY_RAYS = {"CullLights", "PredictVisibility", "TraceShadows"}
+BY_MAPS = {"SplatMaps", "FillHoles", "GatherLight"}
 
 #: Other ones, or nothing new, in each sample.
 EACH_SAMPLE = {
-    Method.FITTED: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    Method.CLASSIC: {"Sift", "GBuffer", "Reach", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
+    Method.FITTED: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+    Method.CLASSIC: {"SelectTiles", "GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
 }
 
 
@@ -59,17 +59,17 @@ EACH_SAMPLE = {
 SHARED = {
     Method.FITTED: {
         nothing_changed: set(),
-        view_turned: {"Wanted", "Scout"},
-        light_moved: {"Wanted", "Lights", "Scout"},
-        colour_changed: {"Colours"},
-        object_moved: {"Wanted", "Place", "InstanceTree", "Scout"},
+        view_turned: {"CullMeshes", "ProbeVisibility"},
+        light_moved: {"CullMeshes", "UploadLights", "ProbeVisibility"},
+        colour_changed: {"UploadMaterials"},
+        object_moved: {"CullMeshes", "UploadInstances", "BuildTLAS", "ProbeVisibility"},
     },
     Method.CLASSIC: {
         nothing_changed: set(),
-        view_turned: {"Wanted"},
-        light_moved: {"Wanted", "Lights", "Shares", "Subsets"},
-        colour_changed: {"Colours"},
-        object_moved: {"Wanted", "Place", "SurfacePoints", "Shares", "Subsets"},
+        view_turned: {"CullMeshes"},
+        light_moved: {"CullMeshes", "UploadLights", "WeighLights", "SelectPoints"},
+        colour_changed: {"UploadMaterials"},
+        object_moved: {"CullMeshes", "UploadInstances", "SamplePoints", "WeighLights", "SelectPoints"},
     },
 }
 
@@ -77,17 +77,17 @@ SHARED = {
 FIRST = {
     Method.FITTED: {
         nothing_changed: set(),
-        view_turned: {"Sift", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+        view_turned: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
         light_moved: BY_RAYS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
         object_moved: {"GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
     },
     Method.CLASSIC: {
         nothing_changed: set(),
-        view_turned: {"Sift", "GBuffer", "Reach", "Gather"} | OCCLUSION | PICTURE,
-        light_moved: {"Reach", "LightPoints"} | BY_MAPS | PICTURE,
+        view_turned: {"SelectTiles", "GBuffer", "CullLights", "GatherLight"} | OCCLUSION | PICTURE,
+        light_moved: {"CullLights", "PlaceVirtualLights"} | BY_MAPS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer", "Reach", "LightPoints"} | BY_MAPS | OCCLUSION | PICTURE,
+        object_moved: {"GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
     },
 }
 

@@ -75,7 +75,7 @@ def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
     yield from (edited(edit, *whole[:2], method) for method in Method for edit in EDITS)
     for lack in WITHOUT_LIGHT + WITHOUT_SHADOWS:
         lacking, without = lack(scene, settings())
-        never = {"MeshTrees", "InstanceTree", "Scout", "Check", "Predict"}
+        never = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded", "PredictVisibility"}
         yield Case(words(lack), (lacking, view, without), never=frozenset(never), equal={"pixels_refined": 0})
     for lack in WITHOUT_OCCLUSION:
         lacking, without = lack(scene, settings())

@@ -35,7 +35,7 @@ class Bounds:
 
     @classmethod
     def of(cls, lowest: np.ndarray, highest: np.ndarray, facing: np.ndarray) -> Self:
-        """From targets (R,C,4) of Reach, with a margin."""
+        """From targets (R,C,4) of CullLights, with a margin."""
         lowest, highest, facing = (np.ascontiguousarray(row.reshape(-1, 4).T) for row in (lowest, highest, facing))
         margin, turn = MARGIN * (highest[:3] - lowest[:3]), np.arccos(np.clip(facing[3], -1.0, 1.0))
         half_angle = np.minimum((1.0 + MARGIN) * turn + LEAST_TURN, np.float32(np.pi))

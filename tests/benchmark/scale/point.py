@@ -28,9 +28,9 @@ from tests.tools import memory
 from . import stage
 from .series import SAMPLES, SERIES, Picture
 
-TREES = ("MeshTrees", "InstanceTree")
+TREES = ("BuildBLAS", "BuildTLAS")
 SHADOWS = tuple(kind.__name__ for kind in FITTED)
-UPLOADS = ("Meshes", "Unwrap", "Place", "Colours")
+UPLOADS = ("UploadMeshes", "UploadUVs", "UploadInstances", "UploadMaterials")
 
 
 def measure(picture: Picture) -> dict:

@@ -113,7 +113,7 @@ def among_many(stage: Stage) -> Steps:
     yield from stage.rested()
     stage.pixels("after")
     extraction = 1e3 * stage.watch.longest_update(since)
-    uploads = engine.milliseconds("Meshes", "Place", "Colours", "InstanceTree")
+    uploads = engine.milliseconds("UploadMeshes", "UploadInstances", "UploadMaterials", "BuildTLAS")
     stage.measured("extraction", extraction, "ms")
     stage.measured("extraction and upload", extraction + uploads, "ms", must=10, aim=2)
     stage.measured("longest redraw with it", 1e3 * stage.watch.longest_redraw(since), "ms", must=30, aim=10)

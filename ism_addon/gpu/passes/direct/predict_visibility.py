@@ -2,7 +2,7 @@
 """What part of each light a pixel will see, from the rays of its neighbours on the same surface.
 
 The rays of a neighbourhood start at evenly spread places on the light, so together they are as good as many of one
-pixel's. What is predicted need not be right: Trace says how wrong it is, and is spared work where it is right.
+pixel's. What is predicted need not be right: TraceShadows says how wrong it is, and is spared work where it is right.
 """
 
 from functools import cached_property
@@ -35,7 +35,7 @@ SEEN = Target(2, "f4")
 FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
 
 
-class Predict(Pass):
+class PredictVisibility(Pass):
     """For each light that casts shadows, the part that a pixel is thought to see."""
 
     reads = ("scouted", "spotted", "reach", "position", "normal", "depth")
@@ -73,7 +73,9 @@ class Predict(Pass):
             if not frame.settings.skip:
                 found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}
-            tables["looks"] = dict(tables["scouted"])  # some are added; what Scout made may serve the next picture too
+            tables["looks"] = dict(
+                tables["scouted"]
+            )  # some are added; what ProbeVisibility made may serve the next picture too
             tables["seen"] = self.of_each_light(frame, "seen", SEEN)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()

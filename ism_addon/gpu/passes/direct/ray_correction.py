@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the passes have in common that refine a prediction by rays: Trace, and Dim for lights that are faint."""
+"""What TraceShadows and TraceFaintLights share: which rays correct a prediction, and shader variants by light."""
 
 from dataclasses import asdict, dataclass
 from typing import Self

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that are a small part of a block's light, all at once: the same part of one is predicted for all its pixels.
+"""Lights that are a small part of a tile's light, all in one draw: one visibility for all pixels of a tile.
 
-As many as there may be, they need no predictions of their own: see Reach for the part, and Trace for the rays. The
-fainter one is, the rarer is its turn after the first sample, and the more it counts then.
+They have no prediction of their own, however many they are: CullLights estimates the visibility, and rays correct it as
+in TraceShadows. The fainter a light is, the lower is its probability in a sample, and the higher its weight.
 """
 
 import moderngl
@@ -25,10 +25,10 @@ LEAST_TURN = 0.25
 PAIRS = np.dtype([("block", "i8"), ("light", "i8"), ("part", "f4"), ("chance", "f4"), ("phase", "f4")])
 
 
-class Dim(Pass):
-    """What they add to what Trace has drawn."""
+class TraceFaintLights(Pass):
+    """What they add to what TraceShadows has drawn."""
 
-    # No more than Trace depends on: what is added to is always new.
+    # No more than TraceShadows depends on: what is added to is always new.
     reads = (
         *("predicted", "correction", "blocks", "position", "normal"),
         *("rise", "placement", "lights", "casters", "reach"),

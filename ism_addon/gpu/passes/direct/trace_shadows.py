@@ -29,7 +29,7 @@ SURE_CHANCE = 0.03125
 MOST_SURE = 0.5
 
 
-class Trace(Pass):
+class TraceShadows(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
     # Colours only say how much a ray is worth: a first sample has none, and later ones are always drawn.

@@ -26,7 +26,7 @@ TILE = 64
 POINTS = 16
 
 
-class SSAO(Pass):
+class AmbientOcclusion(Pass):
     """The part of the world's light that reaches each pixel: 1 is open."""
 
     reads = ("depth", "position", "normal")

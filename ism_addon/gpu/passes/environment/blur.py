@@ -14,7 +14,7 @@ from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
 
-class Blur(Pass):
+class BlurOcclusion(Pass):
     """The smoothed occlusion at half resolution."""
 
     reads = ("position", "normal", "depth", "occlusion")

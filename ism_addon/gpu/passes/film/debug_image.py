@@ -10,7 +10,7 @@ from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind, compile_program
 
 
-class Show(Pass):
+class DebugImage(Pass):
     """The picture that is accumulated: the colour, or a target looked into."""
 
     reads = ("color",)

@@ -31,7 +31,7 @@ def is_due(sample: int, samples: int) -> bool:
     return count & sample == 0 and (sample == 0 or 4 * count > min(samples, LEAST_SAMPLES))
 
 
-class Halves(Pass):
+class EstimateError(Pass):
     """The error of each block, as long as samples double."""
 
     reads = ("resolved",)

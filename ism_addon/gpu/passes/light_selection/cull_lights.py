@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which lights can change which blocks of pixels, and by how much: the others are left out.
+"""Tiled light culling: which lights can change which tiles, and by how much. The others are left out.
 
-As in tiled shading (Olsson & Assarsson 2011), a block's surfaces are bounded by boxes, and by cones of normals, see
-`bounds`. Then a few rays look from afar which lights arrive at all: of what may be hidden, only what could make a good
-part of the light is looked for by Scout, and the rest by Check now and then. What would be too little of the light that
-arrives, all such lights together, is left out for good.
+As in tiled shading (Olsson & Assarsson 2011), a tile's surfaces are bounded by boxes, and their normals by cones, see
+`surface_bounds`. A few coarse shadow rays then tell which lights arrive at all. A light that may be hidden is probed by
+ProbeVisibility if it could be a large part of a tile's light, and by RetestOccluded now and then if not. Lights that are
+negligible in a tile, all of them together, are left out for good.
 """
 
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ OF_BLOCKS = Target(4, "f4", divisor=BLOCK, strips=True)
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS = 1 << 15
 
-#: A light that may bring as much as this part of a block's light is looked for by Scout wherever it may be.
+#: A light that may bring as much as this part of a block's light is looked for by ProbeVisibility wherever it may be.
 STRONG = 0.1
 
 #: So many times the picture's mean light is as bright as any.
@@ -76,11 +76,11 @@ class Reached:
 
     @property
     def scouted(self) -> np.ndarray:
-        """(rows,columns) bool: whether Scout has to look closely."""
+        """(rows,columns) bool: whether ProbeVisibility has to look closely."""
         return self.worth & ~self.dim & ((self.part >= STRONG) | (self.seen > 0.0))
 
 
-class Reach(Pass):
+class CullLights(Pass):
     """For each light that counts anywhere, where it does."""
 
     reads = ("position", "normal", "placement", "depth", "lights", "casters")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A close look at what each light reaches: one shadow ray from every fourth pixel, where Reach asks for it."""
+"""A close look at what each light reaches: one shadow ray from every fourth pixel, where CullLights asks for it."""
 
 from dataclasses import asdict
 
@@ -12,7 +12,7 @@ from ...gl.shader_compiler import bind
 from ..direct.ray_correction import RECORDS, Kind
 
 
-class Scout(Pass):
+class ProbeVisibility(Pass):
     """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
 
     reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach")

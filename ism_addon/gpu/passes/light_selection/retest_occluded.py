@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that seem to be hidden from everywhere are looked for again, now and then.
+"""Lights that all rays found occluded are tested again, now and then.
 
-Block by block and light by light, a few of them each sample, the more often the more such a light could change: what
-many of them cost together is what one would. A light that is found is Predict's and Trace's from then on.
+Each sample tests a few pairs of a tile and a light. The probability follows the light's bound, so many negligible lights
+cost no more than one. PredictVisibility and TraceShadows draw a light from the sample on in which it is found.
 """
 
 from functools import cached_property
@@ -22,7 +22,7 @@ from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 CHANCE = 0.25
 
 
-class Check(Pass):
+class RetestOccluded(Pass):
     """Where lights were spotted that had seemed hidden."""
 
     reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach", "scouted")
@@ -67,7 +67,7 @@ class Check(Pass):
 
     def chosen(self, frame: Frame) -> np.ndarray:
         """Rows of BLOCKS: each pair of a light and a block as often as it has a chance (systematic sampling)."""
-        if {frame.sample, frame.sample - 1} & RENEWED:  # Reach comes before this and Predict after it
+        if {frame.sample, frame.sample - 1} & RENEWED:  # CullLights comes before this and PredictVisibility after it
             casts = frame.scene.lights.casts_shadow
             self.hidden, self.sums = chances_of(frame.tables["reach"], frame.tables["found"], casts)
         if not len(self.hidden):

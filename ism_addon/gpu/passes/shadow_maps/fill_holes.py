@@ -21,7 +21,7 @@ LEVELS = GRANULE.bit_length() - 1
 LEVEL = Target(2, "f4", neutral=(EMPTY, 0.0), divisor=0)  # depth in m, coverage
 
 
-class PullPush(Pass):
+class FillHoles(Pass):
     """The atlas of one batch without the holes."""
 
     reads = ("splats",)

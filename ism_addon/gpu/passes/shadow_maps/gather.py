@@ -22,7 +22,7 @@ from ...gl.shader_records import LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT
 POINTS = 30
 
 
-class Gather(Pass):
+class GatherLight(Pass):
     """Irradiance W/m² of each pixel: the sum over the batches of light points."""
 
     reads = ("position", "normal", "placement", "lights", "points_of_lights", "light_points", "splats", "shadow_maps")

@@ -35,7 +35,7 @@ def deviations(cloud: Cloud, lamps: Lamps) -> np.ndarray:
     return np.sqrt((part * part * size).sum(1, dtype=np.float64))
 
 
-class Shares(Pass):
+class WeighLights(Pass):
     """What the points of each light would be off by."""
 
     reads = ("cloud",)

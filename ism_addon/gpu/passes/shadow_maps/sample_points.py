@@ -14,7 +14,7 @@ CHOICE = 16
 MOST_POINTS = 1 << 20
 
 
-class SurfacePoints(Pass):
+class SamplePoints(Pass):
     """The cloud that stands for the scene."""
 
     makes = ("cloud",)

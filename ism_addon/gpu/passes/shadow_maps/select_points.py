@@ -96,7 +96,7 @@ def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
     return float(np.minimum((side + side * side) ** 2, 1.0).sum(dtype=np.float64))
 
 
-class Subsets(Pass):
+class SelectPoints(Pass):
     """A vertex buffer of all subsets, and where each light's lie in it."""
 
     reads = ("cloud",)

@@ -29,7 +29,7 @@ A_DISC = 4.0
 TEXELS = 30
 
 
-class Splat(Pass):
+class SplatMaps(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
     reads = ("surface_points", "maps")

@@ -51,7 +51,7 @@ def point_tables(
     return of_lights, points, maps
 
 
-class LightPoints(Pass):
+class PlaceVirtualLights(Pass):
     """The tables of light points, and of which are whose."""
 
     reads = ("deviations",)

@@ -40,7 +40,7 @@ ROUNDING = 5e-4
 TINY = float(np.finfo(np.float32).tiny)
 
 
-class Sift(Pass):
+class SelectTiles(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
     writes = {"noise": Target(2, "f4", divisor=BLOCK, strips=True)}

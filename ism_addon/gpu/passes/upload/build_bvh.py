@@ -72,7 +72,7 @@ class MeshTable:
         return np.array([tree.per_leaf for tree in self.trees], np.int64)
 
 
-class MeshTrees(Pass):
+class BuildBLAS(Pass):
     """A tree for each wanted mesh, or its runs; a mesh that did not change keeps its own."""
 
     compares = ("wanted",)
@@ -115,7 +115,7 @@ def rows_of(nodes: np.ndarray) -> np.ndarray:
     return nodes.view(np.uint32).reshape(-1, 4)
 
 
-class InstanceTree(Pass):
+class BuildTLAS(Pass):
     """The tree over the instances that cast shadows, when all meshes have theirs; moving one uploads no mesh."""
 
     reads = ("mesh_trees", "geometry", "placement")

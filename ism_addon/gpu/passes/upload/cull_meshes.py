@@ -22,7 +22,7 @@ ROUNDING = 1e-6
 PAIRS = 1 << 14
 
 
-class Wanted(Pass):
+class CullMeshes(Pass):
     """The numbers of the meshes that are needed."""
 
     makes = ("wanted",)

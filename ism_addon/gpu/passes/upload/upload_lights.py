@@ -22,7 +22,7 @@ def light_table(lights: scene.Lights, anchor: np.ndarray) -> np.ndarray:
     return table
 
 
-class Lights(Pass):
+class UploadLights(Pass):
     """The table of lights."""
 
     makes = ("lights",)

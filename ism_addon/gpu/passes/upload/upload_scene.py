@@ -15,7 +15,7 @@ def trees_of(frame: Frame) -> dict[int, MeshTree | Runs] | None:
     return table.made if table is not None and table.meshes == frame.scene.meshes else None
 
 
-class Meshes(Pass):
+class UploadMeshes(Pass):
     """Vertices and triangles of the wanted meshes."""
 
     reads = ("mesh_trees",)
@@ -30,7 +30,7 @@ class Meshes(Pass):
         frame.tables["geometry"] = geometry
 
 
-class Unwrap(Pass):
+class UploadUVs(Pass):
     """Texture coordinates of the wanted meshes."""
 
     reads = ("geometry",)
@@ -45,7 +45,7 @@ class Unwrap(Pass):
         frame.tables["coordinates"] = coordinates
 
 
-class Place(Pass):
+class UploadInstances(Pass):
     """The matrices of the instances."""
 
     reads = ("geometry",)
@@ -60,7 +60,7 @@ class Place(Pass):
         frame.counts["bytes_uploaded"] += placement.bytes
 
 
-class Colours(Pass):
+class UploadMaterials(Pass):
     """Materials and images."""
 
     makes = ("surfaces",)
