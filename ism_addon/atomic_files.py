@@ -15,7 +15,7 @@ FORBIDDEN = EACCES, EROFS
 
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[BinaryIO]:
+def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
     """A file that takes the place of `path` when all has been written; if that fails, what was there before stays.
 
     But a file in a folder in which no other may be made is written over. Raises OSError, which names `path`.
@@ -25,14 +25,14 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
             with open(path, "wb") as file:
                 yield file
         else:
-            with _beside(Path(os.path.realpath(path))) as file:  # where a link leads, the link stays
+            with _temporary_beside(Path(os.path.realpath(path))) as file:  # where a link leads, the link stays
                 yield file
     except OSError as reason:
         raise OSError(reason.errno, reason.strerror or str(reason), str(path)) from reason
 
 
 @contextmanager
-def _beside(place: Path) -> Iterator[BinaryIO]:
+def _temporary_beside(place: Path) -> Iterator[BinaryIO]:
     """The same for a plain file, or none so far."""
     if place.exists() and not os.access(place, os.W_OK):
         raise OSError(EACCES, os.strerror(EACCES))

@@ -11,7 +11,7 @@ LARGE = 1 << 14
 Part, Made = TypeVar("Part"), TypeVar("Made")
 
 
-def side_by_side(work: Callable[[Part], Made], parts: Iterable[Part], size: int) -> list[Made]:
+def parallel_map(work: Callable[[Part], Made], parts: Iterable[Part], size: int) -> list[Made]:
     """What `work` makes of each part, in their order, of `size` things in all."""
     if size <= LARGE:
         return [work(part) for part in parts]

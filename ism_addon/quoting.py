@@ -2,12 +2,12 @@
 """What sentences quote of a file: it may be as long as the file."""
 
 #: Characters.
-LONGEST = 80
+MAX_LENGTH = 80
 
 
-def cut(text: str) -> str:
+def shortened(text: str) -> str:
     """The text, or its beginning and its end if it is longer than sentences should be."""
-    if len(text) <= LONGEST:
+    if len(text) <= MAX_LENGTH:
         return text
-    end = LONGEST // 3
-    return f"{text[: LONGEST - end - 1]}…{text[-end:]}"
+    end = MAX_LENGTH // 3
+    return f"{text[: MAX_LENGTH - end - 1]}…{text[-end:]}"

@@ -12,16 +12,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import Field, replace
 from typing import Any
 
-from .quoting import cut
+from .quoting import shortened
 from .scene import Image, View
-from .settings import SECTIONS, Control, Settings, controls
+from .settings import SECTIONS, Control, Settings, setting_fields
 
 #: px. Wider ones take long, and show nothing but a blur; Blender has filters of up to 500.
 WIDEST_FILTER = 50.0
 
 #: Texels to a line, and lines, of the texture that holds all images and their halved copies: OpenGL 4.1 has room for it
 #: everywhere. The lines are no power of two, see buffers.py.
-WIDTH, LINES = 1 << 14, (1 << 14) - 1
+TEXTURE_WIDTH, MAX_TEXTURE_LINES = 1 << 14, (1 << 14) - 1
 
 
 def within_limits(settings: Settings) -> Settings:
@@ -36,7 +36,7 @@ def within_limits(settings: Settings) -> Settings:
 def beyond_limits(settings: Settings) -> tuple[str, ...]:
     """A sentence for each setting that within_limits changes."""
     return tuple(
-        f"{control.label} cannot be {cut(f'{getattr(section, member.name):,}')}: {nearest:,} is used instead."
+        f"{control.label} cannot be {shortened(f'{getattr(section, member.name):,}')}: {nearest:,} is used instead."
         for section in (getattr(settings, name) for name in SECTIONS)
         for member, control, nearest in _beyond_limits(section)
     )
@@ -58,7 +58,7 @@ def view_beyond_limits(view: View) -> tuple[str, ...]:
 def images_within_limits(images: Sequence[Image]) -> list[int]:
     """How often each image is halved so that all fit, the largest first; 0 for those that are drawn as they are."""
     sizes = [image.texels.shape[:2] for image in images]
-    halved, left = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - LINES
+    halved, left = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - MAX_TEXTURE_LINES
     largest = [(-height * width, number) for number, (height, width) in enumerate(sizes)]
     heapq.heapify(largest)
     while left > 0 and largest:
@@ -92,12 +92,12 @@ def lines_for(size: tuple[int, int], halved: int) -> int:
     for times in range(halved, max(size).bit_length()):
         height, width = level(size, times)
         texels += height * width
-    return -(-texels // WIDTH)
+    return -(-texels // TEXTURE_WIDTH)
 
 
 def _beyond_limits(section: Any) -> Iterator[tuple[Field, Control, int | float]]:
     """The settings of a section that are out of their range, and the end of it that is nearest."""
-    for member, control in controls(type(section)):
+    for member, control in setting_fields(type(section)):
         if control.low is not None and control.high is not None:
             value = getattr(section, member.name)
             nearest = min(control.high, max(control.low, value))  # the lower end for what is no number

@@ -285,14 +285,14 @@ class Settings:
 SECTIONS: dict[str, type] = {"shadow": Shadow, "ssao": SSAO, "quality": Quality}
 
 
-def controls(section: type) -> Iterator[tuple[Field, Control]]:
+def setting_fields(section: type) -> Iterator[tuple[Field, Control]]:
     """The fields of a section that users can turn, with what they see of them."""
     for member in fields(section):
         if "control" in member.metadata:
             yield member, member.metadata["control"]
 
 
-def explained(member: Field, control: Control) -> str:
+def help_text(member: Field, control: Control) -> str:
     """What a setting means, and each of its choices if it is one."""
     choices = type(member.default) if isinstance(member.default, Choice) else ()
     return ". ".join([control.meaning, *(f"{choice}: {choice.meaning}" for choice in choices)])

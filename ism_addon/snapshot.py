@@ -17,10 +17,10 @@ from typing import IO, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .atomic_files import replacing
-from .quoting import cut
-from .scene import MOST_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from .scene.limits import FARTHEST, MOST, invertible, spanning, within
+from .atomic_files import atomic_write
+from .quoting import shortened
+from .scene import MAX_LINK_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from .scene.limits import MAX_DISTANCE, MAX_VALUES, is_invertible, is_within, spans_plane
 from .settings import Choice, Settings
 
 VERSION = 2
@@ -64,10 +64,10 @@ def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None
     """Write a snapshot. Arrays come back from `load` bit for bit. Raises OSError; what was there before then stays."""
     arrays: dict[str, np.ndarray] = {}
     parts = {"scene": scene, "view": view, "settings": settings}
-    told = {"version": VERSION, **{name: _told(part, name, arrays) for name, part in parts.items()}}
+    told = {"version": VERSION, **{name: _to_json(part, name, arrays) for name, part in parts.items()}}
     text = np.frombuffer(json.dumps(told, allow_nan=False).encode(), np.uint8)
     # numpy's own savez would leave the archive open when the disk is full, to complain about it later.
-    with replacing(path) as file, zipfile.ZipFile(file, "w") as archive:
+    with atomic_write(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, array in {"snapshot": text, **arrays}.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, allow_pickle=False)
@@ -84,11 +84,15 @@ def load(path: str | Path) -> tuple[Scene, View, Settings]:
             told = json.loads(arrays.pop("snapshot").tobytes())
             version = told["version"]
         except Exception as error:  # whatever zipfile, numpy and json raise on bytes that are not theirs
-            raise SnapshotError(f"{path} is not a snapshot: {cut(str(error) or type(error).__name__)}.") from error
+            raise SnapshotError(
+                f"{path} is not a snapshot: {shortened(str(error) or type(error).__name__)}."
+            ) from error
     if version != VERSION:
-        raise SnapshotError(f"{path} is a snapshot of version {cut(str(version))}; this one reads version {VERSION}.")
+        raise SnapshotError(
+            f"{path} is a snapshot of version {shortened(str(version))}; this one reads version {VERSION}."
+        )
     scene, view, settings = (
-        _built(kind, told.get(name), name, arrays)
+        _from_json(kind, told.get(name), name, arrays)
         for name, kind in (("scene", Scene), ("view", View), ("settings", Settings))
     )
     _check_indices(scene)
@@ -120,38 +124,38 @@ def _member(content: IO[bytes]) -> np.ndarray:
     return np.frombuffer(content.read(), dtype).reshape(shape, order="F" if by_columns else "C")
 
 
-def _told(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+def _to_json(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
     """A value as JSON, its arrays put aside under the names of their places."""
     if is_dataclass(value):
         return {
-            member.name: _told(getattr(value, member.name), f"{place}/{member.name}", arrays)
+            member.name: _to_json(getattr(value, member.name), f"{place}/{member.name}", arrays)
             for member in fields(value)
         }
     if isinstance(value, tuple):
-        return [_told(item, f"{place}/{index}", arrays) for index, item in enumerate(value)]
+        return [_to_json(item, f"{place}/{index}", arrays) for index, item in enumerate(value)]
     if isinstance(value, np.ndarray):
         arrays[place] = value
         return None
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _built(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
-    """The value of a type that `_told` told of."""
+def _from_json(kind: Any, told: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+    """The value of a type that `_to_json` told of."""
     if isinstance(kind, type) and is_dataclass(kind):
         return _built_object(kind, told, place, arrays)
     if get_origin(kind) is tuple:
         if not isinstance(told, list):
             raise SnapshotError(f"The snapshot's {place} is not a list.")
         item = get_args(kind)[0]
-        return tuple(_built(item, each, f"{place}/{index}", arrays) for index, each in enumerate(told))
+        return tuple(_from_json(item, each, f"{place}/{index}", arrays) for index, each in enumerate(told))
     if issubclass(kind, Choice):
         if told not in list(kind):
-            raise SnapshotError(f"The snapshot's {place} is {cut(repr(told))}, none of {', '.join(kind)}.")
+            raise SnapshotError(f"The snapshot's {place} is {shortened(repr(told))}, none of {', '.join(kind)}.")
         return kind(told)
-    if kind is float and type(told) is int and abs(told) < FARTHEST:
+    if kind is float and type(told) is int and abs(told) < MAX_DISTANCE:
         told = float(told)
     if type(told) is not kind or (kind is float and not math.isfinite(told)):
-        raise SnapshotError(f"The snapshot's {place} is {cut(repr(told))}, which is no {kind.__name__}.")
+        raise SnapshotError(f"The snapshot's {place} is {shortened(repr(told))}, which is no {kind.__name__}.")
     return told
 
 
@@ -159,7 +163,9 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
     if not isinstance(told, dict):
         raise SnapshotError(f"The snapshot has no {place}.")
     if unknown := set(told) - {member.name for member in fields(kind)}:
-        raise SnapshotError(f"The snapshot's {place} has {cut(', '.join(sorted(unknown)))}, unknown to this version.")
+        raise SnapshotError(
+            f"The snapshot's {place} has {shortened(', '.join(sorted(unknown)))}, unknown to this version."
+        )
     hints = get_type_hints(kind)
     lengths: dict[str, int] = {}
     values = {}
@@ -167,15 +173,15 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
         where = f"{place}/{member.name}"
         if hints[member.name] is np.ndarray:
             values[member.name] = _array(SHAPES[kind, member.name], where, lengths, arrays)
-            _check_numbers(values[member.name], MOST.get((kind, member.name)), where)
+            _check_numbers(values[member.name], MAX_VALUES.get((kind, member.name)), where)
         elif member.name in told:
-            values[member.name] = _built(hints[member.name], told[member.name], where, arrays)
+            values[member.name] = _from_json(hints[member.name], told[member.name], where, arrays)
         elif member.default is MISSING:
             raise SnapshotError(f"The snapshot has no {where}.")
     try:
         return kind(**values)
     except ValueError as error:
-        raise SnapshotError(f"The snapshot's {place} cannot be used: {cut(str(error))}.") from error
+        raise SnapshotError(f"The snapshot's {place} cannot be used: {shortened(str(error))}.") from error
 
 
 def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
@@ -194,14 +200,14 @@ def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str,
         )
     ):
         seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
-        raise SnapshotError(f"The snapshot's {place} is {cut(seen)} where {expected} belongs.")
+        raise SnapshotError(f"The snapshot's {place} is {shortened(seen)} where {expected} belongs.")
     return np.ascontiguousarray(array)
 
 
 def _check_numbers(array: np.ndarray, most: float | None, place: str) -> None:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         raise SnapshotError(f"The snapshot's {place} holds numbers that are not finite.")
-    if most is not None and not within(array, most).all():
+    if most is not None and not is_within(array, most).all():
         raise SnapshotError(f"The snapshot's {place} holds numbers beyond {most:g}.")
 
 
@@ -213,9 +219,9 @@ def _check_vectors(scene: Scene) -> None:
         if not np.allclose(np.einsum("...i,...i", vectors, vectors), 1.0, atol=0.01):
             raise SnapshotError(f"The snapshot's {place} holds vectors that are not of unit length.")
     matrices = scene.instances.world_from_object
-    if not np.allclose(matrices[:, 3], (0.0, 0.0, 0.0, 1.0), atol=0.01) or not invertible(matrices[:, :3, :3]).all():
+    if not np.allclose(matrices[:, 3], (0.0, 0.0, 0.0, 1.0), atol=0.01) or not is_invertible(matrices[:, :3, :3]).all():
         raise SnapshotError("The snapshot's scene/instances/world_from_object flattens a mesh, or does not place it.")
-    if not spanning(scene.lights.axis_u, scene.lights.axis_v).all():
+    if not spans_plane(scene.lights.axis_u, scene.lights.axis_v).all():
         raise SnapshotError("The snapshot's scene/lights have one without a size.")
 
 
@@ -227,7 +233,7 @@ def _check_view(view: View) -> None:
     (x, y, z), depth = np.diag(view.clip_from_view)[:3], view.clip_from_view[2, 3]
     perspective = tuple(view.clip_from_view[3]) == (0.0, 0.0, -1.0, 0.0) and z <= -1.0 and depth < 0.0
     orthographic = tuple(view.clip_from_view[3]) == (0.0, 0.0, 0.0, 1.0) and z < 0.0
-    if min(abs(x), abs(y)) * FARTHEST < 1.0 or not (perspective or orthographic):
+    if min(abs(x), abs(y)) * MAX_DISTANCE < 1.0 or not (perspective or orthographic):
         raise SnapshotError("The snapshot's view/clip_from_view is neither a perspective nor an orthographic view.")
 
 
@@ -238,9 +244,9 @@ def _check_indices(scene: Scene) -> None:
         ("scene/instances/mesh", scene.instances.mesh, 0, meshes),
         ("scene/materials/image", scene.materials.image, -1, images),
         ("scene/lights/shape", scene.lights.shape, 0, len(LightShape)),
-        ("scene/lights/receivers", scene.lights.receivers, -1, MOST_GROUPS),
-        ("scene/lights/blockers", scene.lights.blockers, -1, MOST_GROUPS),
-        ("scene/instances/groups", scene.instances.groups, 0, 1 << MOST_GROUPS),
+        ("scene/lights/receivers", scene.lights.receivers, -1, MAX_LINK_GROUPS),
+        ("scene/lights/blockers", scene.lights.blockers, -1, MAX_LINK_GROUPS),
+        ("scene/instances/groups", scene.instances.groups, 0, 1 << MAX_LINK_GROUPS),
     ]
     for index, mesh in enumerate(scene.meshes):
         place = f"scene/meshes/{index}"

@@ -37,9 +37,9 @@ def device(opened_device):
 @pytest.fixture
 def worker():
     """A Worker, whose thread must have ended with it."""
-    from ism_addon.gpu.jobs.render_thread import Worker
+    from ism_addon.gpu.jobs.render_thread import RenderThread
 
-    made = Worker()
+    made = RenderThread()
     yield made
     made.stop()
     assert not [thread for thread in threading.enumerate() if thread.name == "ISM renderer"]

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import BLOCK
-from ism_addon.gpu.passes.film.accumulate import BLUR, WIDE, margin
+from ism_addon.gpu.frame import TILE_SIZE
+from ism_addon.gpu.passes.film.accumulate import RELATIVE_VARIANCE, WIDE_MARGIN, filter_margin
 from ism_addon.setting_limits import WIDEST_FILTER
 
 from . import reference
@@ -33,17 +33,17 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     And by the chance of the pixel's block, 0 if it is settled, over that of the sample's.
     """
     chances = texels(drawn.renderer.tables["chances"], drawn.renderer.last[0].blocks)
-    chances = chances.repeat(BLOCK, 0).repeat(BLOCK, 1)
+    chances = chances.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)
     chance, own_chance = chances[..., :1], chances[..., 1:]
     place = np.zeros((*drawn.part.shape, 2))
     blocks = drawn.renderer.tables["blocks"]
     column, row = blocks["block"].astype(int).T
     place[row, column] = blocks["place"]
     height, width = values.shape[:2]
-    pixels = place.repeat(BLOCK, 0).repeat(BLOCK, 1)[:height, :width]
-    if margin(reach) >= WIDE:  # all count as at the centres, and the filter is narrower by a pixel
-        pixels, reach = np.zeros_like(pixels), math.sqrt(reach**2 - BLUR)
-    part = drawn.part.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
+    pixels = place.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[:height, :width]
+    if filter_margin(reach) >= WIDE_MARGIN:  # all count as at the centres, and the filter is narrower by a pixel
+        pixels, reach = np.zeros_like(pixels), math.sqrt(reach**2 - RELATIVE_VARIANCE)
+    part = drawn.part.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
     total, most = np.zeros(values.shape), math.ceil(reach + 0.5)
     for y in range(-most, most + 1):
         for x in range(-most, most + 1):

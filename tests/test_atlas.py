@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.atlas import ATLAS_TEXELS, GRANULE, batches
+from ism_addon.gpu.atlas import ATLAS_TEXELS, MAP_SIZE_MULTIPLE, batches
 
 from .reference import nrmse
 from .scenes.small import box_over_plane
@@ -24,8 +24,8 @@ def test_no_light_point_is_lost_and_no_map_overlaps_another(points, map_size, te
         width, height = batch.size
         assert max(width, height) <= texture_size
         assert width * height <= ATLAS_TEXELS + batch.side * batch.side
-        assert batch.side % GRANULE == 0
-        assert batch.side >= min(map_size, texture_size // GRANULE * GRANULE)
+        assert batch.side % MAP_SIZE_MULTIPLE == 0
+        assert batch.side >= min(map_size, texture_size // MAP_SIZE_MULTIPLE * MAP_SIZE_MULTIPLE)
         corners = np.array([batch.corner(index) for index in range(batch.count)])
         assert len(np.unique(corners, axis=0)) == batch.count
         assert (corners % batch.side == 0).all()

@@ -70,7 +70,7 @@ def waits(calls: Counter) -> int:
 
 
 def test_an_ordinary_sample(samples, monkeypatch):
-    monkeypatch.setattr(submission, "SHORT", math.inf)  # however busy the machine is
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", math.inf)  # however busy the machine is
     for count in samples()[0][1:]:
         assert gl_calls.made(count) == 0, count
         assert waits(count) == 1, count
@@ -79,7 +79,7 @@ def test_an_ordinary_sample(samples, monkeypatch):
 
 def test_a_long_sample_is_waited_for_pass_by_pass(samples, monkeypatch):
     """Or who cancels it would not be heard before its end."""
-    monkeypatch.setattr(submission, "SHORT", 0.0)
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
     found, profile, _ = samples()
     assert sum(waits(count) for count in found) >= sum(row.drawn for row in profile.rows.values())
 
@@ -87,7 +87,7 @@ def test_a_long_sample_is_waited_for_pass_by_pass(samples, monkeypatch):
 @pytest.mark.parametrize("short", [0.0, math.inf])
 def test_passes_take_the_time_that_their_samples_take(samples, monkeypatch, short):
     """Waited for or not."""
-    monkeypatch.setattr(submission, "SHORT", short)
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", short)
     _, profile, seconds = samples()
     drawn = [row for row in profile.rows.values() if row.drawn]
     assert len(drawn) > 5

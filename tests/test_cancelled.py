@@ -36,7 +36,7 @@ class Watch:
         #: In that pass, how many looks find nothing.
         self.in_vain = 0
         self.most: dict[str, float] = {}
-        run, ask = Renderer.run, submission.Pace.ask
+        run, ask = Renderer.run, submission.Submission.ask
 
         def run_and_say(renderer, kind, frame, profile):
             self.now, self.asked = kind.__name__, 0.0
@@ -48,7 +48,7 @@ class Watch:
             self.most[self.now] = max(self.most.get(self.now, 0.0), self.asked)
 
         monkeypatch.setattr(Renderer, "run", run_and_say)
-        monkeypatch.setattr(submission.Pace, "ask", ask_and_note)
+        monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
 
     def cancelled(self) -> bool:
         self.asked = 0.0
@@ -59,10 +59,10 @@ class Watch:
 @pytest.fixture
 def watch(monkeypatch) -> Watch:
     """Of pictures whose passes all are long."""
-    monkeypatch.setattr(draw_limit, "MOST_RAYS", FEW)
-    monkeypatch.setattr(gbuffer, "PORTION", 10)
-    monkeypatch.setattr(point_cloud, "PORTION", 100)
-    monkeypatch.setattr(submission, "SHORT", 0.0)
+    monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", FEW)
+    monkeypatch.setattr(gbuffer, "TRIANGLES_AT_A_TIME", 10)
+    monkeypatch.setattr(point_cloud, "POINTS_AT_A_TIME", 100)
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
     return Watch(monkeypatch)
 
 
@@ -192,7 +192,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     """
     reached, asked_after, looks_after = threading.Event(), [], []
     watch = Watch(monkeypatch)
-    ask, look = submission.Pace.ask, submission.Pace.look
+    ask, look = submission.Submission.ask, submission.Submission.look
 
     def ask_and_note(its_pace, rays):
         ask(its_pace, rays)
@@ -209,8 +209,8 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
             while not job.cancelled and time.monotonic() < until:
                 time.sleep(0.001)
 
-    monkeypatch.setattr(submission.Pace, "ask", ask_and_note)
-    monkeypatch.setattr(submission.Pace, "look", look_and_wait)
+    monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
+    monkeypatch.setattr(submission.Submission, "look", look_and_wait)
     settings = with_quality(MAPS, light_points=4096, map_size=1024, surface_points=1 << 20)
     job = worker.start(Request(*box_over_plane(320, 180), settings), "client")
     (thread,) = (each for each in threading.enumerate() if each.name == "ISM renderer")
@@ -222,7 +222,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     assert ended(job)
     assert (job.error, job.picture()) == ("", None)
     assert looks_after == [stage]
-    assert sum(asked_after) <= draw_limit.MOST_RAYS
+    assert sum(asked_after) <= draw_limit.MAX_RAYS_PER_DRAW
     monkeypatch.undo()
     asked = Request(*box_over_plane(48, 32), MAPS)
     assert ended(again := worker.start(asked, "client"))

@@ -262,7 +262,7 @@ def test_images_that_are_drawn_smaller_are_told(call, tmp_path, monkeypatch):
     scene, view = box_over_plane(24, 16)
     path = tmp_path / "scene.npz"
     snapshot.save(path, replace(scene, images=(Image(np.zeros((256, 256, 4), np.uint8)),)), view, SETTINGS)
-    monkeypatch.setattr(setting_limits, "LINES", 3)
+    monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 3)
     status, _, error = call(path, "-o", tmp_path / "out.png")
     assert status == 0
     assert error.endswith("some not drawn at their size: 1 of 256×256 px at 1/2 of it.\n")

@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import EMPTY
-from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.atlas import NO_OCCLUDER
+from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.draw_limit import portions, rectangles
-from ism_addon.gpu.passes.film.accumulate import margin, rays_for
+from ism_addon.gpu.passes.film.accumulate import filter_margin, rays_for
 from ism_addon.gpu.passes.shadow_maps.gather import POINTS
-from ism_addon.gpu.passes.shadow_maps.splat import A_DISC, TEXELS
+from ism_addon.gpu.passes.shadow_maps.splat import RAYS_PER_DISC, TEXELS
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.gpu.submission import Pace
+from ism_addon.gpu.submission import Submission
 from ism_addon.scene import World
 from ism_addon.settings import SSAO
 
@@ -41,7 +41,7 @@ counts_draws = pytest.mark.skipif(
 @pytest.fixture
 def asked(monkeypatch) -> dict[str, list[float]]:
     """By pass, the rays of each draw."""
-    run, ask, now, asked = Renderer.run, Pace.ask, [""], {}
+    run, ask, now, asked = Renderer.run, Submission.ask, [""], {}
 
     def run_and_say(self, kind, frame, profile):
         now[0] = kind.__name__
@@ -52,7 +52,7 @@ def asked(monkeypatch) -> dict[str, list[float]]:
         ask(self, rays)
 
     monkeypatch.setattr(Renderer, "run", run_and_say)
-    monkeypatch.setattr(Pace, "ask", ask_and_note)
+    monkeypatch.setattr(Submission, "ask", ask_and_note)
     return asked
 
 
@@ -80,7 +80,7 @@ def test_a_picture_in_portions_is_the_same(device, monkeypatch, asked, case):
     view = replace(view, filter_width=filter_width)
     whole, draws = draw(device, scene, view, settings).color, {name: len(rays) for name, rays in asked.items()}
     asked.clear()
-    monkeypatch.setattr(draw_limit, "MOST_RAYS", FEW)
+    monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", FEW)
     assert np.array_equal(draw(device, scene, view, settings).color, whole)
     assert asked.keys() == draws.keys()
     assert all(len(rays) > draws[name] for name, rays in asked.items())
@@ -120,8 +120,8 @@ def test_a_usual_picture_is_drawn_at_once(device, asked):
 
 
 def test_draws_are_as_few_as_they_can_be():
-    assert [part.stop - part.start for part in portions(10, draw_limit.MOST_RAYS / 4)] == [4, 4, 2]
-    assert list(portions(3, 10.0 * draw_limit.MOST_RAYS)) == [slice(0, 1), slice(1, 2), slice(2, 3)]
+    assert [part.stop - part.start for part in portions(10, draw_limit.MAX_RAYS_PER_DRAW / 4)] == [4, 4, 2]
+    assert list(portions(3, 10.0 * draw_limit.MAX_RAYS_PER_DRAW)) == [slice(0, 1), slice(1, 2), slice(2, 3)]
     assert list(portions(0, 1.0)) == []
 
 
@@ -133,7 +133,7 @@ def test_pixels_of_large_pictures(size, rays, draws):
     """GatherLight's of most light points, too: a row each, or less where that is too much."""
     found = list(rectangles(size, rays))
     assert len(found) == draws
-    assert all(rays * width * height <= draw_limit.MOST_RAYS for _, _, width, height in found)
+    assert all(rays * width * height <= draw_limit.MAX_RAYS_PER_DRAW for _, _, width, height in found)
     drawn = np.zeros(size[::-1], np.uint8)
     for x, y, width, height in found:
         drawn[y : y + height, x : x + width] += 1
@@ -144,17 +144,17 @@ def test_pixels_of_large_pictures(size, rays, draws):
 def test_sums_of_a_wide_filter(device, monkeypatch, asked, reach):
     """A block's samples count for pixels around it, but for the first: for so many more, each of so many."""
     scene, view = box_over_plane(96, 64)
-    monkeypatch.setattr(draw_limit, "MOST_RAYS", 5000)
+    monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 5000)
     draw(device, scene, replace(view, filter_width=reach), with_quality(SMALL_SETTINGS, samples=2))
-    around = margin(reach)
+    around = filter_margin(reach)
     a_pixel = rays_for((2 * around + 1) ** 2)
-    a_block = a_pixel * (BLOCK + 2 * around) ** 2
-    assert len(asked["Accumulate"]) == draws_of(96, a_pixel * BLOCK**2) + draws_of(96, a_block)
+    a_block = a_pixel * (TILE_SIZE + 2 * around) ** 2
+    assert len(asked["Accumulate"]) == draws_of(96, a_pixel * TILE_SIZE**2) + draws_of(96, a_block)
     assert asked["Accumulate"][-1] <= 5000
 
 
 def draws_of(count: int, rays: float) -> int:
-    return math.ceil(count / int(draw_limit.MOST_RAYS / rays))
+    return math.ceil(count / int(draw_limit.MAX_RAYS_PER_DRAW / rays))
 
 
 def test_discs_of_the_largest_maps(device, asked, monkeypatch):
@@ -163,15 +163,15 @@ def test_discs_of_the_largest_maps(device, asked, monkeypatch):
     small = with_quality(shadows(), light_points=1, map_size=64, surface_points=3000)
     large = with_quality(shadows(splat_size=8.0), light_points=1, map_size=1024, surface_points=3000)
     found = []
-    monkeypatch.setattr(draw_limit, "MOST_RAYS", 1 << 14)
+    monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 1 << 14)
     for settings in (small, large):
         drawn = draw(device, scene, view, settings)
         table, _ = drawn.renderer.tables["surface_points"]
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
         found.append(len(asked.pop("SplatMaps")))
-        assert found[-1] == draws_of(subset.count, A_DISC + texels / subset.count / TEXELS)
+        assert found[-1] == draws_of(subset.count, RAYS_PER_DISC + texels / subset.count / TEXELS)
         discs = drawn.target("splats")
-        assert texels > (discs < EMPTY).sum()
+        assert texels > (discs < NO_OCCLUDER).sum()
     assert found[0] == 1
     assert found[1] > 10

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.jobs.job import Job, Request
-from ism_addon.gpu.jobs.render_loop import draw as steps
-from ism_addon.gpu.passes.film.estimate_error import LEAST_SAMPLES
+from ism_addon.gpu.jobs.render_loop import draw_job as steps
+from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.gpu.profile import table
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.settings import Method, Shadow
@@ -49,7 +49,7 @@ def test_a_small_error_ends_it(drawn, device, method):
     settings = replace(SMALL_SETTINGS, shadow=Shadow(method=method))
     job, _ = drawn(settings, samples=4096, error_threshold=0.2)
     assert job.statistics["ended_by"] == "error"
-    assert LEAST_SAMPLES <= job.samples_done == job.picture().samples < 4096
+    assert MIN_SAMPLES_TO_STOP <= job.samples_done == job.picture().samples < 4096
     assert job.statistics["error"] < 0.2
     asked = with_quality(settings, samples=4096, error_threshold=0.2)
     assert np.array_equal(

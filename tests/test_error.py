@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.convergence import Error, mean_around
+from ism_addon.gpu.convergence import Convergence, neighbourhood_mean
 
 SHAPE = 40, 50
 
 
-def after(counts: np.ndarray, earlier: np.ndarray) -> tuple[Error, np.ndarray]:
+def after(counts: np.ndarray, earlier: np.ndarray) -> tuple[Convergence, np.ndarray]:
     """The estimate of blocks (H,W) of 64 means of normal samples, and the blocks' true mean squares."""
     random = np.random.default_rng(1)
     deviation = random.uniform(0.1, 3.0, SHAPE)
@@ -17,7 +17,7 @@ def after(counts: np.ndarray, earlier: np.ndarray) -> tuple[Error, np.ndarray]:
     upto = np.arange(samples.shape[-1])
     first = (samples * (upto < earlier[..., None, None])).sum(-1) / earlier[..., None]
     whole = (samples * (upto < counts[..., None, None])).sum(-1) / counts[..., None]
-    error = Error(SHAPE)
+    error = Convergence(SHAPE)
     for sample in upto:
         error.count(sample < counts)
     error.compare(((whole - first) ** 2).mean(-1), earlier)
@@ -44,7 +44,7 @@ def test_it_falls_as_samples_are_added():
 
 
 def test_nothing_is_known_before_the_second_sample():
-    error = Error(SHAPE)
+    error = Convergence(SHAPE)
     error.count(np.ones(SHAPE, bool))
     assert error.of_picture == np.inf
     error.settle(1.0)
@@ -61,7 +61,7 @@ def test_a_block_that_has_not_taken_part_is_as_before():
 
 
 def test_a_block_is_settled_if_it_and_those_about_it_are_good_enough():
-    error = Error((3, 7))
+    error = Convergence((3, 7))
     error.count(np.ones((3, 7), bool))
     error.variance[:] = 0.25
     error.variance[1, 1] = 10.0
@@ -72,7 +72,7 @@ def test_a_block_is_settled_if_it_and_those_about_it_are_good_enough():
 
 
 def test_a_settled_block_counts_no_further_sample():
-    error = Error((1, 2))
+    error = Convergence((1, 2))
     error.settled[0, 0] = True
     error.count(np.ones((1, 2), bool))
     assert error.counts.tolist() == [[0.0, 1.0]]
@@ -80,5 +80,5 @@ def test_a_settled_block_counts_no_further_sample():
 
 def test_mean_around():
     values = np.random.default_rng(5).random((4, 6))
-    assert mean_around(values)[1, 2] == pytest.approx(values[:3, 1:4].mean())
-    assert mean_around(values)[0, 0] == pytest.approx(np.pad(values, 1, mode="edge")[:3, :3].mean())
+    assert neighbourhood_mean(values)[1, 2] == pytest.approx(values[:3, 1:4].mean())
+    assert neighbourhood_mean(values)[0, 0] == pytest.approx(np.pad(values, 1, mode="edge")[:3, :3].mean())

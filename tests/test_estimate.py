@@ -34,7 +34,7 @@ def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width)
     drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
     (kinds, view, fine_pixels, lights, map_texels), *_ = asked
     assert lights == (1 if settings is SMALL_SETTINGS else 0)
-    others = memory_estimate.A_LIGHT * lights + memory_estimate.PICTURES
+    others = memory_estimate.TARGETS_PER_LIGHT * lights + memory_estimate.FULL_SIZE_IMAGES
     wanted = memory_estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
     assert wanted == pytest.approx(drawn.profile.counts["bytes_of_targets"], rel=0.1)
 
@@ -60,7 +60,11 @@ def test_what_is_there_already_is_not_taken_again(device, monkeypatch):
     scene, view = box_over_plane(64, 40)
     renderer = Renderer(device)
     draw(device, scene, view, SMALL_SETTINGS, renderer)
-    monkeypatch.setattr(memory_estimate, "LITTLE", (memory_estimate.A_LIGHT + memory_estimate.PICTURES + 50) * 64 * 40)
+    monkeypatch.setattr(
+        memory_estimate,
+        "NEGLIGIBLE_BYTES",
+        (memory_estimate.TARGETS_PER_LIGHT + memory_estimate.FULL_SIZE_IMAGES + 50) * 64 * 40,
+    )
     monkeypatch.setattr(memory_estimate, "free", lambda _gl: 0)
     draw(device, scene, view, SMALL_SETTINGS, renderer)
     with pytest.raises(MemoryError, match="128×40 pixels take"):

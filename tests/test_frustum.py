@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.culling.frustum_slices import MARGIN, parts_in_picture
+from ism_addon.gpu.culling.frustum_slices import MARGIN, visible_slices
 from ism_addon.spaces import anchor_of, camera_position
 
 from .studio import draw, from_above, look, placed, rubble, stage
@@ -33,7 +33,7 @@ def test_all_that_is_seen_is_in_them(device, seed):
     position = draw(device, scene, view).target("position")
     seen = position[position[..., 3] > 0.0][:, :3]
     assert len(seen) > 100
-    parts = parts_in_picture(boxes, view, anchor)
+    parts = visible_slices(boxes, view, anchor)
     bare = MARGIN / (1.0 + 2.0 * MARGIN) - 1e-6
     assert all_within(seen, parts, bare)
     assert not all_within(seen, parts, 3.0 * bare), "they might be anything"
@@ -41,7 +41,7 @@ def test_all_that_is_seen_is_in_them(device, seed):
 
 def test_what_is_beside_the_picture_is_in_none():
     wide = np.array([[-100.0, -100.0, -1.0], [100.0, 100.0, 0.0]])[..., None]
-    low, high = parts_in_picture(wide, from_above(2.0), np.zeros(3))
+    low, high = visible_slices(wide, from_above(2.0), np.zeros(3))
     assert np.abs([low[:2], high[:2]]).max() < 1.0 + 2.0 * MARGIN + 0.2
     aside = np.array([[5.0, 5.0, -1.0], [6.0, 6.0, 0.0]])[..., None]
-    assert parts_in_picture(aside, from_above(2.0), np.zeros(3)).shape == (2, 3, 0)
+    assert visible_slices(aside, from_above(2.0), np.zeros(3)).shape == (2, 3, 0)

@@ -13,8 +13,8 @@ from ism_addon.gpu.gl import depth
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.renderer import Renderer, places_in_pixel
-from ism_addon.sampling import grid
+from ism_addon.gpu.renderer import Renderer, samples_per_visibility_buffer
+from ism_addon.sampling import pixel_grid
 from ism_addon.scene import Image
 
 from . import reference
@@ -259,8 +259,8 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
     settings = with_quality(MAPS, samples=samples)
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
-        count = places_in_pixel(view, samples, device.texture_size)
-        place = grid(newest // count, count).places[newest % count]
+        count = samples_per_visibility_buffer(view, samples, device.texture_size)
+        place = pixel_grid(newest // count, count).places[newest % count]
         shift = np.eye(4)
         shift[:2, 3] = -2.0 * place / (48, 36)
         moved = replace(view, clip_from_view=shift @ view.clip_from_view)

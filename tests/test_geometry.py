@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.accel.blas import mesh_tree
+from ism_addon.gpu.accel.blas import build_blas
 from ism_addon.gpu.buffers import mesh_buffers
-from ism_addon.gpu.buffers.mesh_buffers import PORTION, Coordinates, Geometry, arrays_of, portions, uvs_of
+from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers, UVBuffers, buffers_of, portions, uvs_of
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.scene import Image
 
@@ -16,7 +16,7 @@ from .scenes.small import sphere
 from .studio import draw, from_above, light, quad, rubble, stage
 
 
-def uploaded(made: Geometry) -> tuple[np.ndarray, np.ndarray]:
+def uploaded(made: MeshBuffers) -> tuple[np.ndarray, np.ndarray]:
     """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the arrays."""
     count = made.count
     words = np.frombuffer(made.arrays["corners"].buffer.read(), np.uint32)[: 8 * count].reshape(-1, 8)
@@ -34,9 +34,9 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
     ball = sphere((0.3, 0.0, 1.0), 0.5, 16, 8)
     smooth = np.zeros_like(ball.positions)
     smooth[ball.triangles] = ball.normals
-    meshes = (rubble(5), rubble(PORTION + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
-    trees = dict(enumerate(map(mesh_tree, meshes))) if sorted_by_trees else {}
-    made = Geometry(device, meshes, sorted_by_trees)
+    meshes = (rubble(5), rubble(TRIANGLES_AT_A_TIME + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
+    trees = dict(enumerate(map(build_blas, meshes))) if sorted_by_trees else {}
+    made = MeshBuffers(device, meshes, sorted_by_trees)
     for some in wanted:
         made.add(some, trees)
     corners, normals = uploaded(made)
@@ -51,21 +51,21 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
 @pytest.mark.parametrize("portion", [0, 1])
 def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
     """Another renderer may use the same geometry."""
-    meshes = rubble(5), rubble(PORTION, seed=1), rubble(7, seed=2)
-    made, done = Geometry(device, meshes, in_trees=False), []
+    meshes = rubble(5), rubble(TRIANGLES_AT_A_TIME, seed=1), rubble(7, seed=2)
+    made, done = MeshBuffers(device, meshes, in_trees=False), []
 
     def some(pieces):
         if len(done) == portion:
             raise MemoryError
-        done.append(arrays_of(pieces))
+        done.append(buffers_of(pieces))
         return done[-1]
 
     made.add((2,), {})
     with monkeypatch.context() as short, pytest.raises(MemoryError):
-        short.setattr(mesh_buffers, "AHEAD", 0)
-        short.setattr(mesh_buffers, "arrays_of", some)
+        short.setattr(mesh_buffers, "PORTIONS_AHEAD", 0)
+        short.setattr(mesh_buffers, "buffers_of", some)
         made.add((0, 1), {})
-    assert made.add((0, 1), {}) == 44 * (PORTION + 5)
+    assert made.add((0, 1), {}) == 44 * (TRIANGLES_AT_A_TIME + 5)
     corners, _ = uploaded(made)
     for k, mesh in enumerate(meshes):
         own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
@@ -74,9 +74,11 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
 
 
 def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatch, device):
-    meshes = tuple(replace(rubble(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, PORTION, 7))
-    made = Geometry(device, meshes, in_trees=False)
-    coordinates, done = Coordinates(device, made), []
+    meshes = tuple(
+        replace(rubble(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, TRIANGLES_AT_A_TIME, 7)
+    )
+    made = MeshBuffers(device, meshes, in_trees=False)
+    coordinates, done = UVBuffers(device, made), []
     made.add((0,), {})
     coordinates.follow()
 
@@ -88,12 +90,14 @@ def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatc
 
     made.add((1, 2), {})
     with monkeypatch.context() as short, pytest.raises(MemoryError):
-        short.setattr(mesh_buffers, "AHEAD", 0)
+        short.setattr(mesh_buffers, "PORTIONS_AHEAD", 0)
         short.setattr(mesh_buffers, "uvs_of", some)
         coordinates.follow()
     coordinates.follow()
     found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)
-    assert np.array_equal(found[: 6 * made.count], np.repeat([5, PORTION, 7], [6 * 5, 6 * PORTION, 6 * 7]))
+    assert np.array_equal(
+        found[: 6 * made.count], np.repeat([5, TRIANGLES_AT_A_TIME, 7], [6 * 5, 6 * TRIANGLES_AT_A_TIME, 6 * 7])
+    )
 
 
 @pytest.mark.parametrize("sorted_by_trees", [False, True])
@@ -103,10 +107,10 @@ def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(devic
     counts = (3, 12, 40, 7)
     uvs = [random.random((count if k != 1 else 0, 3, 2), np.float32) for k, count in enumerate(counts)]
     meshes = tuple(replace(rubble(count, seed=k), uvs=uvs[k]) for k, count in enumerate(counts))
-    trees = dict(enumerate(map(mesh_tree, meshes))) if sorted_by_trees else {}
-    made = Geometry(device, meshes, sorted_by_trees)
+    trees = dict(enumerate(map(build_blas, meshes))) if sorted_by_trees else {}
+    made = MeshBuffers(device, meshes, sorted_by_trees)
     made.add(range(4), trees)
-    coordinates = Coordinates(device, made)
+    coordinates = UVBuffers(device, made)
     coordinates.follow()
     found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
     orders = [trees[k].order if trees else np.arange(count) for k, count in enumerate(counts)]
@@ -131,7 +135,7 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
 
 
 def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
-    monkeypatch.setattr(mesh_buffers, "MOST_TRIANGLES", 100)
+    monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
-        Geometry(device, (rubble(60), rubble(41)), in_trees=False)
-    assert Geometry(device, (rubble(60), rubble(40)), in_trees=False).add((0, 1), {}) == 44 * 100
+        MeshBuffers(device, (rubble(60), rubble(41)), in_trees=False)
+    assert MeshBuffers(device, (rubble(60), rubble(40)), in_trees=False).add((0, 1), {}) == 44 * 100

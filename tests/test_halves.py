@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import BLOCK
-from ism_addon.gpu.passes.film.estimate_error import LEAST_SAMPLES
+from ism_addon.gpu.frame import TILE_SIZE
+from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.settings import SSAO
 
 from .scenes.small import SMALL
@@ -24,7 +24,7 @@ LEAST, MOST = 0.6, 1.6
 def blocks(values: np.ndarray) -> np.ndarray:
     """(H,W): means over blocks of pixels."""
     height, width = values.shape
-    return values.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).mean((1, 3))
+    return values.reshape(height // TILE_SIZE, TILE_SIZE, width // TILE_SIZE, TILE_SIZE).mean((1, 3))
 
 
 def small(name: str) -> tuple:
@@ -113,7 +113,7 @@ def test_a_settled_block_is_drawn_no_more_and_stays_as_it_is(device):
     settled = before.renderer.error.settled
     assert 0.1 < settled.mean() < 0.9
     after = draw(device, *small("pillar field"), settings, last=127)
-    pixels = settled.repeat(BLOCK, 0).repeat(BLOCK, 1)
+    pixels = settled.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)
     for name in ("sum", "sum_correction", "weights"):
         assert np.array_equal(before.target(name)[pixels], after.target(name)[pixels])
         assert not np.array_equal(before.target(name)[~pixels], after.target(name)[~pixels])
@@ -125,17 +125,17 @@ def test_blocks_beside_settled_ones_have_no_seams(device, truth):
     name = "pillar field"
     drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=512, error_threshold=0.02))
     off = ((drawn.color - truth(name))[..., :3] ** 2).mean(-1)
-    x, y = np.meshgrid(*(np.arange(size) % BLOCK for size in SIZE))
-    border = (x % (BLOCK - 1) == 0) | (y % (BLOCK - 1) == 0)
+    x, y = np.meshgrid(*(np.arange(size) % TILE_SIZE for size in SIZE))
+    border = (x % (TILE_SIZE - 1) == 0) | (y % (TILE_SIZE - 1) == 0)
     assert np.sqrt(off[border].mean() / off[~border].mean()) < 1.3
 
 
 @pytest.mark.parametrize("name", SMALL)
 def test_no_block_is_settled_early_and_none_without_a_threshold_or_skipping(device, name):
     coarse = with_quality(SMALL_SETTINGS, samples=512, error_threshold=1.0)
-    assert not draw(device, *small(name), coarse, last=LEAST_SAMPLES - 2).renderer.error.settled.any()
-    assert draw(device, *small(name), coarse, last=LEAST_SAMPLES - 1).renderer.error.settled.all()
-    without = draw(device, *small(name), replace(coarse, skip=False), last=LEAST_SAMPLES)
+    assert not draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 2).renderer.error.settled.any()
+    assert draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 1).renderer.error.settled.all()
+    without = draw(device, *small(name), replace(coarse, skip=False), last=MIN_SAMPLES_TO_STOP)
     assert not without.renderer.error.settled.any()
     assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.settled.any()
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.shadow_maps.virtual_lights import point_tables
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 from ism_addon.scene import LightShape
 
 from .studio import MAPS, both, draw, light, look, quad, stage, with_quality
@@ -24,7 +24,7 @@ def lamps():
 def test_the_rows_of_a_light_lead_to_its_points():
     lights = lamps()
     counts = {0: 7, 2: 93}
-    table, _, points = point_tables(lights, counts, 3, ORIGIN)
+    table, _, points = virtual_light_tables(lights, counts, 3, ORIGIN)
     assert dict(zip(table["light"], table["count"], strict=True)) == counts
     assert len(points) == 100
     for row, index in enumerate(counts):
@@ -39,7 +39,7 @@ def test_the_rows_of_a_light_lead_to_its_points():
 
 
 def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
-    _, _, points = point_tables(lamps(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
+    _, _, points = virtual_light_tables(lamps(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
     tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
     assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
     assert np.abs((tangent * normal).sum(1)).max() < 1e-6
@@ -48,7 +48,7 @@ def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
 
 def test_each_sample_has_other_points_and_together_they_fill_the_light():
     lights = light()
-    samples = [point_tables(lights, {0: 16}, sample, ORIGIN)[2]["position"] for sample in range(64)]
+    samples = [virtual_light_tables(lights, {0: 16}, sample, ORIGIN)[2]["position"] for sample in range(64)]
     assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
     counts = np.histogram2d(*np.concatenate(samples)[:, :2].T, 8, ((-0.5, 0.5), (-0.5, 0.5)))[0]
     assert counts.min() > 0.5 * 16
@@ -56,14 +56,14 @@ def test_each_sample_has_other_points_and_together_they_fill_the_light():
 
 
 def test_two_equal_lights_have_different_points():
-    _, _, points = point_tables(both(light(), light()), {0: 16, 1: 16}, 0, ORIGIN)
+    _, _, points = virtual_light_tables(both(light(), light()), {0: 16, 1: 16}, 0, ORIGIN)
     assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
 def test_light_points_are_exact_far_away():
     far = np.array([1e7, 0.0, -1e7])
-    here = point_tables(light(), {0: 10}, 0, ORIGIN)
-    there = point_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)
+    here = virtual_light_tables(light(), {0: 10}, 0, ORIGIN)
+    there = virtual_light_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)
     assert there[2]["position"] == pytest.approx(here[2]["position"], abs=1e-6)
     assert there[1]["place"] == pytest.approx(here[1]["place"], abs=1e-6)
 

@@ -10,7 +10,7 @@ import pytest
 from ism_addon import snapshot
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.setting_limits import beyond_limits, within_limits
-from ism_addon.settings import SECTIONS, Quality, Settings, controls
+from ism_addon.settings import SECTIONS, Quality, Settings, setting_fields
 
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw
@@ -19,7 +19,7 @@ from .test_worker import begun, ended
 NUMBERS = [
     pytest.param(name, member, control, id=member.name)
     for name, section in SECTIONS.items()
-    for member, control in controls(section)
+    for member, control in setting_fields(section)
     if control.low is not None
 ]
 

@@ -49,7 +49,7 @@ def test_only_the_linked_cast_shadows(device, settings):
 
 
 def test_of_lights_that_are_dim_too(device, monkeypatch):
-    monkeypatch.setattr(cull_lights, "DIM", np.inf)
+    monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
         found = halves(device, SETTINGS[Method.FITTED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
         assert tuple(half > 0.0 for half in found) == lit

@@ -35,7 +35,7 @@ def test_lines_are_those_of_the_halved_copies(size):
     chain = mip_chain(noise(*size).texels)
     for halved in range(len(chain)):
         texels = sum(len(copy) for copy in chain[halved:])
-        assert lines_for(size, halved) == -(-texels // setting_limits.WIDTH)
+        assert lines_for(size, halved) == -(-texels // setting_limits.TEXTURE_WIDTH)
 
 
 def test_images_that_fit_are_drawn_as_they_are():
@@ -47,7 +47,7 @@ def test_images_that_fit_are_drawn_as_they_are():
 
 def test_the_largest_are_halved_until_all_fit(monkeypatch):
     images = noise(64, 64), noise(512, 256), noise(256, 512), noise(1024, 1024)
-    monkeypatch.setattr(setting_limits, "LINES", 25)
+    monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 25)
     halved = images_within_limits(images)
     assert halved == [0, 1, 0, 2]
     assert sum(lines_for(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)) <= 25
@@ -64,7 +64,7 @@ def test_a_smaller_copy_is_drawn_like_an_image_of_its_size(device, monkeypatch):
     whole = draw(device, scene, view).color
     halved = Image(mip_chain(large.texels)[1].reshape(128, 64, 4))
     expected = draw(device, *painted(small, halved)).color
-    monkeypatch.setattr(setting_limits, "LINES", 2)
+    monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 2)
     assert images_within_limits(scene.images) == [0, 1]
     found = draw(device, *painted(Image(small.texels), Image(large.texels))).color  # others, for the device knows these
     assert np.abs(found - expected).max() < 0.01

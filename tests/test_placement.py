@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.buffers import instance_buffers
-from ism_addon.gpu.buffers.instance_buffers import Draw, Ranges, portions
+from ism_addon.gpu.buffers.instance_buffers import DrawCall, MultiDrawCall, portions
 from ism_addon.scene import Scene
 
 from .studio import SMALL_SETTINGS, draw, light, look, placed, rubble, stage
@@ -17,7 +17,7 @@ SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
 
 @pytest.mark.parametrize("most", [1, 7, 64, 1000])
 def test_portions_are_all_triangles_of_all_draws_once(most):
-    draws = [Draw(5, 100, 0, 3), Draw(105, 7, 3, 1), Draw(112, 0, 4, 2), Draw(112, 4, 6, 50)]
+    draws = [DrawCall(5, 100, 0, 3), DrawCall(105, 7, 3, 1), DrawCall(112, 0, 4, 2), DrawCall(112, 4, 6, 50)]
     parts = list(portions(iter(draws), most))
     assert all(0 < part.triangles * part.instances <= max(most, part.instances) for part in parts)
     for draw_call in draws:
@@ -33,7 +33,7 @@ def test_portions_are_all_ranges_once(most):
     random = np.random.default_rng(0)
     counts, gaps = random.integers(1, 20, 50), random.integers(0, 2, 50) * 5
     first = np.cumsum(counts + gaps) - counts
-    parts = list(portions(iter([Ranges(first, counts)]), most))
+    parts = list(portions(iter([MultiDrawCall(first, counts)]), most))
     assert all(part.triangles.sum() < most + counts.max() for part in parts)
     drawn = [
         k for part in parts for f, n in zip(part.first_triangle, part.triangles, strict=True) for k in range(f, f + n)
@@ -66,7 +66,7 @@ def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(d
     pictures = {}
     for together in (True, False):
         if not together:
-            monkeypatch.setattr(instance_buffers, "MOST_OWNERS", 0)
+            monkeypatch.setattr(instance_buffers, "MAX_OWNERS_RATIO", 0)
         pictures[together] = draw(device, scene, view, settings)
     assert np.array_equal(pictures[True].target("triangle"), pictures[False].target("triangle"))
     assert np.array_equal(pictures[True].color, pictures[False].color)

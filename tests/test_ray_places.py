@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.direct import trace_faint_lights, trace_shadows
-from ism_addon.sampling import PIXEL_STEPS, RAY_STEPS, TURN_STEPS, additive_sequence, grid
+from ism_addon.sampling import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, pixel_grid, rd_sequence
 from ism_addon.scene import Scene, View
 
 from .studio import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
@@ -39,7 +39,7 @@ def errors(ray_steps, pixel_steps, samples: int) -> tuple[float, float]:
     """Of filtered pixels, of all rays but the first sample's; and of windows of 5×5 pixels, of the first three rays."""
     normals, offsets, seen = half_seen_lights(60)
     start = order_of_pixels()[..., None] * np.array(pixel_steps)
-    places = np.concatenate([grid(number, 16).places for number in range(samples // 16)])
+    places = np.concatenate([pixel_grid(number, 16).places for number in range(samples // 16)])
     inner = SIZE - 4
     filtered, weights, window = 0.0, 0.0, 0.0
     for number, place in enumerate(places[1:], 1):
@@ -54,14 +54,14 @@ def errors(ray_steps, pixel_steps, samples: int) -> tuple[float, float]:
 
 def test_rays_are_even_together_with_the_places_in_the_pixel():
     """The additive sequence of two dimensions (Roberts 2018), which is even by itself, leaves half as much again."""
-    steps = np.diff(additive_sequence(0, 2, 2), axis=0)[0] % 1.0
+    steps = np.diff(rd_sequence(0, 2, 2), axis=0)[0] % 1.0
     for samples in (16, 32, 64):
-        ours, theirs = errors(RAY_STEPS, PIXEL_STEPS, samples), errors(steps, steps[::-1], samples)
+        ours, theirs = errors(RAY_INCREMENTS, PIXEL_INCREMENTS, samples), errors(steps, steps[::-1], samples)
         assert ours[0] < {16: 0.9, 32: 0.75, 64: 0.75}[samples] * theirs[0]
         assert ours[1] < 1.05 * theirs[1]
 
 
-@pytest.mark.parametrize("steps", [RAY_STEPS, PIXEL_STEPS, TURN_STEPS])
+@pytest.mark.parametrize("steps", [RAY_INCREMENTS, PIXEL_INCREMENTS, TURN_INCREMENTS])
 def test_no_sequence_comes_back_to_where_it_was(steps):
     """In thousands of members: evenly spread, the N-th would be no nearer to the start than about 1 / N."""
     members = np.arange(1, 4097)
@@ -85,7 +85,7 @@ def seen(device, monkeypatch):
     """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
     for module in trace_shadows, trace_faint_lights:  # all have one: it does not matter when it is their turn
         monkeypatch.setattr(module, "LEAST_CHANCE", 1.0)
-    monkeypatch.setattr(trace_faint_lights, "LEAST_TURN", 1.0)
+    monkeypatch.setattr(trace_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))

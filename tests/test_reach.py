@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.culling.surface_bounds import Bounds, Lamps, light_on
-from ism_addon.gpu.frame import BLOCK
+from ism_addon.gpu.culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
+from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.scene import LightShape
 from ism_addon.settings import SSAO, Settings
@@ -24,11 +24,11 @@ SIZE = 160, 96
 WITHOUT_NOISE = 1e-6
 
 
-def bounds_of(positions: np.ndarray, normals: np.ndarray) -> Bounds:
+def bounds_of(positions: np.ndarray, normals: np.ndarray) -> SurfaceBounds:
     """Of one block that shows points (P,3) with normals (P,3)."""
     lowest, highest = np.append(positions.min(0), 1.0), np.append(positions.max(0), 0.0)
     facing = np.append(normals[0], (normals @ normals[0]).min())
-    return Bounds.of(*(row.astype(np.float32)[None, None] for row in (lowest, highest, facing)))
+    return SurfaceBounds.of(*(row.astype(np.float32)[None, None] for row in (lowest, highest, facing)))
 
 
 @settings(deadline=None, derandomize=True)
@@ -43,7 +43,7 @@ def test_no_light_is_brighter_than_its_bound(seed, near, spread, tilt):
     frame, size = basis(random.normal(size=3)), 10.0 ** random.uniform(-2.0, 0.5, 2)
     shape = LightShape(int(random.integers(2)))
     lamp = light(shape, random.normal(size=3) * 10.0**-near, size[0] * frame[0], size[1] * frame[1], 1.0, spread)
-    (most,), _ = light_on(bounds_of(points, normals), Lamps.of(lamp, np.zeros(3)))
+    (most,), _ = irradiance_bound(bounds_of(points, normals), LightBounds.of(lamp, np.zeros(3)))
     found = [reference.irradiance(p, n, lamp, 0, 24) for p, n in zip(points, normals, strict=True)]
     assert max(found) <= 1.05 * most[0] + 1e-9, "beyond what the sum over the light may be off by"
 
@@ -52,7 +52,9 @@ def test_far_from_a_light_the_guess_is_good():
     points = np.random.default_rng(0).uniform(-0.05, 0.05, (20, 3)) * (1.0, 1.0, 0.0)
     for number, spread in enumerate((np.pi, 1.0)):
         lamp = light(LightShape(number), (0.7, -0.4, 3.0), (0.3, 0, 0), (0, -0.4, 0), 1.0, spread)
-        (most,), (guess,) = light_on(bounds_of(points, np.tile((0, 0, 1.0), (20, 1))), Lamps.of(lamp, np.zeros(3)))
+        (most,), (guess,) = irradiance_bound(
+            bounds_of(points, np.tile((0, 0, 1.0), (20, 1))), LightBounds.of(lamp, np.zeros(3))
+        )
         assert guess[0] == pytest.approx(reference.irradiance(np.zeros(3), np.array([0, 0, 1.0]), lamp, 0), rel=0.02)
         assert guess[0] < most[0] < 2.0 * guess[0] * (1.0 if number == 0 else 3.0)
 
@@ -63,7 +65,7 @@ def test_what_cannot_be_reached_has_a_bound_of_nothing():
     turned, below = light(axis_v=(0, 1, 0)), light(position=(0, 0, -1.0), axis_v=(0, 1, 0))
     beside, above = light(position=(3.0, 0, 2.0), spread=1.0), light(position=(0.5, 0, 2.0), spread=1.0)
     for lamp, reaches in ((turned, False), (below, False), (beside, False), (above, True), (light(), True)):
-        assert light_on(floor, Lamps.of(lamp, np.zeros(3)))[0].any() == reaches
+        assert irradiance_bound(floor, LightBounds.of(lamp, np.zeros(3)))[0].any() == reaches
 
 
 def drawn_rooms(device, idle: dict[str, int], samples: int = 8):
@@ -78,7 +80,7 @@ def drawn_rooms(device, idle: dict[str, int], samples: int = 8):
 def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
     expected, found = alone.color[..., :3], drawn.color[..., :3]
-    allowed = cull_lights.NEGLIGIBLE if why == "faint" else WITHOUT_NOISE
+    allowed = cull_lights.MAX_CULLED_FRACTION if why == "faint" else WITHOUT_NOISE
     assert np.sqrt(((found - expected) ** 2).mean()) <= allowed * expected.mean()
     assert set(drawn.renderer.tables["found"]) == set(range(5)), "only those that matter have textures of their own"
     reached = drawn.renderer.tables["reach"]
@@ -90,7 +92,7 @@ def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
 
 def test_without_its_bounds_the_test_above_would_fail(device, monkeypatch):
     """Faint lights count when nothing is negligible."""
-    monkeypatch.setattr(cull_lights, "NEGLIGIBLE", 0.0)
+    monkeypatch.setattr(cull_lights, "MAX_CULLED_FRACTION", 0.0)
     assert len(drawn_rooms(device, {"faint": 40}, 1).renderer.tables["reach"]) == 45
 
 
@@ -108,7 +110,7 @@ def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
 @pytest.mark.parametrize("radiance", [0.1, 0.04], ids=["alone", "by the block"])
 def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device, monkeypatch, radiance):
     """Twenty lights over a screen with a hole, beside one under it: what comes through is right, sooner or later."""
-    monkeypatch.setattr(cull_lights, "MANY", 0)  # as few first rays as a large picture has for its size
+    monkeypatch.setattr(cull_lights, "MANY_LIGHTS", 0)  # as few first rays as a large picture has for its size
     screens = [
         quad((-40, -40, 1.0), (40.3, 0, 0), (0, 80, 0)),
         quad((0.6, -40, 1.0), (40, 0, 0), (0, 80, 0)),
@@ -158,7 +160,7 @@ def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monk
     truth, _ = reference.picture(scene, view, 16)
     errors = []
     for dim in (0.0, np.inf):
-        monkeypatch.setattr(cull_lights, "DIM", dim)
+        monkeypatch.setattr(cull_lights, "FAINT_FRACTION", dim)
         drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=256))
         assert bool(drawn.renderer.tables["found"]) == (dim == 0.0)
         errors.append(reference.nrmse(drawn.color[..., :3].reshape(-1, 3), truth))
@@ -181,7 +183,7 @@ def test_more_lights_than_fit_a_strip(device):
     meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (0.6, 0.0, 0.0), (0.0, 0.6, 0.0))
     scene, view, settings = stage(meshes, lights), from_above(4.0, (96, 96)), with_quality(SMALL_SETTINGS, samples=2)
     found = draw(replace(device, texture_size=100), scene, view, settings)
-    assert -(-view.height // BLOCK // cull_lights.NEARER) * len(rows) > 100
+    assert -(-view.height // TILE_SIZE // cull_lights.FINE_TILE_SPACING) * len(rows) > 100
     assert found.profile.counts["lights_used"] == len(rows)
     assert np.array_equal(found.color, draw(device, scene, view, settings).color)
 

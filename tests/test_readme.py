@@ -3,7 +3,7 @@
 
 from dataclasses import Field
 
-from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, DebugView, Settings, controls, explained
+from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, DebugView, Settings, help_text, setting_fields
 from tests.tools.project import ROOT
 
 HOMES = {
@@ -19,7 +19,7 @@ def table() -> str:
     lines = []
     for home, section in HOMES.items():
         lines += [f"| `{home}` | default | |", "|---|---|---|"]
-        lines += [row(section, member, control) for member, control in controls(section)]
+        lines += [row(section, member, control) for member, control in setting_fields(section)]
         lines.append("")
     return "\n".join(lines)
 
@@ -35,7 +35,7 @@ def row(section: type, member: Field, control: Control) -> str:
         shown = f"{value}, viewport {getattr(VIEWPORT, member.name)}"
     else:
         shown = {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else value
-    meaning = explained(member, control)
+    meaning = help_text(member, control)
     if member.type is DebugView:
         meaning = f"{control.meaning}: {', '.join(DebugView)}"
     unit = {"DISTANCE": " m", "TIME_ABSOLUTE": " s"}.get(control.unit, "")

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import BLOCK
-from ism_addon.gpu.passes.film.resolve import EVENNESS
+from ism_addon.gpu.frame import TILE_SIZE
+from ism_addon.gpu.passes.film.resolve import STRATIFICATION_EXPONENT
 
 from .scenes.small import box_over_plane
 from .studio import SMALL_SETTINGS, draw, put, with_quality
@@ -24,8 +24,8 @@ def resolved(
     """
     drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=3))  # not resolved yet
     renderer = drawn.renderer
-    blocks = np.broadcast_to(np.float32(count), (HEIGHT // BLOCK, WIDTH // BLOCK))
-    samples = blocks.repeat(BLOCK, 0).repeat(BLOCK, 1)[..., None]
+    blocks = np.broadcast_to(np.float32(count), (HEIGHT // TILE_SIZE, WIDTH // TILE_SIZE))
+    samples = blocks.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
     whole = np.concatenate([means * samples, samples], 2)
     parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
     put(renderer.targets["sum"], whole.astype(np.float32))
@@ -91,7 +91,7 @@ def test_noise_about_nothing_is_hardly_believed(device):
     for count in (2, 4, 16):
         corrections, squares, sizes = noisy(count, 0.0)
         left = resolved(device, random_picture(), corrections, squares, count, sizes=sizes) - random_picture()
-        believed = 1.0 - count**-EVENNESS
+        believed = 1.0 - count**-STRATIFICATION_EXPONENT
         assert np.sqrt((left**2).mean()) < (believed + 0.15) * np.sqrt((corrections**2).mean())
 
 
@@ -126,7 +126,7 @@ def test_the_neighbours_mean_keeps_the_edges_of_textures(device):
 
 
 def test_blocks_have_counts_of_their_own(device):
-    counts = np.random.default_rng(3).integers(2, 60, (HEIGHT // BLOCK, WIDTH // BLOCK))
+    counts = np.random.default_rng(3).integers(2, 60, (HEIGHT // TILE_SIZE, WIDTH // TILE_SIZE))
     means, corrections = random_picture(), random_picture(1)
     found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), counts)
     assert found == pytest.approx(means + corrections, abs=1e-5)

@@ -9,18 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.sampling import (
-    BLOCK,
-    GRIDS,
+    PIXEL_GRIDS,
+    POINTS_AT_A_TIME,
     Dimension,
-    additive_sequence,
     barycentric,
     disk,
-    grid,
-    narrow_grid,
+    narrow_pixel_grid,
+    pixel_grid,
     points_on_light,
     points_on_triangles,
+    proportional_counts,
+    rd_sequence,
     sequence,
-    shares,
     triangle_areas,
 )
 from ism_addon.scene import LightShape
@@ -98,8 +98,8 @@ def test_the_same_mesh_gives_the_same_points_and_any_slice_of_them():
 
 def test_blocks_join_without_a_seam():
     corners = uneven_triangles(3)
-    chosen, points = points_on_triangles(corners, BLOCK + 10)
-    late = points_on_triangles(corners, 20, first=BLOCK - 10)
+    chosen, points = points_on_triangles(corners, POINTS_AT_A_TIME + 10)
+    late = points_on_triangles(corners, 20, first=POINTS_AT_A_TIME - 10)
     assert np.array_equal(chosen[-20:], late[0])
     assert np.array_equal(points[-20:], late[1])
 
@@ -116,7 +116,7 @@ def test_triangles_without_area_get_no_points():
 @given(st.lists(st.floats(0.0, 1e6), min_size=1, max_size=60), st.integers(0, 100_000))
 def test_shares_sum_to_the_count_and_are_due(weights, count):
     weights = np.array(weights)
-    dealt = shares(weights, count)
+    dealt = proportional_counts(weights, count)
     assert dealt.min() >= 0
     if weights.sum() > 0.0:
         assert dealt.sum() == count
@@ -192,17 +192,17 @@ def test_every_decision_has_one_place():
 
 def test_every_run_of_the_sequence_is_evenly_spread():
     for first in (0, 17, 100_000):
-        values = additive_sequence(first, 64, 2)
+        values = rd_sequence(first, 64, 2)
         for column in np.sort(values, axis=0).T:
             assert np.diff(column, append=column[0] + 1.0).max() < 4.0 / 64  # random ones leave gaps of 5
 
 
 def places(samples: int, count: int) -> np.ndarray:
     """(samples,2) px off the pixel's centre."""
-    return np.concatenate([grid(number, count).places for number in range(samples // count)])
+    return np.concatenate([pixel_grid(number, count).places for number in range(samples // count)])
 
 
-@pytest.mark.parametrize("count", GRIDS)
+@pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_places_fill_the_pixel_evenly(count):
     offsets = places(8192, count)
     assert np.abs(offsets).max() <= 0.5
@@ -211,16 +211,16 @@ def test_places_fill_the_pixel_evenly(count):
     assert abs(np.corrcoef(offsets.T)[0, 1]) < 0.01
 
 
-@pytest.mark.parametrize("count", GRIDS)
+@pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_the_first_place_is_the_centre(count):
-    assert not grid(0, count).off.any()
-    assert not grid(0, count).places[0].any()
+    assert not pixel_grid(0, count).off.any()
+    assert not pixel_grid(0, count).places[0].any()
 
 
-@pytest.mark.parametrize("count", GRIDS)
+@pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_the_places_of_a_grid_are_the_fine_pixels_of_a_pixel(count):
     """Of each pixel others, and of all pixels together all that lie in the picture."""
-    grids = [grid(number, count) for number in (0, 1, 5, 77)]
+    grids = [pixel_grid(number, count) for number in (0, 1, 5, 77)]
     for one in grids:
         assert np.linalg.det(one.fine_from_pixel) == pytest.approx(count)
         assert one.texels == pytest.approx((one.places - one.off) @ one.fine_from_pixel.T, abs=1e-9)
@@ -232,10 +232,10 @@ def test_the_places_of_a_grid_are_the_fine_pixels_of_a_pixel(count):
     assert len({tuple(one.off) for one in grids}) == len(grids)
 
 
-@pytest.mark.parametrize("count", GRIDS)
+@pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_all_grids_of_as_many_places_fit_into_the_room_of_each(count):
     """And nearly fill it: a picture needs memory for its fine pixels once."""
-    grids = [grid(number, count) for number in range(500)]
+    grids = [pixel_grid(number, count) for number in range(500)]
     sizes = np.array([one.bounds(9, 7)[1] for one in grids])
     rooms = np.array([one.room(9, 7) for one in grids])
     assert (rooms == rooms[0]).all()
@@ -243,10 +243,10 @@ def test_all_grids_of_as_many_places_fit_into_the_room_of_each(count):
     assert (sizes.max(0) >= rooms[0] - 3).all()
 
 
-@pytest.mark.parametrize("count", GRIDS)
+@pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_a_fine_pixel_shows_what_is_at_its_place(count):
     """In clip coordinates: from a place in the picture to the centre of its pixel in the fine one."""
-    one, size = grid(3, count), np.array([9, 7])
+    one, size = pixel_grid(3, count), np.array([9, 7])
     turn, shift = one.fine_from_clip(*size)
     first, fine_size = one.bounds(*size)
     for pixel in ([0, 0], [8, 6], [3, 5]):
@@ -257,20 +257,20 @@ def test_a_fine_pixel_shows_what_is_at_its_place(count):
 
 
 def test_a_turned_grid_has_a_place_on_each_line_along_the_pixels_sides():
-    for column in grid(0, 16).places.T:
+    for column in pixel_grid(0, 16).places.T:
         assert len(set(np.round(column, 6))) == 16
 
 
 def test_the_first_few_places_are_spread_as_all_are():
     """Of four one in each quarter along either side, of eight one in each eighth."""
     for few in (4, 8):
-        for column in grid(0, 16).places[:few].T:
+        for column in pixel_grid(0, 16).places[:few].T:
             assert len(set(np.floor((column + 0.5) * few + 1e-9))) == few
 
 
 @pytest.mark.parametrize("reach", [0.01, 0.5])
 def test_a_narrow_filter_is_followed_by_the_places_themselves(reach):
-    offsets = np.concatenate([narrow_grid(number, reach).places for number in range(4096)])
+    offsets = np.concatenate([narrow_pixel_grid(number, reach).places for number in range(4096)])
     assert np.abs(offsets[0]).max() < 1e-12
     assert np.abs(offsets).max() <= reach
     t = np.linspace(-1.0, 1.0, 4001)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import SCOUTED
+from ism_addon.gpu.frame import PROBES
 
 from . import reference
 from .scenes.small import box_over_plane, pillar_field
@@ -19,7 +19,7 @@ EDGE = 0.02
 
 def scouted(drawn) -> dict[int, np.ndarray]:
     """Of each light, (H/2,W/2,2): rays that arrived, and rays."""
-    size = SCOUTED.size(*drawn.renderer.targets.sizes["position"])
+    size = PROBES.size(*drawn.renderer.targets.sizes["position"])
     return {int(index): texels(texture, size) / 255 for index, texture in drawn.renderer.tables["scouted"].items()}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.renderer import SHOWABLE
-from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, controls, explained
+from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, help_text, setting_fields
 
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
@@ -27,7 +27,7 @@ OTHER = {
 LIMITED = [
     pytest.param(name, member.name, control.method, id=member.name)
     for name in ("shadow", "quality")
-    for member, control in controls(SECTIONS[name])
+    for member, control in setting_fields(SECTIONS[name])
     if member.name not in ("method", "error_threshold", "time_limit")  # the last two end a picture: see test_ends
 ]
 
@@ -53,8 +53,8 @@ def test_the_methods_draw_different_pictures(device):
 
 def test_every_setting_is_explained_to_its_user():
     for section in (*SECTIONS.values(), ViewportQuality, Settings):
-        for member, control in controls(section):
-            text = explained(member, control)
+        for member, control in setting_fields(section):
+            text = help_text(member, control)
             assert text[0].isupper() and not text.endswith(".")
             assert (". For the method Classic only" in text) == (control.method is Method.CLASSIC)
             for choice in member.type if issubclass(member.type, Choice) else ():

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ism_addon.gpu.culling.shaft_culling import between
+from ism_addon.gpu.culling.shaft_culling import meets_shaft
 
 
 def some_boxes(random: np.random.Generator, count: int, reach: float, size: float) -> np.ndarray:
@@ -26,7 +26,7 @@ def test_no_box_on_a_line_between_two_is_missed():
     for at in random.random((20, 40, 1, 1)):
         points = (starts + at * (ends - starts)).transpose(1, 0, 2).reshape(3, -1)
         around = np.stack([points - 1e-9, points + 1e-9])
-        found = between(around, ones, others)
+        found = meets_shaft(around, ones, others)
         pair = np.tile(np.arange(300), 40)
         assert found[np.arange(len(pair)), pair].all()
 
@@ -42,7 +42,7 @@ def test_what_no_line_meets_is_left_out():
         *(normals @ (box.sum(0) / 2.0) + np.abs(normals) @ ((box[1] - box[0]) / 2.0) for box in (ones, others))
     )
     apart = np.array([(nearest[:, [k]] > farthest).any(0) for k in range(boxes.shape[2])])
-    found = between(boxes, ones, others)
+    found = meets_shaft(boxes, ones, others)
     assert not (found & apart).any()
     assert 0.02 < found.mean() < 0.5
     assert (found | apart).mean() > 0.97, "the planes tried do not tell enough apart"
@@ -55,4 +55,4 @@ def test_what_is_behind_either_is_left_out():
     beside = np.array([[0.0, 4.0, 2.0], [1.5, 5.0, 3.0]])
     inside = np.array([[2.5, 2.5, 2.5], [2.6, 2.6, 2.6]])
     boxes = np.stack([beyond, before, beside, inside], 2)
-    assert between(boxes, one, other).ravel().tolist() == [False, False, False, True]
+    assert meets_shaft(boxes, one, other).ravel().tolist() == [False, False, False, True]

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.culling.surface_bounds import Lamps
-from ism_addon.gpu.passes.shadow_maps.light_importance import deviations
-from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
-from ism_addon.gpu.passes.shadow_maps.virtual_lights import points_per_light
+from ism_addon.gpu.culling.surface_bounds import LightBounds
+from ism_addon.gpu.passes.shadow_maps.light_importance import importance
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import allocate_virtual_lights
 from ism_addon.scene import LightShape
 
 from . import reference
@@ -61,7 +61,7 @@ def test_of_lights_alike_the_brighter_and_the_nearer_have_more(device):
 @given(st.integers(1, 3000), st.lists(st.floats(0.0, 1e6), min_size=1, max_size=20))
 def test_the_sum_is_what_was_asked_for_and_none_has_none(count, weights):
     wanting = list(range(0, len(weights), 2))
-    counts = points_per_light(wanting, np.array(weights), count)
+    counts = allocate_virtual_lights(wanting, np.array(weights), count)
     assert list(counts) == wanting
     assert min(counts.values()) >= 1
     assert sum(counts.values()) == max(count, len(wanting))
@@ -69,10 +69,10 @@ def test_the_sum_is_what_was_asked_for_and_none_has_none(count, weights):
 
 def test_shares_know_no_unit():
     lights = both(light(axis_u=(2.0, 0, 0)), both(small(1, 0, 2), small(0, 0, 5)))
-    cloud = make_cloud(stage([FLOOR], lights), np.zeros(3), 5000)
-    found = deviations(cloud, Lamps.of(lights, np.zeros(3)))
+    cloud = make_point_cloud(stage([FLOOR], lights), np.zeros(3), 5000)
+    found = importance(cloud, LightBounds.of(lights, np.zeros(3)))
     brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
-    assert deviations(cloud, Lamps.of(brighter, np.zeros(3))) == pytest.approx(found, rel=1e-4)
+    assert importance(cloud, LightBounds.of(brighter, np.zeros(3))) == pytest.approx(found, rel=1e-4)
     assert found[0] > 3.0 * found[1] > 6.0 * found[2]
 
 

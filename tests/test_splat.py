@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import EMPTY, batches
-from ism_addon.gpu.passes.shadow_maps.select_points import POINT
-from ism_addon.gpu.passes.shadow_maps.virtual_lights import point_tables
+from ism_addon.gpu.atlas import NO_OCCLUDER, batches
+from ism_addon.gpu.passes.shadow_maps.select_points import MAP_POINT
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 
 from .reference_maps import disc_map, map_directions
 from .studio import draw, light, look, quad, rubble, shadows, stage, with_quality
@@ -29,9 +29,9 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     """(S,side,side) of the same points and the same light points, by numpy."""
     tables = drawn.renderer.tables
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
-    _, _, points = point_tables(scene.lights, tables["points_per_light"], 0, anchor)
+    _, _, points = virtual_light_tables(scene.lights, tables["points_per_light"], 0, anchor)
     subsets, buffer = tables["surface_points"]
-    discs = np.frombuffer(buffer.read(), POINT)
+    discs = np.frombuffer(buffer.read(), MAP_POINT)
     found = []
     for index, point in enumerate(points):
         turns = subsets[point["light"]]
@@ -41,7 +41,7 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
         to_map = np.stack([tangent, np.cross(normal, tangent), normal])
         centres = (seen["position"].astype(float) - point["position"]) @ to_map.T
         normals = seen["normal"].astype(float) @ to_map.T
-        found.append(disc_map(centres, normals, seen["radius"].astype(float), side, EMPTY))
+        found.append(disc_map(centres, normals, seen["radius"].astype(float), side, NO_OCCLUDER))
     return np.array(found)
 
 
@@ -58,7 +58,7 @@ def test_maps_hold_the_nearest_disc_of_each_direction(device, height, points):
     settings = with_quality(shadows(), light_points=3, map_size=48, surface_points=points)
     drawn = draw(device, scene, view, settings)
     ours, truth = maps(drawn, 3, 48, device), true_maps(drawn, scene, view, settings, 48)
-    assert 0.01 < (truth < EMPTY).mean() <= 1.0
+    assert 0.01 < (truth < NO_OCCLUDER).mean() <= 1.0
     assert wrong_part(ours, truth) <= RIM
 
 
@@ -92,7 +92,7 @@ def test_the_distance_is_that_of_the_plane_not_of_the_discs_centre(device):
     drawn = draw(device, stage([floor], lights), look((3.0, -3.0, 2.0)), settings)
     (ours,) = maps(drawn, 1, 64, device)
     expected = 1.0 / map_directions(64)[..., 2]
-    covered = ours < EMPTY
+    covered = ours < NO_OCCLUDER
     assert covered.sum() > 1000
     assert ours[covered] == pytest.approx(expected[covered], rel=1e-3)
 

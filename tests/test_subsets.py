@@ -6,8 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
-from ism_addon.gpu.passes.shadow_maps.select_points import POINT, TURNS, chances, choose, solid_angles
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
+from ism_addon.gpu.passes.shadow_maps.select_points import (
+    MAP_POINT,
+    SUBSETS_PER_LIGHT,
+    select,
+    selection_probabilities,
+    solid_angles,
+)
 
 from .scenes.small import SMALL
 from .studio import MAPS, both, draw, light, look, quad, rubble, stage, with_quality
@@ -24,7 +30,7 @@ FOUR = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
 def test_chances_sum_to_the_count(spread, part):
     weights = np.exp(spread * np.random.default_rng(0).normal(size=20_000)).astype(np.float32)
     count = int(part * len(weights))
-    chance = chances(weights, count)
+    chance = selection_probabilities(weights, count)
     assert chance.min() >= 0.0
     assert chance.max() <= 1.0
     assert chance.sum() == pytest.approx(count, rel=0.01)
@@ -33,19 +39,19 @@ def test_chances_sum_to_the_count(spread, part):
 
 
 def test_chances_where_there_are_too_few_points_or_none_is_seen():
-    assert (chances(np.ones(10, np.float32), 100) == 1.0).all()
-    assert not chances(np.zeros(10, np.float32), 100).any()
-    assert len(chances(np.zeros(0, np.float32), 100)) == 0
+    assert (selection_probabilities(np.ones(10, np.float32), 100) == 1.0).all()
+    assert not selection_probabilities(np.zeros(10, np.float32), 100).any()
+    assert len(selection_probabilities(np.zeros(0, np.float32), 100)) == 0
 
 
 @pytest.mark.parametrize("name", SMALL)
 def test_a_subset_is_as_large_as_asked_for_and_stands_for_the_whole_area(name):
     scene, _ = SMALL[name](8, 8)
-    cloud = make_cloud(scene, ORIGIN, 64_000)
+    cloud = make_point_cloud(scene, ORIGIN, 64_000)
     weights = solid_angles(cloud, scene.lights, 0, ORIGIN)
     seen = weights > 0.0
-    subsets = choose(cloud, weights, 4_000, 1.5)
-    assert len(subsets) == TURNS
+    subsets = select(cloud, weights, 4_000, 1.5)
+    assert len(subsets) == SUBSETS_PER_LIGHT
     for points in subsets:
         assert len(points) == pytest.approx(4_000, rel=0.05)
         standing_for = np.pi * (points["radius"].astype(float) / 1.5) ** 2
@@ -63,8 +69,8 @@ def test_discs_look_about_equally_large_from_the_light():
         [quad((-20, -20, 0), (40, 0, 0), (0, 40, 0))],
         light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)),
     )
-    cloud = make_cloud(scene, ORIGIN, 64_000)
-    (points, *_) = choose(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
+    cloud = make_point_cloud(scene, ORIGIN, 64_000)
+    (points, *_) = select(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
     angle = points["radius"] / np.linalg.norm(points["position"] - (0.0, 0.0, 1.0), axis=1)
     assert np.quantile(angle, 0.99) / np.quantile(angle, 0.01) < 10.0
 
@@ -72,11 +78,11 @@ def test_discs_look_about_equally_large_from_the_light():
 def test_subsets_stay_while_something_else_changes():
     """The camera's anchor, or another light, leaves a light's subsets alone."""
     scene = stage([rubble()], light(position=(0.0, 0.0, 2.0)))
-    cloud, moved = make_cloud(scene, ORIGIN, 8_000), make_cloud(scene, np.array([64.0, 0.0, 0.0]), 8_000)
+    cloud, moved = make_point_cloud(scene, ORIGIN, 8_000), make_point_cloud(scene, np.array([64.0, 0.0, 0.0]), 8_000)
     other = both(scene.lights, light(position=(3.0, 0.0, 2.0)))
-    first = choose(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
-    second = choose(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
-    third = choose(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
+    first = select(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
+    second = select(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
+    third = select(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
     for one, two, three in zip(first, second, third, strict=True):
         assert np.array_equal(one, two)
         here, there = (
@@ -91,8 +97,8 @@ def test_each_lights_maps_see_its_own_subsets(device):
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
     drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, surface_points=500))
     table, buffer = drawn.renderer.tables["surface_points"]
-    points = np.frombuffer(buffer.read(), POINT)
-    assert [len(row) for row in table] == [TURNS, TURNS]
+    points = np.frombuffer(buffer.read(), MAP_POINT)
+    assert [len(row) for row in table] == [SUBSETS_PER_LIGHT, SUBSETS_PER_LIGHT]
     assert all(subset.count == 0 for subset in table[1])
     assert sum(subset.count for subset in table[0]) == len(points)
     assert drawn.profile.counts["surface_points"] == max(subset.count for subset in table[0])
@@ -101,7 +107,7 @@ def test_each_lights_maps_see_its_own_subsets(device):
 def test_behind_the_light_there_are_none():
     lights = light(position=(0.0, 0.0, 0.0))
     scene = stage([rubble(reach=3.0)], lights)
-    cloud = make_cloud(scene, ORIGIN, 4_000)
+    cloud = make_point_cloud(scene, ORIGIN, 4_000)
     weights = solid_angles(cloud, lights, 0, ORIGIN)
     behind = cloud.positions[:, 2] > 2.0 * np.sqrt(cloud.area)
     assert behind.any()
@@ -114,7 +120,7 @@ def test_none_where_a_spread_sends_no_light(degrees):
     """Of points that it can reach all may be chosen; of the others, but a margin about the cone, none."""
     lamp = light(position=(0.0, 0.0, 2.0), spread=np.radians(degrees))
     scene = stage([rubble(2000, reach=6.0)], lamp)
-    cloud = make_cloud(scene, ORIGIN, 4_000)
+    cloud = make_point_cloud(scene, ORIGIN, 4_000)
     weights = solid_angles(cloud, lamp, 0, ORIGIN)
     corners = lamp.position[0] + 0.5 * np.array([u * lamp.axis_u[0] + v * lamp.axis_v[0] for u, v in FOUR])
     to = cloud.positions.astype(float) - corners[:, None]
@@ -132,7 +138,7 @@ def test_behind_a_sheared_light_is_behind_the_plane_of_its_shape():
     """Its maps look away from that plane, wherever its object points."""
     lamp = light(position=(0.0, 0.0, 0.0))
     sheared = replace(lamp, normal=np.array([[0.8, 0.0, -0.6]]))
-    cloud = make_cloud(stage([rubble(reach=3.0)], lamp), ORIGIN, 4_000)
+    cloud = make_point_cloud(stage([rubble(reach=3.0)], lamp), ORIGIN, 4_000)
     assert np.array_equal(solid_angles(cloud, sheared, 0, ORIGIN), solid_angles(cloud, lamp, 0, ORIGIN))
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.shadow_maps.point_cloud import make_cloud
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.sample_points import SamplePoints
 from ism_addon.gpu.profile import Profile
 from ism_addon.sampling import triangle_areas
@@ -26,7 +26,7 @@ def dealt(scene, count: int) -> list[np.ndarray]:
         for k in range(len(scene.instances.mesh))
     ]
     ends = np.rint(np.cumsum(areas) / np.sum(areas) * count).astype(int)
-    return np.split(make_cloud(scene, ORIGIN, count).positions, ends[:-1])
+    return np.split(make_point_cloud(scene, ORIGIN, count).positions, ends[:-1])
 
 
 def test_triangles_of_all_instances_are_hit_by_area():
@@ -39,7 +39,7 @@ def test_triangles_of_all_instances_are_hit_by_area():
     ]
     scene = stage(meshes, light(), matrices, [1, 0, 0, 1])
     triangles = reference.world_triangles(scene, np.ones(4, bool))
-    cloud = make_cloud(scene, ORIGIN, 40_000)
+    cloud = make_point_cloud(scene, ORIGIN, 40_000)
     areas = triangle_areas(triangles)
     assert cloud.area == pytest.approx(areas.sum() / 40_000)
     a, b, c = np.moveaxis(triangles, 1, 0)
@@ -65,7 +65,7 @@ def test_triangles_of_all_instances_are_hit_by_area():
 
 def test_the_same_scene_gives_the_same_points():
     scene = stage([rubble()], light())
-    one, two = make_cloud(scene, ORIGIN, 3000), make_cloud(stage([rubble()], light()), ORIGIN, 3000)
+    one, two = make_point_cloud(scene, ORIGIN, 3000), make_point_cloud(stage([rubble()], light()), ORIGIN, 3000)
     assert np.array_equal(one.positions, two.positions)
     assert np.array_equal(one.normals, two.normals)
 
@@ -87,7 +87,7 @@ def test_what_does_not_move_keeps_its_points():
 
 def test_more_points_are_the_same_points_and_some_more():
     scene = stage([rubble()], light())
-    few, many = make_cloud(scene, ORIGIN, 1000), make_cloud(scene, ORIGIN, 5000)
+    few, many = make_point_cloud(scene, ORIGIN, 1000), make_point_cloud(scene, ORIGIN, 5000)
     assert np.array_equal(many.positions[:1000], few.positions)
 
 
@@ -98,8 +98,8 @@ def test_instances_have_the_points_that_copies_of_the_mesh_would_have():
         placed(SHEAR, (0, 5.0, 0)),
         placed(0.5 * np.eye(3), (0, 0, 5.0)),
     ]
-    shared = make_cloud(stage([rubble()], light(), matrices, [0, 0, 0, 0]), ORIGIN, 4000)
-    apart = make_cloud(stage([rubble()] * 4, light(), matrices), ORIGIN, 4000)
+    shared = make_point_cloud(stage([rubble()], light(), matrices, [0, 0, 0, 0]), ORIGIN, 4000)
+    apart = make_point_cloud(stage([rubble()] * 4, light(), matrices), ORIGIN, 4000)
     assert np.array_equal(shared.positions, apart.positions)
     assert np.array_equal(shared.normals, apart.normals)
 
@@ -107,21 +107,21 @@ def test_instances_have_the_points_that_copies_of_the_mesh_would_have():
 def test_only_what_casts_shadows_gets_points():
     scene = stage([rubble(seed=1), rubble(seed=2)], light(), [placed(), placed(offset=(100.0, 0, 0))])
     half = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True, False])))
-    cloud = make_cloud(half, ORIGIN, 1000)
+    cloud = make_point_cloud(half, ORIGIN, 1000)
     assert len(cloud) == 1000
     assert cloud.positions[:, 0].max() < 50.0
 
 
 def test_nothing_to_put_points_on():
-    assert len(make_cloud(stage([], light()), ORIGIN, 100)) == 0
+    assert len(make_point_cloud(stage([], light()), ORIGIN, 100)) == 0
     flat = stage([rubble()], light(), [placed(np.zeros((3, 3)))])
-    assert len(make_cloud(flat, ORIGIN, 100)) == 0
+    assert len(make_point_cloud(flat, ORIGIN, 100)) == 0
 
 
 def test_points_are_exact_far_from_the_worlds_origin():
     far = np.array([1e6, -1e6, 1e6])
-    here = make_cloud(stage([rubble()], light()), ORIGIN, 1000)
-    there = make_cloud(stage([rubble()], light(), [placed(offset=far)]), far, 1000)
+    here = make_point_cloud(stage([rubble()], light()), ORIGIN, 1000)
+    there = make_point_cloud(stage([rubble()], light(), [placed(offset=far)]), far, 1000)
     assert there.positions == pytest.approx(here.positions, abs=1e-6)
 
 

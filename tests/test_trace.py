@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct.trace_shadows import MOST_SURE, SURE_CHANCE, TraceShadows
+from ism_addon.gpu.passes.direct.trace_shadows import CERTAIN_PROBABILITY, MAX_CERTAIN_PROBABILITY, TraceShadows
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import LightShape
@@ -66,7 +66,7 @@ def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, 
     assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 1024, until=4)), truth) < 0.05
 
 
-@pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MOST_SURE * 16)])
+@pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
 def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_place(device, chance, a_round):
     renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
     scene, view = box_over_plane(24, 16)
@@ -76,7 +76,7 @@ def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_p
     blocks, places = frame.tables["blocks"], len(frame.grid.places)
     frame.tables["found"][0][:] = True, False
     reach = frame.tables["reach"][0]
-    for array, value in (reach.worth, True), (reach.dim, False), (reach.bright, chance / SURE_CHANCE):
+    for array, value in (reach.worth, True), (reach.dim, False), (reach.bright, chance / CERTAIN_PROBABILITY):
         array[:] = value
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):

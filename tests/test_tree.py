@@ -7,16 +7,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.gpu.accel.bvh import (
+    BOX_SLACK,
+    BVH,
+    GRID_EXTENT,
     NOTHING,
-    PLANE,
-    REACH,
-    SLACK,
-    Tree,
+    QUANTA_PER_PLANE,
     build,
-    in_planes,
-    nodes_over,
+    node_boxes,
     packed,
-    rows_over,
+    packed_nodes_over,
+    quantize_boxes,
     scale_of,
 )
 from ism_addon.parallel import LARGE
@@ -32,10 +32,10 @@ def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
 
 def on_grid(found: np.ndarray) -> np.ndarray:
     """Boxes (2,3,N) in planes."""
-    return in_planes(found * scale_of(np.abs(found).max((0, 2)))[:, None])
+    return quantize_boxes(found * scale_of(np.abs(found).max((0, 2)))[:, None])
 
 
-def check(tree: Tree, given: np.ndarray, most_per_leaf: int) -> None:
+def check(tree: BVH, given: np.ndarray, most_per_leaf: int) -> None:
     """All that a ray relies on, of a tree over boxes (2,3,N)."""
     (low, high), leaves = given.transpose(0, 2, 1), tree.leaves
     count, nodes = len(low), tree.nodes.transpose(2, 0, 1)
@@ -60,7 +60,7 @@ def check(tree: Tree, given: np.ndarray, most_per_leaf: int) -> None:
     check_packed(tree)
 
 
-def check_packed(tree: Tree) -> None:
+def check_packed(tree: BVH) -> None:
     """As bytes, boxes are around those they stand for, and less than a unit wider; or hold nothing."""
     rows, nodes = packed(tree.nodes), tree.nodes.transpose(2, 0, 1).astype(int)
     assert rows.dtype.itemsize == 32
@@ -80,15 +80,15 @@ def check_packed(tree: Tree) -> None:
     assert (unit <= np.maximum(1, extent / 127.5))[~nothing.all(1)].all()
 
 
-@pytest.mark.parametrize("size", [0.0, 1.0, 1e3, REACH])
+@pytest.mark.parametrize("size", [0.0, 1.0, 1e3, GRID_EXTENT])
 def test_planes_leave_slack_around_a_box(size):
     """And no more than it and a plane."""
     random = np.random.default_rng(0)
     found = np.sort(random.uniform(-size, size, (2, 3, 1000)).astype(np.float32), 0)
-    low, high = in_planes(found).astype(np.float64) * PLANE
+    low, high = quantize_boxes(found).astype(np.float64) * QUANTA_PER_PLANE
     for distance in (found[0] - low, high - found[1]):
-        assert (distance >= SLACK - 2.0).all()
-        assert (distance <= SLACK + PLANE + 2.0).all()
+        assert (distance >= BOX_SLACK - 2.0).all()
+        assert (distance <= BOX_SLACK + QUANTA_PER_PLANE + 2.0).all()
 
 
 @pytest.mark.parametrize("most_per_leaf", [1, 4])
@@ -105,8 +105,8 @@ def test_rows_in_portions_are_those_of_all_nodes_at_once(leaves):
     members = np.random.default_rng(0).integers(0, leaves + leaves // 2, leaves)
     members = np.minimum(members, leaves)
     members[4:12] = leaves
-    rows, nodes = rows_over(given, members)
-    expected = nodes_over(given, members)
+    rows, nodes = packed_nodes_over(given, members)
+    expected = node_boxes(given, members)
     assert np.array_equal(rows, packed(expected))
     assert np.array_equal(nodes, expected[..., : leaves // 2])
 
@@ -129,19 +129,19 @@ def test_the_slack_is_more_than_rays_err():
     """Where a ray passes a plane, in the shader's order of float32, as far off as that moves the plane."""
     random = np.random.default_rng(0)
     count = 1_000_000
-    origin = random.uniform(-2.0 * REACH, 2.0 * REACH, count).astype(np.float32)
+    origin = random.uniform(-2.0 * GRID_EXTENT, 2.0 * GRID_EXTENT, count).astype(np.float32)
     origin[::2] /= np.float32(2.0) ** random.integers(0, 24, count // 2)
-    inverse_ray = (random.choice([-1.0, 1.0], count) / random.uniform(1.0, REACH, count)).astype(np.float32)
+    inverse_ray = (random.choice([-1.0, 1.0], count) / random.uniform(1.0, GRID_EXTENT, count)).astype(np.float32)
     power, byte = random.integers(0, 9, count), random.integers(0, 256, count)
-    begin = random.integers(-(2**15) + 128, 2**15, count) * PLANE
-    unit = (PLANE << power).astype(np.float32)
+    begin = random.integers(-(2**15) + 128, 2**15, count) * QUANTA_PER_PLANE
+    unit = (QUANTA_PER_PLANE << power).astype(np.float32)
     passes = byte.astype(np.float32) * (unit * inverse_ray) + (begin.astype(np.float32) - origin) * inverse_ray
     assert passes.dtype == np.float32
     plane = begin + byte * unit.astype(np.float64)
-    near = np.abs(plane) <= REACH + PLANE
+    near = np.abs(plane) <= GRID_EXTENT + QUANTA_PER_PLANE
     off = np.abs(passes / inverse_ray.astype(np.float64) + origin.astype(np.float64) - plane)[near]
     assert near.mean() > 0.3
-    assert SLACK / 8.0 < off.max() < SLACK / 2.0
+    assert BOX_SLACK / 8.0 < off.max() < BOX_SLACK / 2.0
 
 
 def test_the_outermost_boxes_end_in_the_last_planes():

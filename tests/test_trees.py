@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.accel.blas import mesh_tree
-from ism_addon.gpu.accel.bvh import REACH
+from ism_addon.gpu.accel.blas import build_blas
+from ism_addon.gpu.accel.bvh import GRID_EXTENT
 from ism_addon.gpu.buffers.mesh_buffers import packed_corners
 from ism_addon.parallel import LARGE
 
@@ -50,8 +50,8 @@ def test_long_thin_triangles(device):
 def test_a_triangle_in_two_texels_is_all_there():
     """Corners to the ends of the lattice, materials to the last bit."""
     random = np.random.default_rng(0)
-    corners = random.integers(-REACH, REACH, (1000, 3, 3), np.int32, endpoint=True)
-    corners[0], corners[1], corners[2] = -REACH, REACH, -1
+    corners = random.integers(-GRID_EXTENT, GRID_EXTENT, (1000, 3, 3), np.int32, endpoint=True)
+    corners[0], corners[1], corners[2] = -GRID_EXTENT, GRID_EXTENT, -1
     materials = random.integers(0, 1 << 28, 1000, np.uint32)
     materials[:2] = 0, (1 << 28) - 1
     words = packed_corners(list(np.ascontiguousarray(corners.reshape(-1, 9).T)), materials)
@@ -134,7 +134,7 @@ def test_a_triangle_is_not_in_its_own_way(device):
     first, rows = np.array([40, 0, 40]), np.array([1, 0, 2])  # of the meshes; of the instances, sorted by mesh
     counts = np.array([30, 40, 30])
     instance = np.repeat(np.arange(3), counts)
-    orders = [mesh_tree(mesh).order for mesh in (scene.meshes[1], scene.meshes[0], scene.meshes[1])]
+    orders = [build_blas(mesh).order for mesh in (scene.meshes[1], scene.meshes[0], scene.meshes[1])]
     number = np.concatenate([np.argsort(order) + first[k] for k, order in enumerate(orders)])
     _, ends = rays(len(triangles), 2.0)
     starts = triangles.mean(1)

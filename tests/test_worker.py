@@ -10,7 +10,7 @@ import pytest
 
 from ism_addon.gpu.gl import context
 from ism_addon.gpu.jobs.job import Job, Request
-from ism_addon.gpu.jobs.render_loop import draw as steps
+from ism_addon.gpu.jobs.render_loop import draw_job as steps
 from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadMaterials
 from ism_addon.gpu.profile import COUNTS

@@ -85,7 +85,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
 def statistics() -> dict:
     """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
-    return render_statistics.of("render")
+    return render_statistics.for_use("render")
 
 
 @persistent
@@ -108,7 +108,7 @@ def register() -> None:
 
 def unregister() -> None:
     app_handlers.remove(bpy.app.handlers.load_pre, stop)
-    redraw_timer.stop()
+    redraw_timer.stop_timer()
     bpy.utils.unregister_class(ISMRenderEngine)
     persistent_data.unregister()
     stop()

@@ -12,10 +12,10 @@ from typing import Any
 from .. import snapshot
 from ..scene import View
 from ..setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
-from ..settings import SECTIONS, Choice, Control, DebugView, Settings, controls, explained
+from ..settings import SECTIONS, Choice, Control, DebugView, Settings, help_text, setting_fields
 from .jobs.job import Job, Picture, Request
 from .jobs.png import display_from_linear, write_png
-from .jobs.render_thread import Worker
+from .jobs.render_thread import RenderThread
 from .profile import table
 
 
@@ -45,7 +45,7 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument("--profile", action="store_true", help="print what each pass took")
     for name, section in SECTIONS.items():
         group = line.add_argument_group(name)
-        for member, control in controls(section):
+        for member, control in setting_fields(section):
             add_flag(group, name, member, control)
     return line
 
@@ -58,7 +58,7 @@ def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
         kind = {"action": argparse.BooleanOptionalAction}
     elif isinstance(member.default, Choice):
         kind = {"type": choice(type(member.default)), "choices": list(type(member.default))}
-    meaning = explained(member, control).replace("%", "%%")
+    meaning = help_text(member, control).replace("%", "%%")
     group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **kind)
 
 
@@ -104,7 +104,7 @@ def resized(view: View, width: int, height: int) -> View:
 
 def draw(request: Request) -> tuple[Picture | None, Job]:
     """Draw on a worker of our own, to the end."""
-    worker = Worker()
+    worker = RenderThread()
     try:
         job = worker.start(request, "command line")
         while not job.finished:

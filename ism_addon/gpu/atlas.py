@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 #: Distance in a map where no disc is. m
-EMPTY = 1e30
+NO_OCCLUDER = 1e30
 
 #: Sides of maps are multiples of this, so that pull_push can halve them.
-GRANULE = 8
+MAP_SIZE_MULTIPLE = 8
 
 #: Most texels of an atlas; more maps are drawn in further batches.
 ATLAS_TEXELS = 1 << 24
@@ -36,7 +36,9 @@ class Batch:
 
 def batches(points: int, map_size: int, texture_size: int) -> list[Batch]:
     """As few atlases as hold a map for each of `points` light points, within the GL's limit; at least one."""
-    side = min(-(-map_size // GRANULE) * GRANULE, texture_size // GRANULE * GRANULE)
+    side = min(
+        -(-map_size // MAP_SIZE_MULTIPLE) * MAP_SIZE_MULTIPLE, texture_size // MAP_SIZE_MULTIPLE * MAP_SIZE_MULTIPLE
+    )
     most_columns = max(1, min(texture_size, int(ATLAS_TEXELS**0.5)) // side)
     most = most_columns * most_columns
     found = []

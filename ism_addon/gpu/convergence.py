@@ -11,7 +11,7 @@ has met yet, and what stays wrong for ever (shadow maps), moves nothing and is n
 import numpy as np
 
 
-class Error:
+class Convergence:
     """Of blocks (H,W). Errors are root mean squares over the picture's mean brightness."""
 
     def __init__(self, shape: tuple[int, int]):
@@ -35,7 +35,7 @@ class Error:
     def settle(self, threshold: float) -> None:
         """Blocks whose own error is below `threshold`, and that of those about them, have enough samples."""
         squares = self._squares
-        self.settled |= np.maximum(squares, mean_around(squares)) <= threshold**2
+        self.settled |= np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2
 
     @property
     def of_picture(self) -> float:
@@ -47,7 +47,7 @@ class Error:
         return self.variance / self.counts
 
 
-def mean_around(values: np.ndarray) -> np.ndarray:
+def neighbourhood_mean(values: np.ndarray) -> np.ndarray:
     """(H,W): the mean of each one and its eight neighbours."""
     padded = np.pad(values, 1, mode="edge")
     return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).mean((2, 3))

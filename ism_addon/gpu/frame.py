@@ -11,36 +11,36 @@ from typing import Any, ClassVar
 import moderngl
 import numpy as np
 
-from ..sampling import Grid
+from ..sampling import PixelGrid
 from ..scene import Change, Scene, View
 from ..settings import Method, Settings
 from .atlas import Batch
 from .gl.context import Device
-from .gl.draw_limit import TEXELS, portions, rectangles
+from .gl.draw_limit import TEXELS_PER_RAY, portions, rectangles
 from .gl.frame_uniforms import clip_from_anchor
 from .gl.render_targets import Target, Targets, draw_into
 from .gl.shader_compiler import bind, compile_program
 from .gl.shader_records import Record
-from .submission import Pace
+from .submission import Submission
 
 #: Depth of the background, as in Cycles' depth pass. m
-FAR_AWAY = 1e10
+BACKGROUND_DEPTH = 1e10
 
 #: Pixels along a block: what takes part in a sample, or does not.
-BLOCK = 8
+TILE_SIZE = 8
 
 #: Points less far than this from a pixel's middle, across and up, are in it. px; a little is left to float32.
-SAME_PIXEL = 0.49
+SUBPIXEL_RADIUS = 0.49
 
 #: Pixels from one scout to the next, along either side.
-SCOUTS_APART = 2
+PROBE_SPACING = 2
 
 #: Pixels along a block among those that scouted.
-SCOUTED_BLOCK = BLOCK // SCOUTS_APART
+PROBES_PER_TILE_SIDE = TILE_SIZE // PROBE_SPACING
 
 #: A block: its column and row, the fine pixel and the place in the pixel of its sample, that sample's number; a chance
 #: by which it is drawn, if it is; the light that it is drawn for, and the part that is thought to be seen of that.
-BLOCKS = np.dtype(
+TILE = np.dtype(
     [
         *(("block", "f4", 2), ("texel", "f4", 2), ("place", "f4", 2), ("number", "f4")),
         *(("chance", "f4"), ("light", "f4"), ("part", "f4")),
@@ -48,32 +48,32 @@ BLOCKS = np.dtype(
 )
 
 #: The same for Points.
-BLOCKS_LAYOUT = "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
+TILE_LAYOUT = "2f 4f 1f 1f 1f 1f", "block", "where", "number", "chance", "light", "part"
 
 #: Samples before which predictions are made: as often as the number of samples has doubled, once the pixels' own rays
 #: say more than those that scouted.
 RENEWED = {0, *(2**k for k in range(2, 32))}
 
 #: The part that is thought to be seen of a light where rays have not told yet: none was sent, or those sent were few.
-UNKNOWN = 0.25
+UNKNOWN_VISIBILITY = 0.25
 
 #: What a close look found of a light: rays that arrived, and rays.
-SCOUTED = Target(2, "f1", divisor=SCOUTS_APART)
+PROBES = Target(2, "f1", divisor=PROBE_SPACING)
 
 #: Of each light and pixel: the part that it is thought to see, and whether that is in doubt. In eight bits the part
 #: would be off by up to 0.002, which stays in the picture until corrections of that size stand out of their noise.
 PREDICTION = Target(2, "f2", neutral=(1.0, 0.0))
 
 
-def by_block(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
+def from_tile_layout(texels: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
     """(rows,columns,N) of what a target of so many columns and rows of blocks holds in strips, (H,W,N)."""
     columns, rows = blocks
     return texels.reshape(-1, texels.shape[2])[: columns * rows].reshape(rows, columns, -1)
 
 
-def blocks_at(chosen: np.ndarray) -> np.ndarray:
-    """Rows of BLOCKS for those chosen of (H,W) bool; all but where they are is 0."""
-    blocks = np.zeros(np.count_nonzero(chosen), BLOCKS)
+def tiles_where(chosen: np.ndarray) -> np.ndarray:
+    """Rows of TILE for those chosen of (H,W) bool; all but where they are is 0."""
+    blocks = np.zeros(np.count_nonzero(chosen), TILE)
     blocks["block"] = np.argwhere(chosen)[:, ::-1]
     return blocks
 
@@ -91,14 +91,14 @@ class Frame:
     targets: Targets
     tables: dict[str, Any]  # what passes make that is no target, by name
     counts: dict[str, int]
-    grid: Grid  # where in the pixels samples lie
-    pace: Pace
+    grid: PixelGrid  # where in the pixels samples lie
+    pace: Submission
     batch: Batch | None = None  # the light points whose maps are in the atlas
 
     @property
     def blocks(self) -> tuple[int, int]:
         """Columns and rows of them that cover the picture."""
-        return -(-self.view.width // BLOCK), -(-self.view.height // BLOCK)
+        return -(-self.view.width // TILE_SIZE), -(-self.view.height // TILE_SIZE)
 
     @property
     def casts_shadows(self) -> bool:
@@ -129,7 +129,7 @@ class Frame:
         """Whether ambient occlusion can darken anything."""
         ssao = self.settings.ssao
         asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any()
-        return bool(asked and not (self.settings.skip and self.pixels_around(ssao.radius) < SAME_PIXEL))
+        return bool(asked and not (self.settings.skip and self.pixels_around(ssao.radius) < SUBPIXEL_RADIUS))
 
     def pixels_around(self, radius: float) -> float:
         """How many pixels across or up, at most, anything seen is from points about it, `radius` m away or less."""
@@ -208,7 +208,7 @@ class Pass:
     def in_blocks(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
         """The program of the file named like this pass, or like a part of it, for draw_blocks."""
         stages = "glsl/tiles.vert", f"{self.name_of(part)}.frag"
-        return compile_program(self.device, *stages, records=records, block=BLOCK, **constants)
+        return compile_program(self.device, *stages, records=records, block=TILE_SIZE, **constants)
 
     def draw_blocks(
         self,
@@ -217,7 +217,7 @@ class Pass:
         program: moderngl.Program,
         blocks: np.ndarray | None = None,
         margin: int = 0,
-        block: int = BLOCK,
+        block: int = TILE_SIZE,
         rays: float = 1.0,
     ) -> None:
         """Draw the pixels of some blocks, or of all that take part in this sample, see sift, and `margin` px around.
@@ -239,7 +239,7 @@ class Pass:
         try:
             for part in portions(len(blocks), rays * size * size):
                 frame.pace.ask(rays * size * size * (part.stop - part.start))
-                self.device.points.draw(program, blocks[part], BLOCKS_LAYOUT)
+                self.device.points.draw(program, blocks[part], TILE_LAYOUT)
         finally:
             if own != whole:
                 target.viewport = own
@@ -250,7 +250,7 @@ class Pass:
         """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
         self.device.gl.enable_only(moderngl.NOTHING)
         bind(shader.program, columns=frame.blocks[0], strip=target.viewport[2], **uniforms)
-        self.draw_pixels(frame, target, shader, 2 * BLOCK**2 / TEXELS)  # of two pictures, about
+        self.draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # of two pictures, about
 
     def draw_pixels(
         self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0

@@ -10,11 +10,11 @@ import moderngl
 from ..scene import View
 from .frame import Pass
 from .gl.render_targets import DEPTH, Target
-from .passes.film.accumulate import WIDE, margin
+from .passes.film.accumulate import WIDE_MARGIN, filter_margin
 from .passes.shadow_maps.fill_holes import LEVELS
 
 #: Bytes a pixel: of what is known of one light, and of pictures as they are read and handed over.
-A_LIGHT, PICTURES = 11, 100
+TARGETS_PER_LIGHT, FULL_SIZE_IMAGES = 11, 100
 
 #: Of a texel of a depth buffer.
 DEPTH_BYTES = 4
@@ -23,7 +23,7 @@ DEPTH_BYTES = 4
 WITH_HALVED = 1.0 + 2.0 * sum(0.25**level for level in range(1, LEVELS + 1))
 
 #: Bytes that are taken without asking.
-LITTLE = 1 << 28
+NEGLIGIBLE_BYTES = 1 << 28
 
 #: KiB of a card's own memory that are free (GL_NVX_gpu_memory_info).
 CURRENT_AVAILABLE = 0x9049
@@ -34,7 +34,7 @@ def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: in
 
     By maps: an atlas of so many texels.
     """
-    a_pixel, fixed = float(A_LIGHT * lights + PICTURES), 0.0
+    a_pixel, fixed = float(TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES), 0.0
     for kind in kinds:
         for name, target in kind.writes.items():
             if target.divisor:
@@ -45,7 +45,7 @@ def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: in
                 fixed += map_texels * texel(target)
             elif name == "shadow_maps":
                 fixed += map_texels * texel(target) * WITH_HALVED
-            elif margin(view.filter_width) >= WIDE:
+            elif filter_margin(view.filter_width) >= WIDE_MARGIN:
                 a_pixel += texel(target)
     return view.width * view.height * a_pixel + fixed
 
@@ -74,7 +74,7 @@ def free(gl: moderngl.Context) -> int | None:
 
 def check(gl: moderngl.Context, wanted: float, view: View, lights: int) -> None:
     """Raises MemoryError, with a sentence, if a picture that takes so many bytes more would take all there is."""
-    if wanted <= LITTLE or (most := free(gl)) is None or wanted <= most:
+    if wanted <= NEGLIGIBLE_BYTES or (most := free(gl)) is None or wanted <= most:
         return
     lit = f" under {lights} lights that cast shadows" if lights > 1 else ""
     raise MemoryError(

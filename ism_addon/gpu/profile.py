@@ -15,7 +15,7 @@ COUNTS = (
 
 
 @dataclass
-class Row:
+class PassProfile:
     """A pass's row."""
 
     drawn: int = 0
@@ -28,7 +28,7 @@ class Row:
 class Profile:
     """Of one picture, as far as it is drawn."""
 
-    rows: defaultdict[str, Row] = field(default_factory=lambda: defaultdict(Row))
+    rows: defaultdict[str, PassProfile] = field(default_factory=lambda: defaultdict(PassProfile))
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
 
     def statistics(self, scene: Scene, samples: int, seconds: float, error: float, ended_by: str) -> dict:

@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ..sampling import GRIDS, grid, narrow_grid
+from ..sampling import PIXEL_GRIDS, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import Method, Settings
 from ..spaces import anchor_of, camera_position
 from .atlas import batches
-from .convergence import Error
-from .frame import FAR_AWAY, Frame, Pass
+from .convergence import Convergence
+from .frame import BACKGROUND_DEPTH, Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .gl.errors import Cancelled
@@ -29,7 +29,7 @@ from .passes.direct.trace_faint_lights import TraceFaintLights
 from .passes.direct.trace_shadows import TraceShadows
 from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
-from .passes.film.accumulate import Accumulate, margin
+from .passes.film.accumulate import Accumulate, filter_margin
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
@@ -51,7 +51,7 @@ from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
 from .passes.upload.upload_scene import UploadInstances, UploadMaterials, UploadMeshes, UploadUVs
 from .profile import Profile
-from .submission import Pace, never
+from .submission import Submission, never
 
 #: The scene, in the order that suits shadow rays;
 SCENE = (CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, UploadMaterials)
@@ -83,7 +83,7 @@ SHOWABLE = tuple(
 )
 
 #: Pixels of the largest picture of triangles' numbers, 12 bytes each.
-MOST_FINE_PIXELS = 1 << 25
+MAX_FINE_PIXELS = 1 << 25
 
 
 class Renderer:
@@ -91,7 +91,7 @@ class Renderer:
 
     def __init__(self, device: Device):
         self.device = device
-        self.pace = Pace(device)
+        self.pace = Submission(device)
         self.passes = {kind: kind(device) for kind in PASSES}
         self.targets = Targets(device.gl)
         self.tables: dict = {}
@@ -153,9 +153,9 @@ class Renderer:
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
         # The first sample is at the pixels' centres in any case; drawn for itself, it comes sooner.
-        count = 1 if hurried and sample == 0 else places_in_pixel(view, settings.quality.samples, limit)
-        narrow = margin(view.filter_width) == 0
-        fine = narrow_grid(sample, view.filter_width) if narrow else grid(sample // count, count)
+        count = 1 if hurried and sample == 0 else samples_per_visibility_buffer(view, settings.quality.samples, limit)
+        narrow = filter_margin(view.filter_width) == 0
+        fine = narrow_pixel_grid(sample, view.filter_width) if narrow else pixel_grid(sample // count, count)
         if sample == 0:
             self.estimate(scene, view, settings, int(fine.bounds(view.width, view.height)[1].prod()))
         self.block.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
@@ -257,7 +257,7 @@ class Renderer:
         return color
 
     @property
-    def error(self) -> Error:
+    def error(self) -> Convergence:
         """Of the picture so far."""
         return self.tables["error"]
 
@@ -271,7 +271,7 @@ class Renderer:
         depth, packed = self.targets.read("depth")[..., 0], self.targets.read("normal")
         self.device.check()
         normal = directions_from_octahedron(packed[..., :2])
-        normal[depth >= FAR_AWAY] = 0.0
+        normal[depth >= BACKGROUND_DEPTH] = 0.0
         return depth, normal
 
     def release(self) -> None:
@@ -289,11 +289,11 @@ def setting(settings: Settings, path: str) -> object:
     return value
 
 
-def places_in_pixel(view: View, samples: int, limit: int) -> int:
+def samples_per_visibility_buffer(view: View, samples: int, limit: int) -> int:
     """How many samples share one drawing of the triangles, on a grid finer than the pixels' by as much."""
-    counts = [count for count in GRIDS if count <= samples and margin(view.filter_width) > 0]
+    counts = [count for count in PIXEL_GRIDS if count <= samples and filter_margin(view.filter_width) > 0]
     for count in sorted(counts, reverse=True):
-        size = grid(0, count).room(view.width, view.height)
-        if size.max() <= limit and size.prod() <= MOST_FINE_PIXELS:
+        size = pixel_grid(0, count).room(view.width, view.height)
+        if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:
             return count
     return 1

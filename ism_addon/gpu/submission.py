@@ -13,10 +13,10 @@ from collections.abc import Callable
 from .gl import draw_limit
 from .gl.context import Device
 from .gl.errors import Cancelled
-from .profile import Row
+from .profile import PassProfile
 
 #: A sample that takes less is short. s
-SHORT = 0.03
+SHORT_SAMPLE = 0.03
 
 
 def never() -> bool:
@@ -24,7 +24,7 @@ def never() -> bool:
     return False
 
 
-class Pace:
+class Submission:
     """Of one renderer."""
 
     def __init__(self, device: Device):
@@ -37,7 +37,7 @@ class Pace:
         self._rays = 0.0
         #: Of short samples that the GPU may still be busy with: the clock's notes before their first pass, and after
         #: each one. Time in which the GPU waits for Python is the next pass's.
-        self._notes: deque[list[tuple[Row, int]]] = deque()
+        self._notes: deque[list[tuple[PassProfile, int]]] = deque()
 
     def begin(self, sample: int, cancelled: Callable[[], bool]) -> None:
         """A sample begins, which is wanted until it is `cancelled`; nobody knows of the first one how long it takes."""
@@ -45,14 +45,14 @@ class Pace:
         self._waits = sample == 0 or not (self._is_short and self.device.clock.runs)
         self._rays, self._begun = 0.0, time.perf_counter()
         if not self._waits:
-            self._notes.append([(Row(), self.device.clock.note())])
+            self._notes.append([(PassProfile(), self.device.clock.note())])
 
     def ask(self, rays: float) -> None:
         """A draw comes that takes the time of so many rays: what came before is handed over if both are too much.
 
         Raises Cancelled.
         """
-        if self._waits and self._rays + rays > draw_limit.MOST_RAYS:
+        if self._waits and self._rays + rays > draw_limit.MAX_RAYS_PER_DRAW:
             self.hand_over()
         self._rays += rays
 
@@ -67,7 +67,7 @@ class Pace:
         if self._cancelled():
             raise Cancelled
 
-    def passed(self, row: Row, begun: float) -> None:
+    def passed(self, row: PassProfile, begun: float) -> None:
         """A pass that began then (s, perf_counter) has been asked for, or is done: its time is for this row."""
         if self._waits:
             self.device.wait()
@@ -83,7 +83,7 @@ class Pace:
         else:
             self.device.hand_over()
             self._settle(1)
-        self._is_short = time.perf_counter() - self._begun < SHORT
+        self._is_short = time.perf_counter() - self._begun < SHORT_SAMPLE
 
     def finish(self) -> None:
         """Wait for all that was asked for."""

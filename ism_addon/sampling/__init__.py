@@ -8,23 +8,23 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..parallel import side_by_side
+from ..parallel import parallel_map
 from ..scene import Lights, LightShape
 
 #: Points are made in blocks of this many, so that several cores share them.
-BLOCK = 1 << 17
+POINTS_AT_A_TIME = 1 << 17
 
 
-def additive_sequence(first: int, count: int, dimensions: int) -> np.ndarray:
+def rd_sequence(first: int, count: int, dimensions: int) -> np.ndarray:
     """(count, dimensions) float64 in [0,1): members first … of the R_d sequence.
 
     Generalised golden ratios (Roberts 2018): every run of neighbours is evenly spread, so any prefix and
     any slice is itself a good set.
     """
-    return members(golden_steps(dimensions), first, count)
+    return members(rd_increments(dimensions), first, count)
 
 
-def golden_steps(dimensions: int) -> tuple[float, ...]:
+def rd_increments(dimensions: int) -> tuple[float, ...]:
     """The increments of R_d."""
     root = 1.5
     for _ in range(64):
@@ -42,16 +42,16 @@ class Dimension(Enum):
 
     Two decisions by the same numbers would follow each other: a tile that takes part in every other sample, say, would
     only ever see half of an occlusion pattern. In one dimension they are quadratic irrationals with small partial
-    quotients, which are as even as the golden ratio up to a factor of two. Of golden_steps(4), three times the first is
-    almost the second of golden_steps(2).
+    quotients, which are as even as the golden ratio up to a factor of two. Of rd_increments(4), three times the first
+    is almost the second of rd_increments(2).
     """
 
-    TILE_TURN = golden_steps(1)  # whether a tile takes part
+    TILE_TURN = rd_increments(1)  # whether a tile takes part
     RETEST_TURN = ((13**0.5 - 3.0) / 2.0,)  # which hidden lights are looked for again, and where
     OCCLUSION_TURN = (3**0.5 - 1.0,)  # the pattern of ambient occlusion
-    PIXEL = golden_steps(2)  # the place in the pixel, where samples do not share a grid
-    VIRTUAL_LIGHT = golden_steps(3)[:2]  # the shift of a light's virtual point lights
-    RETEST_POINT = golden_steps(4)[2:]  # the point on the light that is looked for
+    PIXEL = rd_increments(2)  # the place in the pixel, where samples do not share a grid
+    VIRTUAL_LIGHT = rd_increments(3)[:2]  # the shift of a light's virtual point lights
+    RETEST_POINT = rd_increments(4)[2:]  # the point on the light that is looked for
 
 
 def sequence(dimension: Dimension, first: int, count: int) -> np.ndarray:
@@ -80,7 +80,7 @@ def triangle_areas(corners: np.ndarray) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
 
 
-def shares(weights: np.ndarray, count: int) -> np.ndarray:
+def proportional_counts(weights: np.ndarray, count: int) -> np.ndarray:
     """(N,) int64 that sum to `count`, in proportion to `weights` (N,), each within 1 of its due."""
     total = weights.sum()
     if total <= 0.0:
@@ -99,12 +99,12 @@ def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tupl
     cumulative = np.cumsum(triangle_areas(corners))
 
     def block(start: int) -> tuple[np.ndarray, np.ndarray]:
-        random = additive_sequence(first + start, min(BLOCK, count - start), 3)
+        random = rd_sequence(first + start, min(POINTS_AT_A_TIME, count - start), 3)
         chosen = np.searchsorted(cumulative, random[:, 0] * cumulative[-1], side="right")
         chosen = np.minimum(chosen, len(corners) - 1)
         return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
 
-    blocks = side_by_side(block, range(0, count, BLOCK), count)
+    blocks = parallel_map(block, range(0, count, POINTS_AT_A_TIME), count)
     return np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
 
 
@@ -125,14 +125,14 @@ def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -
     A rank-1 lattice: better spread than a prefix of an endless sequence, for exactly `count` points.
     """
     index = np.arange(count)
-    golden = additive_sequence(0, count, 1)[:, 0]
+    golden = rd_sequence(0, count, 1)[:, 0]
     squares = np.modf(np.column_stack([(index + 0.5) / count, golden]) + shift)[0]
     across = disk(squares) if lights.shape[light] == LightShape.ELLIPSE else squares - 0.5
     return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
 
 
 @dataclass(frozen=True)
-class Grid:
+class PixelGrid:
     """A grid finer than the pixels', turned against them, and the places in a pixel that samples take on it."""
 
     fine_from_pixel: np.ndarray  # (2,2) int
@@ -161,23 +161,23 @@ class Grid:
 #: Places in a pixel are a rank-1 lattice of this step, in van der Corput's order, so that the first 2, 4, 8, … are one
 #: as well (Hickernell et al. 2000): on as many lines along the pixel's sides, where pictures are full of edges, and far
 #: from each other. The step is that whose lattices of up to 4,096 places are the widest.
-STEP = 3045
+LATTICE_GENERATOR = 3045
 
 #: How fine pixels lie to pixels, by the number of places that share a grid: the lattice's shortest steps are its own.
-GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
+PIXEL_GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 
 #: Steps of a ray's place on its light, from a pixel's ray to its next one, and from pixel to pixel in the order of
 #: pixel_member in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
 #: pixel, which say how much a ray counts, and over neighbours, and for thousands of rays: found by search among
 #: half-seen lights, see tests/test_ray_places.py, and by the error of penumbrae, see tests/stress/test_closed_forms.py.
-RAY_STEPS = (0.72359394, 0.59242966)
-PIXEL_STEPS = (0.56283799, 0.75252225)
+RAY_INCREMENTS = (0.72359394, 0.59242966)
+PIXEL_INCREMENTS = (0.56283799, 0.75252225)
 
 #: Steps of when it is a pixel's turn to have a ray: from pixel to pixel, and from round to round of places in a pixel.
-TURN_STEPS = (2**0.5 - 1.0, (21**0.5 - 3.0) / 2.0)
+TURN_INCREMENTS = (2**0.5 - 1.0, (21**0.5 - 3.0) / 2.0)
 
 #: And from light to light: of the place, of a pixel's turn, and of a tile's.
-LIGHT_STEPS = golden_steps(4)
+LIGHT_INCREMENTS = rd_increments(4)
 
 
 def van_der_corput(numbers: np.ndarray) -> np.ndarray:
@@ -187,16 +187,16 @@ def van_der_corput(numbers: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def grid(number: int, count: int) -> Grid:
+def pixel_grid(number: int, count: int) -> PixelGrid:
     """A pixel's next `count` places after `number` times as many; the very first is at its centre."""
-    fine_from_pixel = np.array(GRIDS[count])
-    lattice = van_der_corput(np.arange(number * count, (number + 1) * count))[:, None] * (1, STEP)
+    fine_from_pixel = np.array(PIXEL_GRIDS[count])
+    lattice = van_der_corput(np.arange(number * count, (number + 1) * count))[:, None] * (1, LATTICE_GENERATOR)
     places = np.mod(lattice + 0.5, 1.0) - 0.5
     texels = np.rint((places - places[0]) @ fine_from_pixel.T).astype(int)
-    return Grid(fine_from_pixel, places[0], texels, places)
+    return PixelGrid(fine_from_pixel, places[0], texels, places)
 
 
-def narrow_grid(number: int, reach: float) -> Grid:
+def narrow_pixel_grid(number: int, reach: float) -> PixelGrid:
     """One place, spread as the Blackman-Harris filter that reaches `reach` px, half a pixel at most (Harris 1978)."""
     t = np.linspace(-1.0, 1.0, 257)
     k = np.pi * (t + 1.0)
@@ -204,4 +204,4 @@ def narrow_grid(number: int, reach: float) -> Grid:
     cumulative = np.cumsum(weight) - 0.5 * weight
     place = sequence(Dimension.PIXEL, number - 1, 1)[0] if number else np.full(2, 0.5)
     off = reach * np.interp(place * weight.sum(), cumulative, t)
-    return Grid(np.eye(2, dtype=int), off, np.zeros((1, 2), int), off[None])
+    return PixelGrid(np.eye(2, dtype=int), off, np.zeros((1, 2), int), off[None])

@@ -18,13 +18,13 @@ import numpy as np
 from ..color import PRIMARIES, REC709
 
 #: Groups of instances that lights may be linked to: as many as a float32 has bits for.
-MOST_GROUPS = 24
+MAX_LINK_GROUPS = 24
 
 #: Vertices of a mesh that is bounded together with others.
 FEW = 1 << 12
 
 #: A picture's width and height, as in Blender.
-MOST_PIXELS = 1 << 16
+MAX_PIXELS = 1 << 16
 
 
 class LightShape(IntEnum):
@@ -197,7 +197,7 @@ class View(Arrays):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (1 <= self.width <= MOST_PIXELS and 1 <= self.height <= MOST_PIXELS):
+        if not (1 <= self.width <= MAX_PIXELS and 1 <= self.height <= MAX_PIXELS):
             raise ValueError(f"a picture of {self.width}×{self.height} pixels cannot be drawn")
 
     def coarse(self, pixel: int) -> Self:

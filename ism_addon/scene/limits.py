@@ -9,44 +9,44 @@ import numpy as np
 from . import Instances, Lights, Materials, Mesh, View, World
 
 #: m, and of other numbers, such as matrices and colours. Blender lets users type up to 3e38.
-FARTHEST = 1e9
+MAX_DISTANCE = 1e9
 
 #: W/(sr m²).
-BRIGHTEST = 1e15
+MAX_RADIANCE = 1e15
 
 #: What may scale a mesh.
-SMALLEST = 1e-15
+MIN_SCALE = 1e-15
 
 #: Of the volume that vectors of their lengths could span, what they do if they are as good as in one plane.
-FLAT = 1e-9
+PLANAR_VOLUME = 1e-9
 
 #: Of arrays, by the class and its member.
-MOST: dict[tuple[type, str], float] = {
-    (Mesh, "positions"): FARTHEST,
-    (Instances, "world_from_object"): FARTHEST,
-    (Materials, "base_color"): FARTHEST,
-    (Lights, "position"): FARTHEST,
-    (Lights, "axis_u"): FARTHEST,
-    (Lights, "axis_v"): FARTHEST,
-    (Lights, "radiance"): BRIGHTEST,
-    (World, "radiance"): FARTHEST,
-    (View, "clip_from_view"): 4.0 * FARTHEST,
-    (View, "view_from_world"): 4.0 * FARTHEST,
+MAX_VALUES: dict[tuple[type, str], float] = {
+    (Mesh, "positions"): MAX_DISTANCE,
+    (Instances, "world_from_object"): MAX_DISTANCE,
+    (Materials, "base_color"): MAX_DISTANCE,
+    (Lights, "position"): MAX_DISTANCE,
+    (Lights, "axis_u"): MAX_DISTANCE,
+    (Lights, "axis_v"): MAX_DISTANCE,
+    (Lights, "radiance"): MAX_RADIANCE,
+    (World, "radiance"): MAX_DISTANCE,
+    (View, "clip_from_view"): 4.0 * MAX_DISTANCE,
+    (View, "view_from_world"): 4.0 * MAX_DISTANCE,
 }
 
 
-def within(values: np.ndarray, most: float = FARTHEST) -> np.ndarray:
+def is_within(values: np.ndarray, most: float = MAX_DISTANCE) -> np.ndarray:
     """Element by element: a number, and none beyond what float32 can deal with."""
     return np.abs(values) <= most
 
 
-def invertible(linear: np.ndarray) -> np.ndarray:
+def is_invertible(linear: np.ndarray) -> np.ndarray:
     """(N,) which of (N,3,3) flatten nothing, as far as float64 tells of Blender's float32."""
     lengths = np.linalg.norm(linear, axis=1)
-    return (lengths >= SMALLEST).all(1) & (np.abs(np.linalg.det(linear)) > FLAT * lengths.prod(1))
+    return (lengths >= MIN_SCALE).all(1) & (np.abs(np.linalg.det(linear)) > PLANAR_VOLUME * lengths.prod(1))
 
 
-def spanning(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def spans_plane(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """(N,) whether vectors (N,3) span a plane, in the same way."""
     size = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-    return np.linalg.norm(np.cross(u, v), axis=1) > FLAT * size
+    return np.linalg.norm(np.cross(u, v), axis=1) > PLANAR_VOLUME * size

@@ -43,7 +43,7 @@ class SectionPanel(ISMPanel):
         """Names of the settings that the panel has in this scene; its switch is in the header."""
         return [
             member.name
-            for member, control in settings.controls(cls.section)
+            for member, control in settings.setting_fields(cls.section)
             if member.name != "enabled" and control.method in (None, scene.ism.shadow.method)
         ]
 

@@ -21,8 +21,8 @@ FOLDER = str(Path(__file__).parents[1])
 #: What a preset is about, under scene.ism: how pictures are drawn, not how they look.
 ABOUT = [
     ("shadow", "method"),
-    *(("render", member.name) for member, _ in settings.controls(type(settings.FINAL))),
-    *(("viewport", member.name) for member, _ in settings.controls(type(settings.VIEWPORT))),
+    *(("render", member.name) for member, _ in settings.setting_fields(type(settings.FINAL))),
+    *(("viewport", member.name) for member, _ in settings.setting_fields(type(settings.VIEWPORT))),
 ]
 
 

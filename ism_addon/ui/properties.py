@@ -33,7 +33,7 @@ def _group(name: str, defaults: Any) -> type:
     """A PropertyGroup class with the fields of `defaults`' section, and its values as defaults."""
     members = {
         member.name: _property(member, control, getattr(defaults, member.name))
-        for member, control in settings.controls(type(defaults))
+        for member, control in settings.setting_fields(type(defaults))
     }
     return type(name, (bpy.types.PropertyGroup,), {"__annotations__": members, "__doc__": type(defaults).__doc__})
 
@@ -51,7 +51,7 @@ class ISMSettings(bpy.types.PropertyGroup):
     ssao: bpy.props.PointerProperty(type=ISMSSAO)
     render: bpy.props.PointerProperty(type=ISMRender)
     viewport: bpy.props.PointerProperty(type=ISMViewport)
-    show: _property(*next(settings.controls(settings.Settings)), settings.Settings.show)
+    show: _property(*next(settings.setting_fields(settings.Settings)), settings.Settings.show)
 
 
 CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings)

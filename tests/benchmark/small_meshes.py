@@ -58,7 +58,7 @@ def stand(name: str, positions: np.ndarray, quads: np.ndarray, material: bpy.typ
 
 def ours() -> dict[str, float]:
     """Milliseconds of a render, and of its parts: reading, and each pass."""
-    scene, read, taken = bpy.context.scene, persistent_data.Layer.read, []
+    scene, read, taken = bpy.context.scene, persistent_data.LayerCache.read, []
     scene.render.engine, scene.ism.render.samples = "ISM", 1
 
     def timed(*what: object) -> object:
@@ -67,13 +67,13 @@ def ours() -> dict[str, float]:
         taken.append(time.perf_counter() - begin)
         return found
 
-    persistent_data.Layer.read = timed
+    persistent_data.LayerCache.read = timed
     start = time.perf_counter()
     try:
         with quiet_stdout():
             bpy.ops.render.render()
     finally:
-        persistent_data.Layer.read = read
+        persistent_data.LayerCache.read = read
     whole = time.perf_counter() - start
     passes = {name: row["ms"] for name, row in statistics()["passes"].items()}
     return {"whole": 1e3 * whole, "read": 1e3 * sum(taken), **passes}

@@ -101,7 +101,7 @@ def measured(count: int) -> list[dict]:
     clock = Clock()
     with (
         clock.timed(final_render, "render", "render"),
-        clock.timed(persistent_data.Layer, "read", "read"),
+        clock.timed(persistent_data.LayerCache, "read", "read"),
         clock.timed(final_render, "_fill", "fill"),
         handled(bpy.app.handlers.render_write, clock.end_frame),
         quiet_stdout(),

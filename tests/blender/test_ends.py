@@ -71,6 +71,6 @@ def test_images_that_are_drawn_smaller_are_told(scene, told, capfd, monkeypatch)
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = bpy.data.images.new("Picture", 256, 256)
     tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
-    monkeypatch.setattr(setting_limits, "LINES", 3)
+    monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 3)
     told()
     assert "some not drawn at their size: 1 of 256×256 px at 1/2 of it." in capfd.readouterr().out

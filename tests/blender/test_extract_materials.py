@@ -223,7 +223,7 @@ def test_linear_images_are_encoded():
 
 @pytest.mark.parametrize("on_black", [False, True])
 def test_an_image_of_several_portions_is_stored_to_the_nearest_of_256(add, on_black):
-    image = bpy.data.images.new("Large", 300, 2 * images.PORTION // 300, alpha=True)
+    image = bpy.data.images.new("Large", 300, 2 * images.TEXELS_AT_A_TIME // 300, alpha=True)
     stored = np.random.default_rng(0).integers(0, 256, (*reversed(image.size), 4))
     stored[: len(stored) // 2, :, 3] = 255  # a portion without transparency, and one with
     image.pixels.foreach_set((stored / np.float32(255.0)).astype(np.float32).reshape(-1))

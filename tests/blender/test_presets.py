@@ -50,7 +50,7 @@ def turn(scene):
     scene.ism.shadow.method = "CLASSIC"
     scene.ism.viewport.resolution = "25"
     for group in (scene.ism.render, scene.ism.viewport):
-        for member, _ in settings.controls(settings.Quality):
+        for member, _ in settings.setting_fields(settings.Quality):
             setattr(group, member.name, getattr(group, member.name) + 3)
 
 

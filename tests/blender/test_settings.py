@@ -20,7 +20,7 @@ GROUPS = {
 EVERY = [
     pytest.param(name, member, control, id=f"{name}.{member.name}")
     for name, defaults in GROUPS.items()
-    for member, control in settings.controls(type(defaults))
+    for member, control in settings.setting_fields(type(defaults))
 ]
 
 
@@ -49,7 +49,7 @@ def another(control, default):
 
 def turn_all(scene):
     for name, defaults in GROUPS.items():
-        for member, control in settings.controls(type(defaults)):
+        for member, control in settings.setting_fields(type(defaults)):
             setattr(group_of(scene, name), member.name, another(control, getattr(defaults, member.name)))
 
 

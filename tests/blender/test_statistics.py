@@ -67,11 +67,11 @@ def test_counts_are_of_what_there_is(rendered, method, has_points):
 
 def test_the_newest_picture_is_the_latest():
     first, second = {"samples": 1}, {"samples": 2}
-    render_statistics.keep("render", first)
-    render_statistics.keep("viewport", second)
-    render_statistics.keep("viewport", {})
+    render_statistics.store("render", first)
+    render_statistics.store("viewport", second)
+    render_statistics.store("viewport", {})
     assert render_statistics.latest() == ("viewport", second)
-    render_statistics.keep("render", first)
+    render_statistics.store("render", first)
     assert render_statistics.latest() == ("render", first)
     render_statistics.latest()[1]["samples"] = 7
-    assert render_statistics.of("render") == first
+    assert render_statistics.for_use("render") == first

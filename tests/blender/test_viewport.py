@@ -3,7 +3,7 @@
 
 import pytest
 
-from ism_addon.blender.viewport.viewport import COARSEST, FIRST, coarser
+from ism_addon.blender.viewport.viewport import COARSEST, FIRST, next_preview_size
 
 
 @pytest.mark.parametrize(
@@ -17,13 +17,13 @@ from ism_addon.blender.viewport.viewport import COARSEST, FIRST, coarser
     ],
 )
 def test_the_first_pictures_pixels_are_as_coarse_as_its_time_allows(pixel, seconds, then):
-    assert coarser(pixel, seconds) == then
+    assert next_preview_size(pixel, seconds) == then
 
 
 def test_an_even_pace_settles():
     for time_of_a_pixel in (1e-6, 1e-4, 1e-2, 1.0):
         pixel, widths = 4, []
         for _ in range(20):
-            pixel = coarser(pixel, time_of_a_pixel / pixel**2)
+            pixel = next_preview_size(pixel, time_of_a_pixel / pixel**2)
             widths.append(pixel)
         assert len(set(widths[10:])) == 1

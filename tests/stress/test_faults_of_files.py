@@ -14,7 +14,7 @@ import bpy
 import pytest
 
 from ism_addon import addon, snapshot
-from ism_addon.atomic_files import replacing
+from ism_addon.atomic_files import atomic_write
 from ism_addon.blender.sync import scene_reader
 
 from ..scenes.small import pillar_field
@@ -109,7 +109,7 @@ def test_files_that_are_written_at_the_same_time(path):
     """By threads, into one folder: each is whole."""
 
     def write(number: int) -> None:
-        with replacing(path.with_name(f"{number % 3}")) as file:
+        with atomic_write(path.with_name(f"{number % 3}")) as file:
             file.write(b"%d" % (number % 3) * 10_000)
 
     with ThreadPoolExecutor(8) as pool:
@@ -140,9 +140,9 @@ def test_a_file_in_a_folder_in_which_no_other_may_be_made():
         place.chmod(0o666)
         Path(folder).chmod(0o555)
         with somebody():
-            with replacing(place) as file:
+            with atomic_write(place) as file:
                 file.write(b"newer")
-            with pytest.raises(PermissionError, match=r"other\.png"), replacing(Path(folder, "other.png")):
+            with pytest.raises(PermissionError, match=r"other\.png"), atomic_write(Path(folder, "other.png")):
                 pass
         Path(folder).chmod(0o755)
         assert place.read_bytes() == b"newer"

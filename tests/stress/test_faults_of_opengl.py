@@ -14,7 +14,7 @@ import pytest
 
 from ism_addon.gpu import memory_estimate
 from ism_addon.gpu.jobs.job import Job
-from ism_addon.gpu.jobs.render_loop import Studio
+from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.setting_limits import beyond_limits
 
@@ -107,29 +107,29 @@ def at_pass(monkeypatch):
     """at_pass(number, do): do(studio) before the number-th pass from now on is drawn, in the worker's thread."""
 
     def at_pass(number, do) -> None:
-        step, left = Studio.step, iter(range(number))
+        step, left = RenderLoop.step, iter(range(number))
 
-        def step_or_do(studio: Studio, client: object, job: Job) -> None:
+        def step_or_do(studio: RenderLoop, client: object, job: Job) -> None:
             if next(left, None) == number - 1:
                 do(studio)
             step(studio, client, job)
 
-        monkeypatch.setattr(Studio, "step", step_or_do)
+        monkeypatch.setattr(RenderLoop, "step", step_or_do)
 
     return at_pass
 
 
-def load(studio: Studio, name: str) -> int:
+def load(studio: RenderLoop, name: str) -> int:
     """The address of one of OpenGL's functions."""
     return studio.device.gl.mglo._context.load(name)
 
 
-def lost(studio: Studio) -> None:
+def lost(studio: RenderLoop) -> None:
     """As drivers do: from then on nothing is drawn, and nothing is said about it."""
     ctypes.CFUNCTYPE(ctypes.c_uint)(load(studio, "eglReleaseThread"))()
 
 
-def killed(_studio: Studio) -> None:
+def killed(_studio: RenderLoop) -> None:
     raise SystemExit  # as Python ends threads
 
 

@@ -18,7 +18,7 @@ from ism_addon import addon
 from ism_addon.blender.render import read_settings
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.jobs.job import Request
-from ism_addon.gpu.jobs.render_loop import Studio
+from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.jobs.render_thread import shared
 
 from ..tools.memory import resident
@@ -84,7 +84,7 @@ class Census(threading.Event):
 
     count = 0
 
-    def take(self, studio: Studio) -> None:
+    def take(self, studio: RenderLoop) -> None:
         load = studio.device.gl.mglo._context.load
         studio.device.collect()
         tests = [ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(load(f"glIs{kind}")) for kind in KINDS]
@@ -96,14 +96,14 @@ class Census(threading.Event):
 def census(monkeypatch) -> Callable[[Callable], int]:
     """census(draw): how many objects there are in OpenGL as something is drawn."""
     asked: list[Census] = []
-    tidy = Studio.tidy
+    tidy = RenderLoop.tidy
 
-    def tidy_and_count(studio: Studio, jobs, forgotten) -> None:
+    def tidy_and_count(studio: RenderLoop, jobs, forgotten) -> None:
         tidy(studio, jobs, forgotten)
         while asked:
             asked.pop().take(studio)
 
-    monkeypatch.setattr(Studio, "tidy", tidy_and_count)
+    monkeypatch.setattr(RenderLoop, "tidy", tidy_and_count)
 
     def census(draw: Callable[[], None]) -> int:
         taken = Census()

@@ -15,7 +15,7 @@ from ..sync import camera
 from . import persistent_data, read_settings, render_statistics
 
 #: Blender's name of a pass, and the part of a Picture that goes into it.
-PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
+RENDER_PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
 WAIT = 0.1  # s: how long a wish to cancel can go unnoticed
 SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
 
@@ -23,7 +23,7 @@ SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
 def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
     """Render the depsgraph's view layer. What cannot be drawn becomes one sentence in the engine's report."""
     layer = depsgraph.view_layer_eval
-    shares = persistent_data.Layer() if engine.is_preview else persistent_data.layer(depsgraph)
+    shares = persistent_data.LayerCache() if engine.is_preview else persistent_data.layer_cache(depsgraph)
     view_names = _view_names(engine, layer.name)
     shared.expect()
     try:
@@ -104,12 +104,12 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     if job.error:
         _refuse(engine, job.error)
     elif done and not engine.is_preview:
-        render_statistics.keep("render", job.statistics)
+        render_statistics.store("render", job.statistics)
     return done and not job.error
 
 
 def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> None:
-    for name, part in PASSES.items():
+    for name, part in RENDER_PASSES.items():
         target = passes.find_by_name(name, view_name)
         if target is not None:
             # Blender takes nothing else here; it copies in 3 ms what `rect = array` takes a second for.

@@ -15,7 +15,7 @@ from ...scene import Scene
 from .. import app_handlers
 
 
-class Layer:
+class LayerCache:
     """A view layer that is rendered."""
 
     def __init__(self) -> None:
@@ -32,15 +32,15 @@ class Layer:
         return self.reader.read(depsgraph, shown, whole=True)
 
 
-_layers: dict[tuple[int, str], Layer] = {}
+_layers: dict[tuple[int, str], LayerCache] = {}
 
 
-def layer(depsgraph: bpy.types.Depsgraph) -> Layer:
+def layer_cache(depsgraph: bpy.types.Depsgraph) -> LayerCache:
     """The depsgraph's. One is kept at a time: of many layers, the graphics card might not hold all."""
     key = depsgraph.scene.original.session_uid, depsgraph.view_layer.name
     if key not in _layers:
         forget()
-    return _layers.setdefault(key, Layer())
+    return _layers.setdefault(key, LayerCache())
 
 
 def forget() -> None:

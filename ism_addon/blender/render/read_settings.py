@@ -10,7 +10,7 @@ from ... import settings
 
 def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
     values = {}
-    for member, _control in settings.controls(cls):
+    for member, _control in settings.setting_fields(cls):
         kind: type = type(member.default)
         values[member.name] = kind(getattr(group, member.name))  # a choice is a string in Blender
     return cls(**values)

@@ -6,14 +6,14 @@ from copy import deepcopy
 _kept: dict[str, dict] = {}
 
 
-def keep(use: str, statistics: dict) -> None:
+def store(use: str, statistics: dict) -> None:
     """The newest picture of a use took this. A job that has drawn nothing yet has nothing to tell."""
     if statistics:
         _kept.pop(use, None)
         _kept[use] = statistics
 
 
-def of(use: str) -> dict:
+def for_use(use: str) -> dict:
     """A copy of what the newest picture of a use took; {} before the first."""
     return deepcopy(_kept.get(use, {}))
 
@@ -21,4 +21,4 @@ def of(use: str) -> dict:
 def latest() -> tuple[str, dict]:
     """The use and a copy of what the newest picture of all took; "" and {} before the first."""
     use = next(reversed(_kept), "")
-    return use, of(use)
+    return use, for_use(use)

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 
 from ...scene import View
-from ...scene.limits import within
+from ...scene.limits import is_within
 
 #: Left, right, bottom and top of a part of a picture, in pixels of the whole.
 Part = tuple[int, int, int, int]
@@ -40,7 +40,7 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
         world_from_view = np.array(engine.camera_model_matrix(camera), np.float64).reshape(4, 4)
         shift = engine.camera_shift_x(camera) - camera.data.shift_x
         clip_from_view = _shifted(clip_from_view, shift * _shift_unit(camera.data, render, width, height))
-    if not (within(world_from_view).all() and np.linalg.norm(world_from_view[:3, :3], axis=0).all()):
+    if not (is_within(world_from_view).all() and np.linalg.norm(world_from_view[:3, :3], axis=0).all()):
         raise CameraError(f"The camera '{camera.name}' is too far away or scaled to nothing; clear its transform.")
     left, right, bottom, top = border(render)
     return View(

@@ -4,7 +4,7 @@
 from collections import Counter
 
 
-class Findings:
+class Diagnostics:
     """Collects kinds of trouble, the names of what has it, and how much of it."""
 
     def __init__(self) -> None:
@@ -15,7 +15,7 @@ class Findings:
         if count:
             self._kinds.setdefault(kind, Counter())[name] += count
 
-    def include(self, others: "Findings") -> None:
+    def include(self, others: "Diagnostics") -> None:
         """Add all that others hold."""
         for kind, names in others._kinds.items():
             self._kinds.setdefault(kind, Counter()).update(names)

@@ -3,10 +3,10 @@
 
 import bpy
 
-from ...scene import MOST_GROUPS
+from ...scene import MAX_LINK_GROUPS
 
 
-class Links:
+class LightLinks:
     """Numbers groups, each known by what is in it, and says which an object belongs to."""
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class Links:
             return -1
         # Where nothing is included, all is but what is excluded.
         group = frozenset(included - excluded if included else excluded), bool(included)
-        if group not in self._groups and len(self._groups) == MOST_GROUPS:
+        if group not in self._groups and len(self._groups) == MAX_LINK_GROUPS:
             return None
         return self._groups.setdefault(group, len(self._groups))
 

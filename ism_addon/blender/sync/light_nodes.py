@@ -4,11 +4,11 @@
 import bpy
 import numpy as np
 
-from .diagnostics import Findings
+from .diagnostics import Diagnostics
 from .materials import nodes
 
 
-def factor(light: bpy.types.Light, name: str, findings: Findings) -> np.ndarray:
+def factor(light: bpy.types.Light, name: str, findings: Diagnostics) -> np.ndarray:
     """(3,) what the nodes multiply the light's power by; zeros, as in Cycles, where no shader is shown."""
     # Since Blender 5.2 every new light has nodes; Blender 6.0 takes the switch away.
     if light.node_tree is None or not light.use_nodes:

@@ -11,11 +11,11 @@ import bpy
 import numpy as np
 
 from ... import radiometry
-from ...scene import MOST_GROUPS, Lights, LightShape
-from ...scene.limits import BRIGHTEST, spanning, within
+from ...scene import MAX_LINK_GROUPS, Lights, LightShape
+from ...scene.limits import MAX_RADIANCE, is_within, spans_plane
 from . import light_nodes
-from .diagnostics import Findings
-from .light_linking import Links
+from .diagnostics import Diagnostics
+from .light_linking import LightLinks
 
 #: Blender's shapes: ours, and whether the height is a number of its own.
 SHAPES = {
@@ -54,12 +54,12 @@ class _Row:
     blockers: int
 
 
-class LightTable:
+class LightReader:
     """Collects the area lights, from one depsgraph after another, and says which lights are none."""
 
-    def __init__(self, links: Links) -> None:
+    def __init__(self, links: LightLinks) -> None:
         self._links = links
-        self._rows: list[tuple[_Row | None, Findings]] = []
+        self._rows: list[tuple[_Row | None, Diagnostics]] = []
         self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
 
     def begin(self) -> None:
@@ -80,7 +80,7 @@ class LightTable:
         if index is not None:
             self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
 
-    def table(self, findings: Findings) -> Lights:
+    def table(self, findings: Diagnostics) -> Lights:
         """All that shine."""
         for _, found in self._rows:
             findings.include(found)
@@ -93,9 +93,9 @@ class LightTable:
         return Lights(**columns)
 
 
-def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) -> tuple[_Row | None, Findings]:
+def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[_Row | None, Diagnostics]:
     """A light where it stands, (4,4); None if it is no area light, has no size or lights nothing."""
-    findings, light = Findings(), source.data
+    findings, light = Diagnostics(), source.data
     if light.type != "AREA":
         kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
         findings.note(kind, source.name)
@@ -110,14 +110,14 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: Links) 
         findings.note("Lights are not seen by the camera", source.name)
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
     if None in linked:
-        findings.note(f"Lights are linked to no more than {MOST_GROUPS} groups, others are not linked", source.name)
+        findings.note(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
     if row is None:
         findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
         return None, findings
     if not radiometry.is_upright(row.axis_u, row.axis_v):
         findings.note("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
-    if not within(row.radiance, BRIGHTEST).all():
+    if not is_within(row.radiance, MAX_RADIANCE).all():
         findings.note("Area lights too bright to be drawn are left out", source.name)
         return None, findings
     return row, findings
@@ -144,8 +144,8 @@ def _row(
     area = box = float(sides.prod())
     if shape is LightShape.ELLIPSE:
         area *= np.pi / 4
-    has_size = within(sides).all() and spanning(axis_u[None], axis_v[None]).item()
-    if not (has_size and within(world_from_light).all() and depth > 0):
+    has_size = is_within(sides).all() and spans_plane(axis_u[None], axis_v[None]).item()
+    if not (has_size and is_within(world_from_light).all() and depth > 0):
         return None
     # A sheared one sends out as much as if it were not, from less area.
     if not radiometry.is_upright(axis_u, axis_v):

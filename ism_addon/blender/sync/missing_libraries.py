@@ -3,10 +3,10 @@
 
 import bpy
 
-from .diagnostics import Findings
+from .diagnostics import Diagnostics
 
 
-def note_missing(depsgraph: bpy.types.Depsgraph, findings: Findings) -> None:
+def note_missing(depsgraph: bpy.types.Depsgraph, findings: Diagnostics) -> None:
     """Note all for which Blender has put something empty in place, without a word to who looks at the picture."""
     if len(bpy.data.libraries):
         for each in depsgraph.ids:

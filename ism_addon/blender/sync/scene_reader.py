@@ -11,12 +11,12 @@ import bpy
 
 from ...scene import Scene
 from . import depsgraph_updates, missing_libraries, unsupported_scene, world
-from .diagnostics import Findings
-from .geometry.instances import Geometry
-from .light_linking import Links
-from .lights import LightTable
+from .diagnostics import Diagnostics
+from .geometry.instances import InstanceReader
+from .light_linking import LightLinks
+from .lights import LightReader
 from .materials import images
-from .materials.materials import MaterialTable
+from .materials.materials import MaterialReader
 
 #: Objects that render in other engines, and not in this one.
 UNDRAWN = {
@@ -42,11 +42,11 @@ class Reader:
     """Reads a depsgraph once, and then what changes: whatever did not is the same object as in the last Scene."""
 
     def __init__(self) -> None:
-        self._materials = MaterialTable()
-        links = Links()
-        self._geometry = Geometry(self._materials, links)
-        self._lights = LightTable(links)
-        self._others = Findings()
+        self._materials = MaterialReader()
+        links = LightLinks()
+        self._geometry = InstanceReader(self._materials, links)
+        self._lights = LightReader(links)
+        self._others = Diagnostics()
         self._instancers: set[int] = set()  # session_uids
         self._scene: Scene | None = None
 
@@ -83,7 +83,7 @@ class Reader:
     def _walk(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> None:
         """Everything that stands in the scene."""
         view_layer = depsgraph.view_layer_eval
-        self._others = Findings()
+        self._others = Diagnostics()
         missing_libraries.note_missing(depsgraph, self._others)
         self._instancers.clear()
         parts = self._materials, self._geometry, self._lights
@@ -113,7 +113,7 @@ class Reader:
                 self._lights.renew(source)
 
     def _tables(self, depsgraph: bpy.types.Depsgraph) -> Scene:
-        findings, last = Findings(), self._scene
+        findings, last = Diagnostics(), self._scene
         findings.include(self._others)
         unsupported_scene.note(depsgraph, findings)
         meshes, instances = self._geometry.tables(findings)

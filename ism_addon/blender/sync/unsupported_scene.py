@@ -3,10 +3,10 @@
 
 import bpy
 
-from .diagnostics import Findings
+from .diagnostics import Diagnostics
 
 
-def note(depsgraph: bpy.types.Depsgraph, findings: Findings) -> None:
+def note(depsgraph: bpy.types.Depsgraph, findings: Diagnostics) -> None:
     """A sentence for each."""
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     camera = scene.camera

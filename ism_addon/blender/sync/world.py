@@ -5,12 +5,12 @@ import bpy
 import numpy as np
 
 from ...scene import World
-from ...scene.limits import within
-from .diagnostics import Findings
+from ...scene.limits import is_within
+from .diagnostics import Diagnostics
 from .materials import nodes
 
 
-def read(world: bpy.types.World | None, findings: Findings) -> World:
+def read(world: bpy.types.World | None, findings: Diagnostics) -> World:
     """The Background node's colour × strength, or the world's colour where it has no nodes.
 
     No world is black, and so is what is no number.
@@ -21,10 +21,10 @@ def read(world: bpy.types.World | None, findings: Findings) -> World:
     seen_by = getattr(world, "cycles_visibility", None)  # Cycles can be switched off
     if seen_by is not None and not (seen_by.camera and seen_by.diffuse):
         findings.note("The ray visibility of worlds is not obeyed", world.name)
-    return World(np.where(within(radiance), radiance, 0.0).astype(np.float32))
+    return World(np.where(is_within(radiance), radiance, 0.0).astype(np.float32))
 
 
-def _radiance(world: bpy.types.World, findings: Findings) -> np.ndarray:
+def _radiance(world: bpy.types.World, findings: Diagnostics) -> np.ndarray:
     node_tree = nodes.tree(world)
     if node_tree is None:
         return nodes.color(world.color, 0.0)

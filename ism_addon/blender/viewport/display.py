@@ -7,17 +7,19 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
 #: Left, bottom, width and height, in pixels of a region.
-Place = tuple[float, float, float, float]
+ViewportRect = tuple[float, float, float, float]
 
 
-class Presenter:
+class ImageDisplay:
     """Keeps the picture that it last drew as a texture: uploading one is what makes large viewports lag."""
 
     def __init__(self) -> None:
         self._color: np.ndarray | None = None
         self._texture: gpu.types.GPUTexture | None = None
 
-    def draw(self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, place: Place) -> None:
+    def draw(
+        self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, place: ViewportRect
+    ) -> None:
         """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, at a place of the region."""
         if color is not self._color:
             rows, columns, channels = color.shape

@@ -38,7 +38,7 @@ class Viewport(Protocol):
 _alive: "WeakSet[Viewport]" = WeakSet()
 
 
-class _Look:
+class _Timer:
     """Three steps: let the worker rest, have the windows drawn, let it go on."""
 
     def __init__(self) -> None:
@@ -56,13 +56,13 @@ class _Look:
             if not shared.is_still and self.waited < PATIENCE:
                 self.waited += STILL_EVERY
                 return STILL_EVERY
-            tell()
+            redraw_viewports()
             self.draws = True
             return 0.0
         return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
 
 
-_look = _Look()
+_timer = _Timer()
 
 
 def watch(viewport: Viewport) -> None:
@@ -70,23 +70,23 @@ def watch(viewport: Viewport) -> None:
     _alive.add(viewport)
 
 
-def start() -> None:
+def start_timer() -> None:
     """Look from now on, until there is nothing more to come."""
-    if not bpy.app.timers.is_registered(_look):
-        bpy.app.timers.register(_look, first_interval=LOOK_EVERY)
+    if not bpy.app.timers.is_registered(_timer):
+        bpy.app.timers.register(_timer, first_interval=LOOK_EVERY)
 
 
-def stop() -> None:
+def stop_timer() -> None:
     """Look no more."""
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
+    if bpy.app.timers.is_registered(_timer):
+        bpy.app.timers.unregister(_timer)
 
 
-def tell() -> None:
+def redraw_viewports() -> None:
     """Have drawn what shows the news, and at the end what they took."""
     for viewport in _alive:
         if viewport.has_news:
-            render_statistics.keep("viewport", viewport.statistics)
+            render_statistics.store("viewport", viewport.statistics)
     redraw(also_properties=not any(viewport.is_waiting for viewport in _alive))
 
 

@@ -13,7 +13,7 @@ from ...setting_limits import beyond_limits, images_beyond_limits, view_beyond_l
 from ..render import read_settings
 from ..sync import camera, scene_reader
 from . import redraw_timer
-from .display import Place, Presenter
+from .display import ImageDisplay, ViewportRect
 
 #: The pixels of the first picture after a change are as coarse as it takes for it to come after about so long. s
 FIRST = 0.1
@@ -38,10 +38,10 @@ class Viewport:
         self._late = False  # what it should show is still to be asked for
         self._job: Job | None = None
         self._warnings: tuple[str, ...] = ()
-        self._place: Place = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
-        self._shown: tuple[Picture, Place] | None = None
+        self._place: ViewportRect = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
+        self._shown: tuple[Picture, ViewportRect] | None = None
         self._told: tuple | None = None
-        self._presenter = Presenter()
+        self._presenter = ImageDisplay()
         redraw_timer.watch(self)
         # It dies with its engine, in whose own __del__ Blender has already taken everything away.
         finalize(self, shared.forget, self._client).atexit = False
@@ -70,7 +70,7 @@ class Viewport:
             self._presenter.draw(engine, context.scene, picture.color, place)
         engine.update_stats("", self._job.error or " ".join([self._job.status, *self._warnings]))
         if self.is_waiting or self.has_news:
-            redraw_timer.start()
+            redraw_timer.start_timer()
 
     @property
     def has_news(self) -> bool:
@@ -85,13 +85,13 @@ class Viewport:
     def is_waiting(self) -> bool:
         return self._job is not None and not self._job.finished
 
-    def _ask(self, view: View, place: Place, scene: bpy.types.Scene) -> None:
+    def _ask(self, view: View, place: ViewportRect, scene: bpy.types.Scene) -> None:
         chosen = read_settings.read(scene, "viewport")
         asked = (self._scene, _fingerprint(view), place, chosen, shared.edition)
         self._late = asked != self._asked and self._nothing_to_show_yet
         if asked != self._asked and not self._late:
             if self._job is not None and self._job.first_seconds:
-                self._coarse = coarser(self._coarse, self._job.first_seconds)
+                self._coarse = next_preview_size(self._coarse, self._job.first_seconds)
                 self._look_at_job()
             request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
@@ -115,7 +115,7 @@ class Viewport:
         return self._job, self._job.picture(), self._job.finished
 
 
-def coarser(pixel: int, seconds: float) -> int:
+def next_preview_size(pixel: int, seconds: float) -> int:
     """The width of a first picture's pixels when one of width `pixel` took so long to draw."""
     if seconds > 1.5 * FIRST:
         return min(2 * pixel, COARSEST)
@@ -123,7 +123,7 @@ def coarser(pixel: int, seconds: float) -> int:
     return max(pixel // 2, 1) if seconds < FIRST / 5.0 else pixel
 
 
-def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, Place]:
+def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, ViewportRect]:
     """What the context's 3D viewport shows, and where in it."""
     pixel = read_settings.pixel_size(context.scene)
     region, space, data = context.region, context.space_data, context.region_data

@@ -12,39 +12,39 @@ from functools import reduce
 
 import numpy as np
 
-from ...parallel import side_by_side
+from ...parallel import parallel_map
 from ...scene import Mesh
-from .bvh import PLANE, build, in_leaves, in_planes, leaves_for, packed, rows_over
-from .quantization import Lattice
+from .bvh import QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
+from .quantization import Quantization
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
 #: hold 1.5 on average at least. An even number, as quads are two.
 TRIANGLES_PER_LEAF = 6
 
 #: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
-FEW = 1 << 17
+SORT_ALL_BELOW = 1 << 17
 
 #: Triangles that are looked at to see whether neighbours in a mesh lie together.
-SOME = 1 << 14
+SAMPLED_TRIANGLES = 1 << 14
 
 #: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at
 #: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
-LOOSE, MOSTLY = 3.0, 0.9
+MAX_OVERLAP, COHERENT_FRACTION = 3.0, 0.9
 
 #: Most boxes of a mesh by which its instances are bounded; a power of two.
-PARTS = 32
+BOXES_PER_MESH = 32
 
 #: Triangles whose boxes are found at a time: so many stay in a processor's cache.
-PORTION = 1 << 15
+TRIANGLES_AT_A_TIME = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
-class MeshTree:
+class BLAS:
     """A mesh's tree in its lattice's steps, and where its leaves' triangles are."""
 
     parts: (
         np.ndarray
-    )  # (P,2,3) steps, P = min(PARTS, leaves): boxes around all of the mesh, closer than one when turned
+    )  # (P,2,3) steps, P = min(BOXES_PER_MESH, leaves): boxes around all of the mesh, closer than one when turned
     nodes: np.ndarray  # (leaves // 2,) NODE
     starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
     per_leaf: int  # triangles from there on that a leaf looks at
@@ -56,20 +56,20 @@ class MeshTree:
         return len(self.starts)
 
     @property
-    def tree(self) -> "MeshTree":
+    def tree(self) -> "BLAS":
         """This one: see Runs."""
         return self
 
 
-class Runs:
+class DeferredBLAS:
     """A large mesh whose triangles stay where they are; its tree is begun when all runs of them have been bounded."""
 
     order = None
 
-    def __init__(self, lattice: Lattice, count: int):
+    def __init__(self, lattice: Quantization, count: int):
         self.lattice, self.count, self.run = lattice, count, run_of(count)
         self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
-        self.making: Future[MeshTree] | None = None
+        self.making: Future[BLAS] | None = None
 
     def end_of(self, triangle: int) -> int:
         """Where the run ends that has the triangle before this one."""
@@ -86,17 +86,17 @@ class Runs:
                 along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
                 found[side, axis] = reduce(either, along.T)
-        self.boxes[:, :, begun] = in_planes(found)
+        self.boxes[:, :, begun] = quantize_boxes(found)
 
     def begin(self) -> None:
         """Make the tree, beside whatever else is done."""
         if self.making is None:
             core = ThreadPoolExecutor(1)
-            self.making = core.submit(tree_of_runs, self.boxes, self.count)
+            self.making = core.submit(blas_of_runs, self.boxes, self.count)
             core.shutdown(wait=False)
 
     @property
-    def tree(self) -> MeshTree:
+    def tree(self) -> BLAS:
         """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
         self.begin()
         try:
@@ -108,25 +108,25 @@ class Runs:
         return made
 
 
-def mesh_tree(mesh: Mesh) -> MeshTree | Runs:
+def build_blas(mesh: Mesh) -> BLAS | DeferredBLAS:
     """The tree of a mesh that has triangles, or what will have it."""
-    lattice = Lattice.of(mesh)
-    if len(mesh.triangles) > FEW and lie_together(mesh, lattice):
-        return Runs(lattice, len(mesh.triangles))
-    return tree_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
+    lattice = Quantization.of(mesh)
+    if len(mesh.triangles) > SORT_ALL_BELOW and is_coherent(mesh, lattice):
+        return DeferredBLAS(lattice, len(mesh.triangles))
+    return blas_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
 
 
-def lie_together(mesh: Mesh, lattice: Lattice) -> bool:
+def is_coherent(mesh: Mesh, lattice: Quantization) -> bool:
     """Whether the triangles of some of a mesh's runs do."""
     run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
-    some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SOME)]
+    some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SAMPLED_TRIANGLES)]
     corners = lattice.steps(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
     inside = surfaces(corners.min(2), corners.max(2)).reshape(-1, run).sum(1)
     of_runs = corners.reshape(3, -1, 3 * run)
-    return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= LOOSE * inside) >= MOSTLY)
+    return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= MAX_OVERLAP * inside) >= COHERENT_FRACTION)
 
 
-def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
+def blas_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> BLAS:
     """Sorted triangle by triangle; steps are (3,V)."""
     tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
@@ -134,15 +134,15 @@ def tree_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> MeshTree:
     # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
     starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
     order = tree.order[real].astype(np.uint32)
-    return MeshTree(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+    return BLAS(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
 
 
-def tree_of_runs(boxes: np.ndarray, count: int) -> MeshTree:
+def blas_of_runs(boxes: np.ndarray, count: int) -> BLAS:
     """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
-    run, members = run_of(count), in_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
-    rows, nodes = rows_over(boxes, members)
+    run, members = run_of(count), assign_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
+    rows, nodes = packed_nodes_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
-    return MeshTree(parts_of(nodes), rows, starts, run, None)
+    return BLAS(parts_of(nodes), rows, starts, run, None)
 
 
 def run_of(count: int) -> int:
@@ -155,11 +155,11 @@ def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     boxes = np.empty((2, 3, len(triangles)), np.int16)
 
     def find(first: int) -> None:
-        part = slice(first, first + PORTION)
+        part = slice(first, first + TRIANGLES_AT_A_TIME)
         places = steps.take(np.ascontiguousarray(triangles[part].T), 1)
-        boxes[:, :, part] = in_planes(np.stack([places.min(1), places.max(1)]))
+        boxes[:, :, part] = quantize_boxes(np.stack([places.min(1), places.max(1)]))
 
-    side_by_side(find, range(0, len(triangles), PORTION), len(triangles))
+    parallel_map(find, range(0, len(triangles), TRIANGLES_AT_A_TIME), len(triangles))
     return boxes
 
 
@@ -171,7 +171,7 @@ def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 def parts_of(nodes: np.ndarray) -> np.ndarray:
     """MeshTree.parts of Tree.nodes."""
-    level = min(PARTS, nodes.shape[2] // 2)
+    level = min(BOXES_PER_MESH, nodes.shape[2] // 2)
     boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
-    boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(PLANE)
+    boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(QUANTA_PER_PLANE)
     return boxes[np.arange(level) % len(boxes)]

@@ -14,33 +14,33 @@ from itertools import repeat
 
 import numpy as np
 
-from ...parallel import LARGE, side_by_side
+from ...parallel import LARGE, parallel_map
 
 #: Rows of so many boxes are short: numpy is slow along them.
-SHORT = 1 << 8
+SHORT_ROW = 1 << 8
 
 #: Rows of so few that to count their digits takes longer than to compare them.
-TINY = 1 << 5
+TINY_ROW = 1 << 5
 
 #: Nodes that are packed at a time: so many stay in a processor's cache.
-PORTION = 1 << 13
+BOXES_AT_A_TIME = 1 << 13
 
 #: The box (2,3,1) around nothing: it begins after its end.
 NOTHING = np.repeat(np.int16([[[32767]], [[-32768]]]), 3, 1)
 
 #: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
-PLANE = 512
+QUANTA_PER_PLANE = 512
 
 #: Steps that boxes reach beyond what is in them: more than rays err that start as far away as the tree is large.
-SLACK = 32
+BOX_SLACK = 32
 
 #: Rays see a tree on a grid of so many steps on either side of the origin: as many as float32 tells apart, nearly, and
 #: boxes that reach a little farther still end in the last planes.
-REACH = 255 * 128 * PLANE - 2 * SLACK
+GRID_EXTENT = 255 * 128 * QUANTA_PER_PLANE - 2 * BOX_SLACK
 
 #: A node as rays read it, two texels: the plane where its box begins; how many planes are the unit of the rest, as a
 #: power of two of four bits an axis; and on each axis, from where to where the four boxes two levels below reach.
-NODE = np.dtype([("begin", "<i2", 3), ("unit", "<u2"), ("low", "u1", (3, 4)), ("high", "u1", (3, 4))])
+BVH_NODE = np.dtype([("begin", "<i2", 3), ("unit", "<u2"), ("low", "u1", (3, 4)), ("high", "u1", (3, 4))])
 
 
 #: The power of two of planes by which a byte reaches so many of them.
@@ -48,7 +48,7 @@ POWERS = np.ceil(np.log2(np.maximum(np.arange(1 << 16) / 255.0, 1.0))).astype(np
 
 
 @dataclass(frozen=True)
-class Tree:
+class BVH:
     """Which boxes lie in which leaf, and around what."""
 
     order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; their number where a leaf is not full
@@ -61,21 +61,21 @@ class Tree:
         return len(self.order) // self.leaves
 
 
-def in_planes(boxes: np.ndarray) -> np.ndarray:
+def quantize_boxes(boxes: np.ndarray) -> np.ndarray:
     """(2,3,N) int16: boxes (2,3,N) float32 in steps, with the slack around them."""
     found = np.empty(boxes.shape, np.int16)
-    found[0] = np.floor((boxes[0] - np.float32(SLACK)) * np.float32(1.0 / PLANE))
-    found[1] = np.ceil((boxes[1] + np.float32(SLACK)) * np.float32(1.0 / PLANE))
+    found[0] = np.floor((boxes[0] - np.float32(BOX_SLACK)) * np.float32(1.0 / QUANTA_PER_PLANE))
+    found[1] = np.ceil((boxes[1] + np.float32(BOX_SLACK)) * np.float32(1.0 / QUANTA_PER_PLANE))
     return found
 
 
-def build(boxes: np.ndarray, most_per_leaf: int) -> Tree:
+def build(boxes: np.ndarray, most_per_leaf: int) -> BVH:
     """A tree over N > 0 boxes (2,3,N) in planes."""
     leaves = leaves_for(boxes.shape[2], most_per_leaf)
-    order = in_leaves(boxes, leaves)
+    order = assign_leaves(boxes, leaves)
     boxes, in_leaf = np.append(boxes, NOTHING, 2), order.reshape(leaves, -1).T
     low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate((np.minimum, np.maximum)))
-    return Tree(order, leaves, nodes_over(np.stack([low, high]), np.arange(leaves)))
+    return BVH(order, leaves, node_boxes(np.stack([low, high]), np.arange(leaves)))
 
 
 def leaves_for(count: int, most_per_leaf: int) -> int:
@@ -83,7 +83,7 @@ def leaves_for(count: int, most_per_leaf: int) -> int:
     return 4 ** int(np.ceil(np.log2(max(count / most_per_leaf, 1.0)) / 2.0))
 
 
-def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
+def assign_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
     """(leaves * per_leaf,) int64: which of the boxes (2,3,N) is where, leaf by leaf; N where a leaf is not full."""
     count = boxes.shape[2]
     per_leaf = -(-count // leaves)
@@ -94,10 +94,10 @@ def in_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
         middles, both = split(*halves[0])
         halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
-    return np.concatenate(side_by_side(lambda half: sort(*half, most), halves, count))
+    return np.concatenate(parallel_map(lambda half: sort(*half, most), halves, count))
 
 
-def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
+def node_boxes(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
     """(2,3,2 * leaves): Tree.nodes above leaves that hold a box (2,3,N) each, by number; N where there is none."""
     leaves, empty = len(members), members == boxes.shape[2]
     nodes = np.empty((2, 3, 2 * leaves), np.int16)
@@ -113,7 +113,7 @@ def nodes_over(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
             first //= 2
         along[0] = nothing[0]
 
-    side_by_side(lambda each: fill(*each), np.ndindex(2, 3), leaves)
+    parallel_map(lambda each: fill(*each), np.ndindex(2, 3), leaves)
     return nodes
 
 
@@ -122,48 +122,52 @@ def scale_of(reach: np.ndarray) -> np.ndarray:
 
     What is flat counts as thicker, lest products overflow.
     """
-    return np.float32(REACH) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20)).astype(np.float32)
+    return np.float32(GRID_EXTENT) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20)).astype(np.float32)
 
 
 def packed(nodes: np.ndarray) -> np.ndarray:
-    """(leaves // 2,) NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
-    rows = np.zeros(nodes.shape[2] // 4, NODE)
+    """(leaves // 2,) BVH_NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
+    rows = np.zeros(nodes.shape[2] // 4, BVH_NODE)
     levels = [4**k for k in range(15) if 4**k < len(rows)]
-    parts = [slice(f, min(f + PORTION, 2 * level)) for level in levels for f in range(level, 2 * level, PORTION)]
-    side_by_side(lambda part: pack(nodes[..., four_times(part)], nodes[..., part], rows[part]), parts, len(rows))
+    parts = [
+        slice(f, min(f + BOXES_AT_A_TIME, 2 * level))
+        for level in levels
+        for f in range(level, 2 * level, BOXES_AT_A_TIME)
+    ]
+    parallel_map(lambda part: pack(nodes[..., grandchildren(part)], nodes[..., part], rows[part]), parts, len(rows))
     return rows
 
 
-def rows_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What packed makes of nodes_over of these, 16 leaves or more; and the nodes, but the two lowest levels.
+def packed_nodes_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What packed makes of node_boxes of these, 16 leaves or more; and the nodes, but the two lowest levels.
 
     Those would be most of the memory: they are made and packed in portions.
     """
     leaves, above = len(members), len(members) // 4
-    rows, around = np.zeros(leaves // 2, NODE), np.empty((2, 3, above), np.int16)
+    rows, around = np.zeros(leaves // 2, BVH_NODE), np.empty((2, 3, above), np.int16)
 
     def fill(first: int) -> None:
-        part = slice(first, min(first + PORTION, above))
-        chosen = members[four_times(part)]
+        part = slice(first, min(first + BOXES_AT_A_TIME, above))
+        chosen = members[grandchildren(part)]
         inside = boxes.take(chosen, 2, mode="clip")
         np.copyto(inside, NOTHING, where=chosen == boxes.shape[2])
         for side, either in enumerate((np.minimum, np.maximum)):
             around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
         pack(inside, around[:, :, part], rows[above:][part])
 
-    side_by_side(fill, range(0, above, PORTION), leaves)
-    nodes = nodes_over(around, np.arange(above))
+    parallel_map(fill, range(0, above, BOXES_AT_A_TIME), leaves)
+    nodes = node_boxes(around, np.arange(above))
     rows[: above // 2] = packed(nodes)
     return rows, nodes
 
 
-def four_times(part: slice) -> slice:
+def grandchildren(part: slice) -> slice:
     """Where the boxes two levels below some nodes are."""
     return slice(4 * part.start, 4 * part.stop)
 
 
 def pack(inside: np.ndarray, around: np.ndarray, into: np.ndarray) -> None:
-    """Fill rows (N,) NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
+    """Fill rows (N,) BVH_NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
     begin = around[0]
     # Differences that wrap around are right as 16 bits without a sign.
     powers = POWERS.take((around[1] - begin).view(np.uint16))
@@ -190,7 +194,7 @@ def split(middles: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarr
     Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
     """
     count, size = groups.shape
-    longest = (of_rows(np.maximum, middles) - of_rows(np.minimum, middles)).view(np.uint16).argmax(0)
+    longest = (reduce_rows(np.maximum, middles) - reduce_rows(np.minimum, middles)).view(np.uint16).argmax(0)
     order = ascending(middles[longest, np.arange(count)])
     order += np.arange(0, count * size, size)[:, None]
     order = order.reshape(2 * count, size // 2)
@@ -203,17 +207,17 @@ def ascending(values: np.ndarray) -> np.ndarray:
     To sort takes less than to part halves: 16 bits are sorted by their digits, or with their places as one number.
     """
     size = values.shape[1]
-    if size > TINY:
+    if size > TINY_ROW:
         return np.argsort(values, axis=1, kind="stable")
     keys = values.astype(np.int32) << 16 | np.arange(size, dtype=np.int32)
     keys.sort(axis=1)
     return (keys & 0xFFFF).astype(np.int64)
 
 
-def of_rows(either: np.ufunc, middles: np.ndarray) -> np.ndarray:
+def reduce_rows(either: np.ufunc, middles: np.ndarray) -> np.ndarray:
     """(3,G) the least or the greatest of each row of middles (3,G,N)."""
     rows, size = middles.shape[:2], middles.shape[2]
-    while size <= SHORT and size % 2 == 0:
+    while size <= SHORT_ROW and size % 2 == 0:
         middles, size = middles.reshape(-1), size // 2
         middles = either(middles[::2], middles[1::2])
     return either.reduce(middles.reshape(*rows, size), 2)

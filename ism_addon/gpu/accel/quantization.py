@@ -11,40 +11,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scene import Mesh, bounding_boxes
-from .bvh import REACH
+from .bvh import GRID_EXTENT
 
 #: Vertices at a time: so many stay in a processor's cache.
-PORTION = 1 << 15
+VERTICES_AT_A_TIME = 1 << 15
 
 
 @dataclass(frozen=True)
-class Lattice:
+class Quantization:
     """Where a mesh's steps are."""
 
     centre: np.ndarray  # (3,) float64 object space, m
     scale: float  # steps a metre
 
     @classmethod
-    def of(cls, mesh: Mesh) -> "Lattice":
+    def of(cls, mesh: Mesh) -> "Quantization":
         """That which just holds the mesh."""
-        (centre,), (scale,) = lattices((mesh,))
+        (centre,), (scale,) = quantizations((mesh,))
         return cls(centre, scale)
 
     def steps(self, positions: np.ndarray, dtype: type = np.int32) -> np.ndarray:
         """(3,V) whole numbers, which float32 holds too, of positions (V,3)."""
         found = np.empty((3, len(positions)), dtype)
-        for first in range(0, len(positions), PORTION):
-            part = slice(first, first + PORTION)
-            found[:, part] = steps_of(positions[part], self.centre, self.scale)
+        for first in range(0, len(positions), VERTICES_AT_A_TIME):
+            part = slice(first, first + VERTICES_AT_A_TIME)
+            found[:, part] = quantize(positions[part], self.centre, self.scale)
         return found
 
 
-def lattices(meshes: Sequence[Mesh]) -> tuple[np.ndarray, np.ndarray]:
+def quantizations(meshes: Sequence[Mesh]) -> tuple[np.ndarray, np.ndarray]:
     """Centres (M,3) and scales (M,) of those which just hold the meshes."""
     low, high = bounding_boxes(meshes).swapaxes(0, 1)
-    return (low + high) / 2.0, REACH / np.maximum((high - low).max(1, initial=0.0) / 2.0, 1e-20)
+    return (low + high) / 2.0, GRID_EXTENT / np.maximum((high - low).max(1, initial=0.0) / 2.0, 1e-20)
 
 
-def steps_of(positions: np.ndarray, centre: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
+def quantize(positions: np.ndarray, centre: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
     """(3,V) float64 whole numbers, by the lattices' centres (3,) or (V,3) and scales, one or (V,)."""
     return np.rint((positions - centre).T * scale)

@@ -10,45 +10,43 @@ from itertools import chain
 
 import numpy as np
 
-from ...parallel import side_by_side
+from ...parallel import parallel_map
 from ...scene import Mesh
-from ..buffers.small_meshes import Together, in_groups
-from .blas import PARTS, TRIANGLES_PER_LEAF, MeshTree, Runs, boxes_of, mesh_tree
-from .bvh import NODE, NOTHING, PLANE, leaves_for, pack, sort
+from ..buffers.small_meshes import JoinedMeshes, in_groups
+from .blas import BLAS, BOXES_PER_MESH, TRIANGLES_PER_LEAF, DeferredBLAS, boxes_of, build_blas
+from .bvh import BVH_NODE, NOTHING, QUANTA_PER_PLANE, leaves_for, pack, sort
 
 
-def mesh_trees(meshes: Sequence[Mesh]) -> list[MeshTree | Runs]:
+def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
     """mesh_tree of each mesh, on all cores."""
     counts = [len(mesh.triangles) for mesh in meshes]
     order = sorted(range(len(meshes)), key=counts.__getitem__)  # neighbours are alike
     groups = [order[group] for group in in_groups([counts[number] for number in order])]
 
-    def made(group: list[int]) -> list[MeshTree | Runs]:
+    def made(group: list[int]) -> list[BLAS | DeferredBLAS]:
         some = [meshes[number] for number in group]
-        return trees_of_small(some) if len(some) > 1 else [mesh_tree(some[0])]
+        return blas_of_small_meshes(some) if len(some) > 1 else [build_blas(some[0])]
 
-    found = dict(zip(order, chain.from_iterable(side_by_side(made, groups, sum(counts))), strict=True))
+    found = dict(zip(order, chain.from_iterable(parallel_map(made, groups, sum(counts))), strict=True))
     return [found[number] for number in range(len(meshes))]
 
 
-def trees_of_small(meshes: Sequence[Mesh]) -> list[MeshTree]:
+def blas_of_small_meshes(meshes: Sequence[Mesh]) -> list[BLAS]:
     """Those of meshes that are small enough to be put together."""
-    together = Together(meshes)
+    together = JoinedMeshes(meshes)
     boxes = boxes_of(together.steps(np.float32), together.triangles)
     leaves = {count: leaves_for(count, TRIANGLES_PER_LEAF) for count in set(together.counts.tolist())}
     shapes: dict[tuple[int, int], list[int]] = {}
     for number, count in enumerate(together.counts.tolist()):
         shapes.setdefault((leaves[count], -(-count // leaves[count])), []).append(number)
-    made: dict[int, MeshTree] = {}
+    made: dict[int, BLAS] = {}
     for shape, numbers in shapes.items():
-        trees = trees_of_shape(boxes, together.first[numbers], together.counts[numbers], *shape)
+        trees = blas_of_shape(boxes, together.first[numbers], together.counts[numbers], *shape)
         made.update(zip(numbers, trees, strict=True))
     return [made[number] for number in range(len(meshes))]
 
 
-def trees_of_shape(
-    boxes: np.ndarray, first: np.ndarray, counts: np.ndarray, leaves: int, per_leaf: int
-) -> list[MeshTree]:
+def blas_of_shape(boxes: np.ndarray, first: np.ndarray, counts: np.ndarray, leaves: int, per_leaf: int) -> list[BLAS]:
     """Trees of so many leaves each over boxes (2,3,N) in planes: `counts` (M,) of them for each, from `first` (M,) on.
 
     The same as build and packed make one by one.
@@ -61,16 +59,16 @@ def trees_of_shape(
     real = order < count
     inside = boxes.take(first[:, None] + np.minimum(order, count - 1), 2)
     np.copyto(inside, NOTHING[..., None], where=~real)
-    nodes = nodes_over(inside.reshape(2, 3, number, leaves, per_leaf))
+    nodes = node_boxes(inside.reshape(2, 3, number, leaves, per_leaf))
     filled = real.reshape(number, leaves, per_leaf).sum(2)
     starts = np.minimum(np.cumsum(filled, 1) - filled, count - per_leaf).astype(np.uint32)
     ends = np.cumsum(counts).tolist()
     orders = np.split(order[real].astype(np.uint32), ends[:-1])
     trees = zip(parts_of(nodes), packed(nodes), starts, orders, strict=True)
-    return [MeshTree(parts, rows, begins, per_leaf, own) for parts, rows, begins, own in trees]
+    return [BLAS(parts, rows, begins, per_leaf, own) for parts, rows, begins, own in trees]
 
 
-def nodes_over(inside: np.ndarray) -> np.ndarray:
+def node_boxes(inside: np.ndarray) -> np.ndarray:
     """(2,3,M,2 * leaves): Tree.nodes of each of M trees, whose leaves hold boxes (2,3,M,leaves,per_leaf)."""
     _, _, number, leaves, per_leaf = inside.shape
     nodes = np.empty((2, 3, number, 2 * leaves), np.int16)
@@ -85,13 +83,13 @@ def nodes_over(inside: np.ndarray) -> np.ndarray:
 
 
 def packed(nodes: np.ndarray) -> np.ndarray:
-    """(M,leaves // 2) NODE of trees' nodes (2,3,M,2 * leaves), as tree.packed has them."""
+    """(M,leaves // 2) BVH_NODE of trees' nodes (2,3,M,2 * leaves), as tree.packed has them."""
     number, leaves = nodes.shape[2], nodes.shape[3] // 2
-    rows = np.zeros((number, leaves // 2), NODE)
+    rows = np.zeros((number, leaves // 2), BVH_NODE)
     level = 1
     while level < leaves // 2:
         inside, around = nodes[..., 4 * level : 8 * level], nodes[..., level : 2 * level]
-        of_level = np.empty(number * level, NODE)
+        of_level = np.empty(number * level, BVH_NODE)
         pack(inside.reshape(2, 3, -1), around.reshape(2, 3, -1), of_level)
         rows[:, level : 2 * level] = of_level.reshape(number, level)
         level *= 4
@@ -100,10 +98,10 @@ def packed(nodes: np.ndarray) -> np.ndarray:
 
 def parts_of(nodes: np.ndarray) -> np.ndarray:
     """(M,P,2,3) MeshTree.parts of trees' nodes (2,3,M,2 * leaves)."""
-    level = min(PARTS, nodes.shape[3] // 2)
+    level = min(BOXES_PER_MESH, nodes.shape[3] // 2)
     boxes = nodes[..., level : 2 * level].transpose(2, 3, 0, 1)
     real = boxes[:, :, 0, 0] <= boxes[:, :, 1, 0]
     chosen = np.argsort(~real, axis=1, kind="stable")
     turns = np.arange(level) % real.sum(1, keepdims=True)
     chosen = np.take_along_axis(chosen, turns, 1)
-    return np.take_along_axis(boxes, chosen[:, :, None, None], 1) * np.float32(PLANE)
+    return np.take_along_axis(boxes, chosen[:, :, None, None], 1) * np.float32(QUANTA_PER_PLANE)

@@ -11,16 +11,16 @@ from ...scene import Instances
 from ..culling.frustum_culling import in_view, runs
 from ..gl.context import Device
 from ..gl.shader_records import INSTANCE, MEMBERSHIP
-from .mesh_buffers import Geometry
-from .small_meshes import SMALL
+from .mesh_buffers import MeshBuffers
+from .small_meshes import SMALL_MESH
 
 #: The array that says who owns a triangle is made if it has no more rows than the triangles that are drawn by it, times
 #: this: where small meshes are that few, their draws are few beside what is drawn of the others.
-MOST_OWNERS = 16
+MAX_OWNERS_RATIO = 16
 
 
 @dataclass(frozen=True)
-class Draw:
+class DrawCall:
     """Instances of one mesh: one draw call."""
 
     first_triangle: int
@@ -30,7 +30,7 @@ class Draw:
 
 
 @dataclass(frozen=True)
-class Ranges:
+class MultiDrawCall:
     """Small meshes that stand once each: one draw call for all, as their triangles say whose they are."""
 
     first_triangle: np.ndarray  # (R,) int64
@@ -40,7 +40,7 @@ class Ranges:
 class Owners:
     """By triangle, the instance whose it is: of meshes that stand once."""
 
-    def __init__(self, device: Device, geometry: Geometry, pairs: bytes):
+    def __init__(self, device: Device, geometry: MeshBuffers, pairs: bytes):
         """`pairs` (N,2) int64 are the meshes' numbers and their instances' rows; there may be none."""
         numbers, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
         first, counts = geometry.first_triangle[numbers], geometry.counts[numbers]
@@ -51,10 +51,10 @@ class Owners:
         self.bytes = owners.nbytes
 
 
-class Placement:
+class InstanceBuffers:
     """Where the instances stand in anchor space, those of a mesh one behind the other."""
 
-    def __init__(self, device: Device, geometry: Geometry, instances: Instances, anchor: np.ndarray):
+    def __init__(self, device: Device, geometry: MeshBuffers, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
         order = shown[np.argsort(instances.mesh[shown], kind="stable")]
         #: Where in the table an instance is; -1 for one that is not seen.
@@ -76,10 +76,10 @@ class Placement:
         #: if they are some, those that stand once.
         self.mesh = np.where(geometry.first_triangle[mesh] >= 0, mesh, -1)
         alone = np.bincount(mesh, minlength=len(geometry.meshes))[mesh] == 1
-        self.single = (self.mesh >= 0) & alone & (geometry.counts[mesh] <= SMALL)
+        self.single = (self.mesh >= 0) & alone & (geometry.counts[mesh] <= SMALL_MESH)
         numbers = self.mesh[self.single]
         ends = geometry.first_triangle[numbers] + geometry.counts[numbers]
-        if len(numbers) < 2 or ends.max() > MOST_OWNERS * geometry.counts[numbers].sum():
+        if len(numbers) < 2 or ends.max() > MAX_OWNERS_RATIO * geometry.counts[numbers].sum():
             self.single[:] = False
         self.half_sizes = geometry.half_sizes[mesh]
 
@@ -88,13 +88,13 @@ class Placement:
         rows = np.flatnonzero(self.single)
         self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
-    def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[Draw | Ranges]:
+    def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
         """The instances that can be in the picture, or as far beyond it as cull.py says."""
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
         return self.chosen(in_view(self.half_sizes, clip_from_centre, margin))
 
-    def chosen(self, which: np.ndarray) -> Iterator[Draw | Ranges]:
+    def chosen(self, which: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
         """Those instances (I,) bool."""
         found = runs(which, self.mesh)
         rows, instances = np.array(found, np.int64).reshape(-1, 2).T
@@ -105,20 +105,20 @@ class Placement:
         begin = 0
         for edge, end in [*edges.reshape(-1, 2).tolist(), [len(rows), len(rows)]]:
             for k in range(begin, edge):
-                yield Draw(int(first[k]), int(counts[k]), int(rows[k]), int(instances[k]))
+                yield DrawCall(int(first[k]), int(counts[k]), int(rows[k]), int(instances[k]))
             if edge < end:
-                yield Ranges(first[edge:end], counts[edge:end])
+                yield MultiDrawCall(first[edge:end], counts[edge:end])
             begin = end
 
 
-def portions(draws: Iterator[Draw | Ranges], most: int) -> Iterator[Draw | Ranges]:
+def portions(draws: Iterator[DrawCall | MultiDrawCall], most: int) -> Iterator[DrawCall | MultiDrawCall]:
     """The same in draws of about `most` triangles at most, or of one an instance."""
     for draw in draws:
-        if isinstance(draw, Ranges):
+        if isinstance(draw, MultiDrawCall):
             of_portion = np.cumsum(draw.triangles) // most
             ends = [*(np.flatnonzero(np.diff(of_portion)) + 1).tolist(), len(of_portion)]
             for first, end in pairwise([0, *ends]):
-                yield followed(draw.first_triangle[first:end], draw.triangles[first:end])
+                yield joined_ranges(draw.first_triangle[first:end], draw.triangles[first:end])
             continue
         each = max(most // draw.instances, 1)
         for first in range(0, draw.triangles, each):
@@ -126,14 +126,14 @@ def portions(draws: Iterator[Draw | Ranges], most: int) -> Iterator[Draw | Range
             yield replace(draw, first_triangle=draw.first_triangle + first, triangles=count)
 
 
-def followed(first: np.ndarray, triangles: np.ndarray) -> Ranges:
+def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
     """The ranges of so many triangles from `first` on: those that follow one another are one."""
     begins = np.flatnonzero(np.append(True, first[1:] != (first + triangles)[:-1]))
-    return Ranges(first[begins], np.add.reduceat(triangles, begins))
+    return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
 
 
 def anchor_from_steps(
-    geometry: Geometry, instances: Instances, rows: np.ndarray, anchor: np.ndarray
+    geometry: MeshBuffers, instances: Instances, rows: np.ndarray, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the steps of their meshes' lattices."""
     mesh, matrices = instances.mesh[rows], instances.world_from_object[rows]

@@ -5,7 +5,7 @@ import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
 from ...scene import Image, Materials
-from ...setting_limits import WIDTH, images_within_limits, level
+from ...setting_limits import TEXTURE_WIDTH, images_within_limits, level
 from ..gl import driver_variants
 from ..gl.context import Device
 from ..gl.shader_records import MATERIAL
@@ -13,7 +13,7 @@ from ..gl.shader_records import MATERIAL
 SRGB8_ALPHA8 = 0x8C43
 
 
-class Texels:
+class TextureBuffer:
     """All images, with their halved copies, in one texture of texels. Where there are too many, the copies alone."""
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
@@ -21,22 +21,22 @@ class Texels:
         halved = images_within_limits(images)
         chains = [mip_chain(image.texels)[times:] for image, times in zip(images, halved, strict=True)]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
-        self.first_lines = np.cumsum([0] + [len(block) // WIDTH for block in blocks])
+        self.first_lines = np.cumsum([0] + [len(block) // TEXTURE_WIDTH for block in blocks])
         self.levels = [len(chain) for chain in chains]
         self.sizes = [level(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)]
         # A texture, as arrays know no sRGB.
-        size = WIDTH, lines_for(int(self.first_lines[-1]))
+        size = TEXTURE_WIDTH, lines_for(int(self.first_lines[-1]))
         self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
         driver_variants.never_filtered(self.texture)
         for block, line in zip(blocks, self.first_lines[:-1], strict=True):
-            self.texture.write(block, viewport=(0, int(line), WIDTH, len(block) // WIDTH))
+            self.texture.write(block, viewport=(0, int(line), TEXTURE_WIDTH, len(block) // TEXTURE_WIDTH))
         self.bytes = sum(block.nbytes for block in blocks)
 
 
-class Surfaces:
+class MaterialBuffers:
     """Materials as a table that leads into the images' texels."""
 
-    def __init__(self, device: Device, materials: Materials, texels: Texels):
+    def __init__(self, device: Device, materials: Materials, texels: TextureBuffer):
         table = np.zeros(len(materials.base_color), MATERIAL.dtype)
         table["color"] = materials.base_color
         for row in np.flatnonzero(materials.image >= 0):
@@ -56,7 +56,7 @@ def lines_for(lines: int) -> int:
 
 def padded(texels: np.ndarray) -> np.ndarray:
     """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly."""
-    return np.pad(texels, ((0, -len(texels) % WIDTH), (0, 0)))
+    return np.pad(texels, ((0, -len(texels) % TEXTURE_WIDTH), (0, 0)))
 
 
 def mip_chain(texels: np.ndarray) -> list[np.ndarray]:

@@ -15,28 +15,28 @@ from typing import TypeVar
 import numpy as np
 
 from ...scene import Mesh, bounding_boxes
-from ..accel.blas import MeshTree, Runs
-from ..accel.quantization import Lattice, lattices
-from ..gl.buffer_texture import Array
+from ..accel.blas import BLAS, DeferredBLAS
+from ..accel.quantization import Quantization, quantizations
+from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
 from ..gl.shader_records import octahedron_from_directions
-from .heap_trim import give_back
-from .small_meshes import Together, in_groups
+from .heap_trim import trim_heap
+from .small_meshes import JoinedMeshes, in_groups
 
 #: Triangles that are made ready and uploaded at a time: little enough for a processor's cache.
-PORTION = 1 << 15
+TRIANGLES_AT_A_TIME = 1 << 15
 
 #: Portions that are made ready while one is uploaded.
-AHEAD = 3
+PORTIONS_AHEAD = 3
 
 #: Tables hold triangles' numbers as floats, see layout.
-MOST_TRIANGLES = 1 << 24
+MAX_TRIANGLES = 1 << 24
 
 Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
-class Vertices:
+class QuantizedVertices:
     """As they are uploaded."""
 
     steps: np.ndarray  # (3,V) int32
@@ -47,37 +47,37 @@ class Vertices:
 class Source:
     """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
 
-    arrays: Mesh | Together
+    arrays: Mesh | JoinedMeshes
     steps: Callable[[], np.ndarray]  # makes (3,V) int32
     order: np.ndarray | None  # (T,): which triangle is where; None: all are where they were
-    runs: Runs | None
+    runs: DeferredBLAS | None
 
     @classmethod
-    def of(cls, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]) -> "Source":
+    def of(cls, meshes: Sequence[Mesh], trees: Sequence[BLAS | DeferredBLAS | None]) -> "Source":
         """That of one mesh, or of some small ones."""
         if len(meshes) == 1:
             (mesh,), (tree,) = meshes, trees
-            steps = partial(Lattice.of(mesh).steps, mesh.positions)
-            return cls(mesh, steps, tree.order if tree else None, tree if isinstance(tree, Runs) else None)
-        together = Together(meshes)
+            steps = partial(Quantization.of(mesh).steps, mesh.positions)
+            return cls(mesh, steps, tree.order if tree else None, tree if isinstance(tree, DeferredBLAS) else None)
+        together = JoinedMeshes(meshes)
         order = None
         if trees[0] is not None:
             order = np.concatenate([tree.order for tree in trees]) + together.first.repeat(together.counts)
         return cls(together, partial(together.steps, np.int32), order, None)
 
-    def vertices(self) -> Vertices:
+    def vertices(self) -> QuantizedVertices:
         """Its own."""
         normals = self.arrays.normals
-        return Vertices(self.steps(), snorm(normals) if normals.ndim == 2 else None)
+        return QuantizedVertices(self.steps(), snorm16(normals) if normals.ndim == 2 else None)
 
 
 @dataclass(frozen=True)
-class Piece:
+class TriangleRange:
     """Some triangles of a source."""
 
     source: Source
     chosen: np.ndarray | slice
-    vertices: Vertices | None
+    vertices: QuantizedVertices | None
 
     @property
     def triangles(self) -> np.ndarray:
@@ -88,21 +88,21 @@ class Piece:
         """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
         runs, triangles = self.source.runs, self.triangles
         if runs is None:
-            return places_of(triangles, self.vertices)
+            return vertex_positions(triangles, self.vertices)
         first, count = self.chosen.start, len(triangles)
-        places = places_of(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
+        places = vertex_positions(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
         runs.bound(first, places)
         return [along[:count] for along in places]
 
 
-class Order:
+class TriangleOrder:
     """The triangles of some meshes one behind the other."""
 
-    def __init__(self, meshes: Sequence[Mesh], trees: Sequence[MeshTree | Runs | None]):
+    def __init__(self, meshes: Sequence[Mesh], trees: Sequence[BLAS | DeferredBLAS | None]):
         counts = [len(mesh.triangles) for mesh in meshes]
         self.groups = in_groups(counts)
         self.meshes, self.trees = meshes, trees
-        self.runs = [tree for tree in trees if isinstance(tree, Runs)]
+        self.runs = [tree for tree in trees if isinstance(tree, DeferredBLAS)]
         self.first_triangle = np.cumsum([0, *counts])
 
     @property
@@ -110,33 +110,33 @@ class Order:
         """Triangles of all meshes."""
         return int(self.first_triangle[-1])
 
-    def portions(self, with_vertices: bool) -> Iterator[list[Piece]]:
-        """All triangles, PORTION by PORTION. Vertices are kept as long as pieces of their source are."""
+    def portions(self, with_vertices: bool) -> Iterator[list[TriangleRange]]:
+        """All triangles, TRIANGLES_AT_A_TIME. Vertices are kept as long as ranges of their source are."""
         latest, source, vertices = -1, None, None
         ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
-        for pieces in portions(np.diff(ends), PORTION):
+        for pieces in portions(np.diff(ends), TRIANGLES_AT_A_TIME):
             portion = []
             for number, part in pieces:
                 if number != latest:
                     group = self.groups[number]
                     latest, source = number, Source.of(self.meshes[group], self.trees[group])
                     vertices = source.vertices() if with_vertices else None
-                portion.append(Piece(source, part if source.order is None else source.order[part], vertices))
+                portion.append(TriangleRange(source, part if source.order is None else source.order[part], vertices))
             yield portion
 
-    def made(self, make: Callable[[list[Piece]], Made], with_vertices: bool) -> Iterator[Made]:
+    def made(self, make: Callable[[list[TriangleRange]], Made], with_vertices: bool) -> Iterator[Made]:
         """What `make` makes of each portion, by all cores, in their order."""
         waiting: deque[Future[Made]] = deque()
         with ThreadPoolExecutor() as cores:
             for pieces in self.portions(with_vertices):
                 waiting.append(cores.submit(make, pieces))
-                if len(waiting) > AHEAD:
+                if len(waiting) > PORTIONS_AHEAD:
                     yield waiting.popleft().result()
             for ready in waiting:
                 yield ready.result()
 
 
-class Geometry:
+class MeshBuffers:
     """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
@@ -144,37 +144,37 @@ class Geometry:
         #: Triangles of each mesh.
         self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
         count = int(self.counts.sum())
-        if count > MOST_TRIANGLES:
+        if count > MAX_TRIANGLES:
             raise ValueError(
-                f"the meshes have {count:,} triangles, of which this engine can draw {MOST_TRIANGLES:,} "
+                f"the meshes have {count:,} triangles, of which this engine can draw {MAX_TRIANGLES:,} "
                 "(instances of a mesh count once)"
             )
         self.meshes, self.in_trees = meshes, in_trees
         #: Of those that are there, in the order in which they came: their numbers, and their trees.
-        self.trees: dict[int, MeshTree | Runs | None] = {}
+        self.trees: dict[int, BLAS | DeferredBLAS | None] = {}
         #: Of each mesh; -1 before it is there.
         self.first_triangle = np.full(len(meshes), -1)
         self.count = self.bytes = 0
-        self.centres, self.scales = lattices(meshes)
+        self.centres, self.scales = quantizations(meshes)
         low, high = bounding_boxes(meshes).swapaxes(0, 1)
         self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
         self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
 
     @property
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, BufferTexture]:
         """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
         return {"corners": self.corners.array, "normals": self.normals.array}
 
-    def add(self, wanted: Iterable[int], trees: Mapping[int, MeshTree | Runs]) -> int:
+    def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
         new = [number for number in wanted if number not in self.trees]
         own = {number: trees[number] if self.in_trees else None for number in new}
-        order = Order([self.meshes[number] for number in new], list(own.values()))
-        give_back()  # from reading and the trees: this is where most is in memory
+        order = TriangleOrder([self.meshes[number] for number in new], list(own.values()))
+        trim_heap()  # from reading and the trees: this is where most is in memory
         self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
         self.corners.reserve(2 * order.count)
         self.normals.reserve(3 * order.count)
-        for corners, normals in order.made(arrays_of, with_vertices=True):
+        for corners, normals in order.made(buffers_of, with_vertices=True):
             self.corners.append(corners)
             self.normals.append(normals)
         for runs in order.runs:
@@ -186,35 +186,35 @@ class Geometry:
         self.bytes += (32 + 12) * order.count
         return (32 + 12) * order.count
 
-    def order(self, numbers: Sequence[int]) -> Order:
+    def order(self, numbers: Sequence[int]) -> TriangleOrder:
         """Where the triangles of some meshes that are there lie."""
-        return Order([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
+        return TriangleOrder([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
 
 
-def arrays_of(pieces: list[Piece]) -> tuple[np.ndarray, np.ndarray]:
+def buffers_of(pieces: list[TriangleRange]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
-    corners, normals = zip(*map(arrays_of_piece, pieces), strict=True)
+    corners, normals = zip(*map(buffers_of_range, pieces), strict=True)
     return np.concatenate(corners), np.concatenate(normals)
 
 
-def arrays_of_piece(piece: Piece) -> tuple[np.ndarray, np.ndarray]:
+def buffers_of_range(piece: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
     """The same of one source's."""
     arrays, vertices = piece.source.arrays, piece.vertices
     corners = packed_corners(piece.places(), arrays.materials[piece.chosen]).reshape(-1, 4)
     if vertices.octahedra is None:
-        return corners, snorm(arrays.normals[piece.chosen]).reshape(-1, 2)
+        return corners, snorm16(arrays.normals[piece.chosen]).reshape(-1, 2)
     return corners, vertices.octahedra.view(np.uint32).take(piece.triangles).view(np.int16).reshape(-1, 2)
 
 
-def places_of(triangles: np.ndarray, vertices: Vertices) -> list[np.ndarray]:
+def vertex_positions(triangles: np.ndarray, vertices: QuantizedVertices) -> list[np.ndarray]:
     """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first of each, and so on."""
     return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
 
 
-class Coordinates:
+class UVBuffers:
     """Texture coordinates by corner, zero where a mesh has none."""
 
-    def __init__(self, device: Device, geometry: Geometry):
+    def __init__(self, device: Device, geometry: MeshBuffers):
         self.geometry, self.meshes, self.bytes = geometry, 0, 0
         self.uvs = device.growing(2, "f4")
 
@@ -230,9 +230,9 @@ class Coordinates:
         return 24 * order.count
 
 
-def uvs_of(pieces: list[Piece]) -> np.ndarray:
+def uvs_of(pieces: list[TriangleRange]) -> np.ndarray:
     """(3 N,2) float32 of N triangles."""
-    nothing = np.zeros((PORTION, 3, 2), np.float32)
+    nothing = np.zeros((TRIANGLES_AT_A_TIME, 3, 2), np.float32)
     every = ((piece.source.arrays.uvs, piece) for piece in pieces)
     found = [uvs[piece.chosen] if len(uvs) else nothing[: len(piece.triangles)] for uvs, piece in every]
     return np.concatenate(found).reshape(-1, 2)
@@ -267,6 +267,6 @@ def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarr
     return words
 
 
-def snorm(directions: np.ndarray) -> np.ndarray:
+def snorm16(directions: np.ndarray) -> np.ndarray:
     """Unit vectors (…,3) as points (…,2) int16 of the octahedron's square."""
     return np.rint(octahedron_from_directions(directions) * np.float32(32767.0)).astype(np.int16)

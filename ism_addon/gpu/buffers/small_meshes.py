@@ -7,16 +7,16 @@ from functools import cached_property
 import numpy as np
 
 from ...scene import Mesh
-from ..accel.quantization import lattices, steps_of
+from ..accel.quantization import quantizations, quantize
 
 #: Meshes of at most so many triangles are small: what numpy does to one by itself takes longer to begin than to do.
-SMALL = 1 << 10
+SMALL_MESH = 1 << 10
 
 #: Triangles of all meshes that are put together, at most: so many stay in a processor's cache.
-PORTION = 1 << 14
+TRIANGLES_AT_A_TIME = 1 << 14
 
 
-class Together:
+class JoinedMeshes:
     """The arrays of some meshes, one mesh behind the other."""
 
     def __init__(self, meshes: Sequence[Mesh]):
@@ -62,20 +62,20 @@ class Together:
 
     def steps(self, dtype: type) -> np.ndarray:
         """(3,V) whole numbers: all vertices in the steps of their meshes' lattices."""
-        centres, scales = lattices(self.meshes)
+        centres, scales = quantizations(self.meshes)
         positions = np.concatenate([mesh.positions for mesh in self.meshes])
-        found = steps_of(positions, centres.repeat(self.vertices, 0), scales.repeat(self.vertices))
+        found = quantize(positions, centres.repeat(self.vertices, 0), scales.repeat(self.vertices))
         return found.astype(dtype)
 
 
 def in_groups(counts: Sequence[int]) -> list[slice]:
-    """Meshes of so many triangles in groups of neighbours: small ones up to PORTION together, any other alone."""
+    """Meshes of so many triangles in groups of neighbours: up to TRIANGLES_AT_A_TIME of small ones, any other alone."""
     groups: list[slice] = []
-    size = PORTION
+    size = TRIANGLES_AT_A_TIME
     for number, count in enumerate(counts):
-        if count > SMALL or size + count > PORTION:
+        if count > SMALL_MESH or size + count > TRIANGLES_AT_A_TIME:
             groups.append(slice(number, number + 1))
-            size = count if count <= SMALL else PORTION
+            size = count if count <= SMALL_MESH else TRIANGLES_AT_A_TIME
         else:
             groups[-1] = slice(groups[-1].start, number + 1)
             size += count

@@ -20,7 +20,7 @@ MARGIN = 1.0 / 8.0
 BORDER = 1.0
 
 
-def parts_in_picture(boxes: np.ndarray, view: View, anchor: np.ndarray) -> np.ndarray:
+def visible_slices(boxes: np.ndarray, view: View, anchor: np.ndarray) -> np.ndarray:
     """(2,3,K) float64, K ≤ SLICES: around all that is seen of boxes (2,3,N), anchor space."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     ends = corners_of_slices(view, from_anchor, depths(boxes, view.clip_from_view, from_anchor))

@@ -9,7 +9,7 @@ evenly are not positive: from when to when is found as a ray finds how it passes
 import numpy as np
 
 
-def between(boxes: np.ndarray, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
+def meets_shaft(boxes: np.ndarray, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(N,K) bool: which boxes (2,3,N) a line from one of ones (2,3,K) to its own of others (2,3,K) can meet."""
     enter, leave = np.zeros((boxes.shape[2], ones.shape[2])), np.ones((boxes.shape[2], ones.shape[2]))
     for axis in range(3):

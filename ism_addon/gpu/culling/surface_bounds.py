@@ -16,15 +16,15 @@ from ...radiometry import MIN_SPREAD, light_areas, plane_normals, spread_terms
 from ...scene import Lights
 
 #: What float32 positions may be off by, as a part of their distances from the origin.
-ROUNDING = np.float32(1e-6)
+POSITION_ROUNDING = np.float32(1e-6)
 
 #: How much farther bounds reach than what was seen of a surface: it goes on between the pixels, and up to the next one.
 MARGIN = np.float32(1.0 / 8.0)
-LEAST_TURN = np.float32(0.01)  # rad
+MIN_CONE_ANGLE = np.float32(0.01)  # rad
 
 
 @dataclass(frozen=True)
-class Bounds:
+class SurfaceBounds:
     """What N blocks, or parts of their depth, show: float32, anchor space."""
 
     seen: np.ndarray  # (N,) bool: whether that is anything
@@ -38,7 +38,7 @@ class Bounds:
         """From targets (R,C,4) of CullLights, with a margin."""
         lowest, highest, facing = (np.ascontiguousarray(row.reshape(-1, 4).T) for row in (lowest, highest, facing))
         margin, turn = MARGIN * (highest[:3] - lowest[:3]), np.arccos(np.clip(facing[3], -1.0, 1.0))
-        half_angle = np.minimum((1.0 + MARGIN) * turn + LEAST_TURN, np.float32(np.pi))
+        half_angle = np.minimum((1.0 + MARGIN) * turn + MIN_CONE_ANGLE, np.float32(np.pi))
         return cls(lowest[3] > 0.0, lowest[:3] - margin, highest[:3] + margin, facing[:3], half_angle)
 
     @classmethod
@@ -74,7 +74,7 @@ class Bounds:
 
 
 @dataclass(frozen=True)
-class Lamps:
+class LightBounds:
     """K lights by what bounds them: float32, anchor space, columns (K,1)."""
 
     position: np.ndarray  # (3,K,1) m
@@ -114,13 +114,13 @@ class Lamps:
         return type(self)(*(getattr(self, member.name)[..., some, :] for member in fields(self)))
 
 
-def light_on(bounds: Bounds, lamps: Lamps) -> tuple[np.ndarray, np.ndarray]:
+def irradiance_bound(bounds: SurfaceBounds, lamps: LightBounds) -> tuple[np.ndarray, np.ndarray]:
     """Luminance (K,N) float32 of the irradiance that nothing hides: never more than the first; about the second."""
     half = (bounds.high - bounds.low) * np.float32(0.5)
     centre, size = bounds.low + half, np.abs(bounds.low) + np.abs(bounds.high)
     to = lamps.position - centre[:, None]
     distance = np.sqrt(dot(to, to)) + np.float32(1e-20)
-    radius = np.sqrt(dot(half, half)) + ROUNDING * (size.sum(0) + np.abs(lamps.position).sum(0))
+    radius = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(lamps.position).sum(0))
     slack = radius + lamps.radius
     ahead = -dot(to, lamps.normal)
     upright = np.clip(dot(to, bounds.axis[:, None]) / distance, -1.0, 1.0)

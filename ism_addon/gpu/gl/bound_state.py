@@ -21,7 +21,7 @@ class Texture(Protocol):
         """Put it into a texture unit."""
 
 
-class Held:
+class BoundState:
     """Of one context, whose `extra` it is."""
 
     def __init__(self, gl: moderngl.Context):

@@ -29,7 +29,7 @@ FORMATS = {
 }
 
 
-class BufferTextures:
+class BufferTextureApi:
     """What OpenGL offers for them, in one context."""
 
     def __init__(self, load: Callable[[str], int], most: int):
@@ -69,10 +69,10 @@ class BufferTextures:
             self._delete(1, ctypes.c_uint(self._let_go.popleft()))
 
 
-class Array:
+class BufferTexture:
     """Room on the GPU for (count, components) numbers, which a samplerBuffer, or one of integers, reads row by row."""
 
-    def __init__(self, gl: moderngl.Context, textures: BufferTextures, count: int, components: int, dtype: str):
+    def __init__(self, gl: moderngl.Context, textures: BufferTextureApi, count: int, components: int, dtype: str):
         row = np.dtype(dtype).itemsize * components
         self.bytes = row * driver_variants.rows(count, row)
         self.row, self.count = row, count
@@ -94,10 +94,10 @@ class Array:
         self._textures.tell(program, name, unit)
 
 
-class Growing:
+class GrowingBuffer:
     """An array to whose end rows are written: a larger one takes its place when it is full."""
 
-    def __init__(self, gl: moderngl.Context, room: Callable[[int], Array]):
+    def __init__(self, gl: moderngl.Context, room: Callable[[int], BufferTexture]):
         """`room` makes an array for so many rows."""
         self._gl, self._room = gl, room
         self.array, self.count = room(0), 0

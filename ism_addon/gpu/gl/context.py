@@ -18,20 +18,20 @@ import moderngl
 import numpy as np
 
 from . import depth, driver_variants
-from .bound_state import Held
-from .buffer_texture import Array, BufferTextures, Growing
+from .bound_state import BoundState
+from .buffer_texture import BufferTexture, BufferTextureApi, GrowingBuffer
 from .errors import ContextLost, GraphicsError, NoOpenGL
-from .point_batch import Points
-from .timestamps import Clock
+from .point_batch import PointBatch
+from .timestamps import GpuClock
 
 #: OpenGL's version that every pass gets by with; macOS offers no newer one.
-FLOOR = 410
+MIN_GL_VERSION = 410
 
 #: Where contexts need no window, and no display either.
 ON_EGL = sys.platform.startswith("linux")
 
 SYNC_GPU_COMMANDS_COMPLETE = 0x9117
-FOR_EVER = (1 << 64) - 1  # ns
+NO_TIMEOUT = (1 << 64) - 1  # ns
 
 
 @dataclass(frozen=True)
@@ -55,33 +55,33 @@ class Device:
     draw_ranges: Callable[[moderngl.VertexArray, np.ndarray, np.ndarray], None]
     #: Whether the driver still has the context.
     is_alive: Callable[[], bool]
-    buffer_textures: BufferTextures
+    buffer_textures: BufferTextureApi
     #: Whether depth is nearness, see depth.py.
     by_nearness: bool
-    clock: Clock
+    clock: GpuClock
     #: For the points that passes draw once.
-    points: Points
+    points: PointBatch
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
-    def room(self, count: int, components: int, dtype: str) -> Array:
+    def room(self, count: int, components: int, dtype: str) -> BufferTexture:
         """For rows that shaders fetch by number. Raises ValueError if they are more than it can have."""
         most = self.buffer_textures.most
         if count > most:
             raise ValueError(f"{count:,} rows are more than the {most:,} that this OpenGL can fetch from")
-        return Array(self.gl, self.buffer_textures, count, components, dtype)
+        return BufferTexture(self.gl, self.buffer_textures, count, components, dtype)
 
-    def array(self, rows: np.ndarray) -> Array:
+    def array(self, rows: np.ndarray) -> BufferTexture:
         """The same with rows (count, components) in it."""
         made = self.room(*rows.shape, rows.dtype.str[1:])
         made.write(rows)
         return made
 
-    def growing(self, components: int, dtype: str) -> Growing:
+    def growing(self, components: int, dtype: str) -> GrowingBuffer:
         """The same for rows that come by and by."""
-        return Growing(self.gl, lambda count: self.room(count, components, dtype))
+        return GrowingBuffer(self.gl, lambda count: self.room(count, components, dtype))
 
     def check(self) -> None:
         """Whether all that was asked since the last time could be done. Raises ContextLost or GraphicsError."""
@@ -129,29 +129,41 @@ def open_device() -> Device:
     _openers.add(os.getpid())
     try:
         if ON_EGL:
-            gl = moderngl.create_context(standalone=True, backend="egl", require=FLOOR)
+            gl = moderngl.create_context(standalone=True, backend="egl", require=MIN_GL_VERSION)
         else:
-            gl = moderngl.create_context(standalone=True, require=FLOOR)
+            gl = moderngl.create_context(standalone=True, require=MIN_GL_VERSION)
     except Exception as reason:  # glcontext and moderngl raise bare Exceptions here
         raise NoOpenGL(
-            f"OpenGL {FLOOR // 100}.{FLOOR // 10 % 10} could not be opened ({reason}): "
+            f"OpenGL {MIN_GL_VERSION // 100}.{MIN_GL_VERSION // 10 % 10} could not be opened ({reason}): "
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
     gl.gc_mode = "context_gc"  # what is let go of is freed by collect(), in this thread
-    gl.extra = Held(gl)
+    gl.extra = BoundState(gl)
     driver_variants.use_all_samplers(gl)
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
-    arrays = BufferTextures(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
-    hand_over, is_alive = portion_by_portion(load), pulse(load)
-    clock, points = Clock(load), Points(gl)
+    arrays = BufferTextureApi(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
+    hand_over, is_alive = two_in_flight(load), fence_alive(load)
+    clock, points = GpuClock(load), PointBatch(gl)
     return Device(
-        *(gl, limit, name, finish, hand_over, *unlocked(load), is_alive, arrays, depth.prepare(gl), clock, points)
+        *(
+            gl,
+            limit,
+            name,
+            finish,
+            hand_over,
+            *draw_without_gil(load),
+            is_alive,
+            arrays,
+            depth.use_reversed_depth(gl),
+            clock,
+            points,
+        )
     )
 
 
-def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
+def two_in_flight(load: Callable[[str], int]) -> Callable[[], None]:
     """What Device.hand_over is; `load` gives the addresses of OpenGL's functions."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     wait = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint64)(load("glClientWaitSync"))
@@ -164,13 +176,13 @@ def portion_by_portion(load: Callable[[str], int]) -> Callable[[], None]:
         flush()
         if len(under_way) > 1:
             earlier = under_way.popleft()
-            wait(earlier, 0, FOR_EVER)
+            wait(earlier, 0, NO_TIMEOUT)
             delete(earlier)
 
     return hand_over
 
 
-def unlocked(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[..., None]]:
+def draw_without_gil(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[..., None]]:
     """What Device.draw and Device.draw_ranges are."""
     use_program = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glUseProgram"))
     bind_vertex_array = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glBindVertexArray"))
@@ -193,7 +205,7 @@ def unlocked(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[
     return draw, draw_ranges
 
 
-def pulse(load: Callable[[str], int]) -> Callable[[], bool]:
+def fence_alive(load: Callable[[str], int]) -> Callable[[], bool]:
     """What Device.is_alive is: without a context, drivers do nothing and say nothing, but they give no fences."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))

@@ -19,10 +19,10 @@ FLOAT = 0x1406
 LOWER_LEFT, ZERO_TO_ONE = 0x8CA1, 0x935F
 
 #: Far planes at which projections have none, in near planes' distances.
-ENDLESS = 2.0**40
+INFINITE_FAR = 2.0**40
 
 
-def prepare(gl: moderngl.Context) -> bool:
+def use_reversed_depth(gl: moderngl.Context) -> bool:
     """Let a context draw what is nearer: whether by nearness. No other pass of ours minds."""
     gl.depth_func = ">"
     return maps_to_zero(gl)
@@ -53,7 +53,7 @@ def planes(clip_from_view: np.ndarray) -> tuple[float, float] | None:
     if p == 0.0:
         return None
     near, over_far = p * b / -(a + p), (p - a) / (p * b)
-    return near, max(over_far, 1.0 / (ENDLESS * near))
+    return near, max(over_far, 1.0 / (INFINITE_FAR * near))
 
 
 def nearness(clip_from_view: np.ndarray) -> tuple[float, float]:

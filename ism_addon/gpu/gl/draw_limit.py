@@ -8,15 +8,15 @@ from collections.abc import Iterator
 
 #: Rays of a draw at most. Two cores of a processor trace so many in half a second (llvmpipe, 300,000 triangles), and a
 #: card is quicker than they are. 1280×720 pixels are fewer: for each light one draw.
-MOST_RAYS = 1 << 20
+MAX_RAYS_PER_DRAW = 1 << 20
 
 #: Texels that are fetched and weighed in the time of a ray; as measured there.
-TEXELS = 400
+TEXELS_PER_RAY = 400
 
 
 def portions(count: int, rays: float) -> Iterator[slice]:
     """As few slices of `count` things as are no more than a draw may be; each thing takes the time of so many rays."""
-    most = max(int(MOST_RAYS / rays), 1)
+    most = max(int(MAX_RAYS_PER_DRAW / rays), 1)
     return (slice(first, min(first + most, count)) for first in range(0, count, most))
 
 

@@ -9,7 +9,7 @@ each sampler, which for a buffer is whatever was there before. So all that we gi
 import moderngl
 
 #: The longest side of a texture that any OpenGL 4.1 can have.
-LONGEST = 1 << 14
+MAX_SIDE = 1 << 14
 
 #: Samplers that OpenGL 4.1 has at least for each stage, and no shader of ours has more.
 SAMPLERS = 16
@@ -24,7 +24,7 @@ void main() {{ color = {" + ".join(f"texelFetch(all_of_them[{k}], ivec2(0), 0)" 
 
 def side(texels: int) -> int:
     """As many texels or one more, or three, for a side of a texture: no power of two, unless that is the longest."""
-    return texels if texels & (texels - 1) or texels >= LONGEST else max(3, texels + 1)
+    return texels if texels & (texels - 1) or texels >= MAX_SIDE else max(3, texels + 1)
 
 
 def sides(size: tuple[int, int]) -> tuple[int, int]:

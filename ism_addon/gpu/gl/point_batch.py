@@ -5,7 +5,7 @@ import moderngl
 import numpy as np
 
 
-class Points:
+class PointBatch:
     """Of one context."""
 
     def __init__(self, gl: moderngl.Context):

@@ -14,7 +14,7 @@ from .depth import float_depth
 DEPTH = "depth"
 
 #: Texels to a row of a target in strips, as long as they are no longer than this.
-STRIP, LONGEST_STRIP = 9, 4100
+TILE_STRIP_WIDTH, MAX_STRIP_HEIGHT = 9, 4100
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Target:
         columns, rows = -(-width // self.divisor), -(-height // self.divisor)
         if not self.strips:
             return columns, rows
-        across = STRIP * -(-columns * rows // (STRIP * LONGEST_STRIP))
+        across = TILE_STRIP_WIDTH * -(-columns * rows // (TILE_STRIP_WIDTH * MAX_STRIP_HEIGHT))
         return across, driver_variants.side(-(-columns * rows // across))
 
     def create(self, gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:

@@ -12,7 +12,7 @@ from pathlib import Path
 import moderngl
 
 from . import frame_uniforms
-from .buffer_texture import Array
+from .buffer_texture import BufferTexture
 from .context import Device
 from .shader_records import Record
 
@@ -21,7 +21,7 @@ FOLDER = Path(__file__).parents[1]
 STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
 #: Lines of the k-th file of a shader are counted from k times this: Mesa forgets the file that #line names.
-LINES = 10_000
+LINES_PER_FILE = 10_000
 #: The first error that a compiler tells of: its line, and what is wrong.
 #: Mesa and Intel write 0:33(2): error: …, NVIDIA 0(33) : error C1503: …, AMD and Apple ERROR: 0:33: …
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
@@ -34,7 +34,7 @@ class ShaderError(RuntimeError):
 def expand(path: Path, files: list[Path]) -> str:
     """A file's text with its includes; `files` grows by each file read, and says where its lines are counted from."""
     files.append(path)
-    start = len(files) * LINES
+    start = len(files) * LINES_PER_FILE
     lines = [f"#line {start + 1}"]
     for count, line in enumerate(path.read_text("utf-8").splitlines(), 1):
         include = INCLUDE.match(line)
@@ -85,7 +85,7 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
     said = str(error)
     found = FIRST_ERROR.search(said)
     stage = next((stage for stage in files if stage in said), None)
-    number, line = divmod(int(found[1]), LINES) if found else (0, 0)
+    number, line = divmod(int(found[1]), LINES_PER_FILE) if found else (0, 0)
     if not number or stage is None:  # in what stands before the files, or as the program is linked
         return " ".join(said.split())
     return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
@@ -98,7 +98,7 @@ def bind(program: moderngl.Program, **values: object) -> None:
         uniform = program.get(name, None)
         if uniform is None:
             continue
-        if isinstance(value, Array):
+        if isinstance(value, BufferTexture):
             unit = held.unit_with(name, value)
             if held.is_new(program, name, unit):
                 value.tell(program, name, unit)

@@ -7,7 +7,7 @@ more than 16 KB). Numbers of kind "int" are stored as floats, exact up to 2^24.
 
 import numpy as np
 
-from .buffer_texture import Array
+from .buffer_texture import BufferTexture
 from .context import Device
 
 SIZES = {"float": 1, "int": 1, "vec2": 2, "vec3": 3, "vec4": 4}
@@ -40,7 +40,7 @@ class Record:
             f"    return {self.name}({', '.join(values)});\n}}\n"
         )
 
-    def upload(self, device: Device, table: np.ndarray) -> Array:
+    def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
         """A table (N,) of this record's dtype."""
         packed = np.zeros((len(table), 4 * self.texels), np.float32)
         packed[:, : self.dtype.itemsize // 4] = table.view(np.float32).reshape(len(table), self.dtype.itemsize // 4)
@@ -108,7 +108,7 @@ LIGHT = Record(
 )
 
 #: A light that counts, and which light points stand for it.
-POINTS_OF_LIGHT = Record("PointsOfLight", light="int", first="int", count="int")
+VIRTUAL_LIGHT_RANGE = Record("PointsOfLight", light="int", first="int", count="int")
 
 #: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
-LIGHT_POINT = Record("LightPoint", place="vec2", turn="vec2")
+VIRTUAL_LIGHT = Record("LightPoint", place="vec2", turn="vec2")

@@ -9,7 +9,7 @@ QUERY_COUNTER_BITS = 0x8864
 QUERY_RESULT = 0x8866
 
 
-class Clock:
+class GpuClock:
     """Of one context."""
 
     def __init__(self, load: Callable[[str], int]):

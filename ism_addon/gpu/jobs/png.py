@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...atomic_files import replacing
+from ...atomic_files import atomic_write
 from ...color import srgb_from_linear
 
 
@@ -28,7 +28,7 @@ def write_png(path: Path, pixels: np.ndarray) -> None:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
-    with replacing(path) as file:
+    with atomic_write(path) as file:
         file.write(b"\x89PNG\r\n\x1a\n")
         for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
             file.write(chunk(kind, data))

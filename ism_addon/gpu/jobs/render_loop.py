@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from ...settings import Quality
-from ..convergence import Error
+from ..convergence import Convergence
 from ..gl.context import Device
 from ..gl.errors import Cancelled, ContextLost, GraphicsError
 from ..profile import Profile
@@ -19,10 +19,10 @@ from .job import Job, Picture
 log = logging.getLogger(__name__)
 
 #: The part of the time that pictures may take which are only shown until there is a better one.
-SHOWING = 0.1
+DISPLAY_TIME_FRACTION = 0.1
 
 
-class Studio:
+class RenderLoop:
     """A renderer a client, and how far their jobs are."""
 
     def __init__(self, device: Device, edition: int):
@@ -56,7 +56,7 @@ class Studio:
         """Draw one pass of a job. Whatever goes wrong is its own error, but for ContextLost, which is raised."""
         try:
             if job not in self.running:
-                self.running[job] = draw(*self.of(client), job)
+                self.running[job] = draw_job(*self.of(client), job)
             goes_on = not job.cancelled and next(self.running[job], job) is not job
         except Cancelled:
             goes_on = False
@@ -99,7 +99,7 @@ class Studio:
         self.device.close()
 
 
-def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
+def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile, start = job.request, Profile(), time.perf_counter()
 
@@ -127,7 +127,7 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
         if job.samples_done == 0 and request.surfaces:
             surfaces = renderer.depth_and_normal()
         job.samples_done += 1
-        ended_by = what_ends(request.settings.quality, job.samples_done, now - start, renderer.error)
+        ended_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
         if ended_by:
             renderer.pace.finish()
         job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
@@ -137,12 +137,12 @@ def draw(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[No
         if ended_by or now >= next_picture:
             job._picture = Picture(renderer.picture(), *surfaces, job.samples_done)
             shown = time.perf_counter()
-            next_picture = shown + (shown - now) * (1.0 - SHOWING) / SHOWING
+            next_picture = shown + (shown - now) * (1.0 - DISPLAY_TIME_FRACTION) / DISPLAY_TIME_FRACTION
         job.tell()
         yield
 
 
-def what_ends(quality: Quality, samples: int, seconds: float, error: Error) -> str:
+def stop_reason(quality: Quality, samples: int, seconds: float, error: Convergence) -> str:
     """Why a picture that has so many samples after so many seconds has no more; "" if it has."""
     if samples >= quality.samples:
         return "samples"

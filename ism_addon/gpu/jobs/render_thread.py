@@ -18,13 +18,13 @@ from ..gl.errors import ContextLost, NoOpenGL
 from .job import Job, Request
 
 if TYPE_CHECKING:
-    from .render_loop import Studio
+    from .render_loop import RenderLoop
 
 #: s that stop() waits for the pass under way. Some take longer, and where a driver hangs it has no end.
 PATIENCE = 2.0
 
 
-class Worker:
+class RenderThread:
     """Draws the newest job of each client, in turns."""
 
     def __init__(self) -> None:
@@ -121,19 +121,19 @@ class Worker:
         try:
             try:
                 from ..gl.context import open_device
-                from .render_loop import Studio
+                from .render_loop import RenderLoop
             except (ImportError, OSError) as reason:
                 why = f"moderngl, which comes with the extension, could not be loaded ({reason}): "
                 why += "install the extension again"
                 return
-            with closing(Studio(open_device(), self.edition)) as studio:
+            with closing(RenderLoop(open_device(), self.edition)) as studio:
                 self._draw(studio)
         except (NoOpenGL, ContextLost) as reason:
             why = str(reason)
         finally:
             self._refuse(why)
 
-    def _draw(self, studio: "Studio") -> None:
+    def _draw(self, studio: "RenderLoop") -> None:
         """All that is asked for, until stop()."""
         while True:
             with self._news:
@@ -182,9 +182,9 @@ def _after_fork() -> None:
 
 
 #: All there are.
-_workers: weakref.WeakSet[Worker] = weakref.WeakSet()
+_workers: weakref.WeakSet[RenderThread] = weakref.WeakSet()
 if hasattr(os, "register_at_fork"):  # not in Windows
     os.register_at_fork(after_in_child=_after_fork)
 
 #: The worker that Blender's engine uses.
-shared = Worker()
+shared = RenderThread()

@@ -61,7 +61,7 @@ def opened(picture: Picture) -> bpy.types.Depsgraph:
 
 def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> dict:
     """All frames, and after the first its first sample once more, which finds the trees kept."""
-    layer, renderer, settings = persistent_data.Layer(), Renderer(device), picture.settings()
+    layer, renderer, settings = persistent_data.LayerCache(), Renderer(device), picture.settings()
     start = time.perf_counter()
     scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
     told = {"triangles": scene.triangle_count, "reading s": time.perf_counter() - start, "reading bytes": memory.peak()}
@@ -84,7 +84,7 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     return told
 
 
-def seconds_a_frame(renderer: Renderer, layer: persistent_data.Layer, settings: Settings, count: int) -> float:
+def seconds_a_frame(renderer: Renderer, layer: persistent_data.LayerCache, settings: Settings, count: int) -> float:
     """Of a camera that goes around the scene, reading included."""
     start = time.perf_counter()
     for number in range(count):

@@ -10,15 +10,15 @@ import numpy as np
 from mathutils import Matrix
 
 from ....scene import Instances, Mesh
-from ....scene.limits import FARTHEST, invertible, within
-from ..diagnostics import Findings
-from ..light_linking import Links
-from ..materials.materials import MaterialTable
+from ....scene.limits import MAX_DISTANCE, is_invertible, is_within
+from ..diagnostics import Diagnostics
+from ..light_linking import LightLinks
+from ..materials.materials import MaterialReader
 from . import meshes
 from .raw_meshes import Raw
 
 #: Corners of meshes that are read before they are made into triangles.
-PORTION = 1 << 15
+MESHES_AT_A_TIME = 1 << 15
 
 
 @dataclass(eq=False)
@@ -26,7 +26,7 @@ class _Reading:
     """What was read of a mesh, None where it has no triangle, or before it is made."""
 
     mesh: Mesh | None
-    findings: Findings
+    findings: Diagnostics
 
 
 class _Waiting(NamedTuple):
@@ -47,13 +47,13 @@ class _Row(NamedTuple):
     casts_shadow: bool
     linked_by: tuple[int, ...]  # session_uids of the object, and of what makes it stand
     name: str
-    unlike: Findings  # of the object, shared with its other instances
+    unlike: Diagnostics  # of the object, shared with its other instances
 
 
-class Geometry:
+class InstanceReader:
     """Collects instances, from one depsgraph after another."""
 
-    def __init__(self, materials: MaterialTable, links: Links) -> None:
+    def __init__(self, materials: MaterialReader, links: LightLinks) -> None:
         self._materials = materials
         self._links = links
         self._readings: dict[tuple, _Reading] = {}  # by the evaluated mesh's address, which may come to hold another
@@ -62,7 +62,7 @@ class Geometry:
         self._waiting: list[_Waiting] = []
         self._corners = 0  # of those
         self._last: dict[tuple, Mesh] = {}
-        self._unlike: dict[int, Findings] = {}
+        self._unlike: dict[int, Diagnostics] = {}
         self._rows: list[_Row] = []
         self._own: dict[int, int] = {}  # the row of an object that stands for itself, by its session_uid
 
@@ -97,7 +97,7 @@ class Geometry:
             self._unlike.pop(source.original.session_uid, None)
             self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer)
 
-    def tables(self, findings: Findings) -> tuple[tuple[Mesh, ...], Instances]:
+    def tables(self, findings: Diagnostics) -> tuple[tuple[Mesh, ...], Instances]:
         """The meshes that stand somewhere, and where. What stands nowhere is let go of."""
         self._make()
         self._tidy()
@@ -105,12 +105,12 @@ class Geometry:
         numbers_of = chain.from_iterable(chain.from_iterable(row.world_from_object for row in rows))
         matrices = np.fromiter(numbers_of, np.float64, 16 * len(rows)).reshape(-1, 4, 4)  # 7 times as fast as array()
         matrices[:, 3] = 0.0, 0.0, 0.0, 1.0  # as it is in Blender's but for rounding, after parents were inverted
-        in_reach = within(matrices).all((1, 2))
-        upright = in_reach & invertible(np.where(in_reach[:, None, None], matrices[:, :3, :3], 0.0))
+        in_reach = is_within(matrices).all((1, 2))
+        upright = in_reach & is_invertible(np.where(in_reach[:, None, None], matrices[:, :3, :3], 0.0))
         for found in dict.fromkeys(found for row in self._rows for found in (row.reading.findings, row.unlike)):
             findings.include(found)
         for index in np.flatnonzero(~upright):
-            kind = f"Objects scaled to nothing in some direction, or beyond {FARTHEST:g} m, are left out"
+            kind = f"Objects scaled to nothing in some direction, or beyond {MAX_DISTANCE:g} m, are left out"
             findings.note(kind, rows[index].name)
         placed = [row for row, kept in zip(rows, upright.tolist(), strict=True) if kept]
         numbers: dict[Mesh, int] = {}
@@ -140,7 +140,7 @@ class Geometry:
     ) -> _Row:
         of_object = source.original.session_uid
         if of_object not in self._unlike:
-            self._unlike[of_object] = _unlike(source, shown[-1], view_layer)
+            self._unlike[of_object] = _unsupported_features(source, shown[-1], view_layer)
         return _Row(
             self._mesh(source, shown, view_layer),
             world_from_object.copy(),
@@ -168,12 +168,12 @@ class Geometry:
 
     def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str | None, ...]) -> _Reading:
         """Read it; what is read is made into triangles when it is enough, or asked for."""
-        reading, raw = _Reading(None, Findings()), _raw(source, materials, layers)
+        reading, raw = _Reading(None, Diagnostics()), _raw(source, materials, layers)
         if raw is not None:
             key = source.original.session_uid, materials, layers
             self._waiting.append(_Waiting(reading, raw, source.name, key))
             self._corners += len(raw.vertices)
-            if self._corners > PORTION:
+            if self._corners > MESHES_AT_A_TIME:
                 self._make()
         return reading
 
@@ -182,7 +182,7 @@ class Geometry:
         for waiting, made in zip(self._waiting, meshes.made([each.raw for each in self._waiting]), strict=True):
             findings = waiting.reading.findings
             findings.note("Triangles without area are left out", waiting.name, made.without_area)
-            kind = f"Triangles with corners that are no numbers, or beyond {FARTHEST:g} m, are left out"
+            kind = f"Triangles with corners that are no numbers, or beyond {MAX_DISTANCE:g} m, are left out"
             findings.note(kind, waiting.name, made.out_of_reach)
             mesh, last = made.mesh, self._last.get(waiting.key)
             if mesh is not None and last is not None and mesh.equals(last):
@@ -205,9 +205,11 @@ def _raw(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str
         source.to_mesh_clear()
 
 
-def _unlike(source: bpy.types.Object, standing: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Findings:
+def _unsupported_features(
+    source: bpy.types.Object, standing: bpy.types.Object, view_layer: bpy.types.ViewLayer
+) -> Diagnostics:
     """What of an object, and of what makes it stand, will look otherwise than the artist meant it."""
-    findings = Findings()
+    findings = Diagnostics()
     if source.is_holdout or standing.holdout_get(view_layer=view_layer):
         findings.note("Holdouts are drawn as plain surfaces", source.name)
     if source.is_shadow_catcher or standing.is_shadow_catcher:

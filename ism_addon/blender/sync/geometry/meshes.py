@@ -8,12 +8,12 @@ import bpy
 import numpy as np
 
 from ....scene import Mesh
-from ....scene.limits import within
+from ....scene.limits import is_within
 from . import triangulate
 from .raw_meshes import Raw, joined, starts
 
 #: Meshes of at most so many corners are made together: what numpy does to one takes longer to begin than to do.
-SMALL = 1 << 12
+SMALL_MESH = 1 << 12
 
 #: The cosine between a face's normal and its triangles' where it is as good as plane.
 PLANE = 1.0 - 1e-6
@@ -66,7 +66,7 @@ def made(raws: Sequence[Raw]) -> list[Reading]:
     """The triangles of some meshes: a small one is made together with all others of its kind."""
     kinds: dict[tuple, list[int]] = {}
     for number, raw in enumerate(raws):
-        kinds.setdefault(raw.kind if len(raw.vertices) <= SMALL else (number,), []).append(number)
+        kinds.setdefault(raw.kind if len(raw.vertices) <= SMALL_MESH else (number,), []).append(number)
     found: dict[int, Reading] = {}
     for numbers in kinds.values():
         found.update(zip(numbers, _made([raws[number] for number in numbers]), strict=True))
@@ -76,7 +76,7 @@ def made(raws: Sequence[Raw]) -> list[Reading]:
 def _made(raws: list[Raw]) -> list[Reading]:
     """Those of meshes of one kind."""
     raw, of_meshes = joined(raws), [each.triangle_count for each in raws]
-    triangles, reached = triangulate.triangles(raw), within(raw.positions)
+    triangles, reached = triangulate.triangles(raw), is_within(raw.positions)
     reachable = np.ones(len(triangles.vertices), np.bool_)
     if not reached.all():
         reachable = reached.all(1)[triangles.vertices].all(1)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ....parallel import side_by_side
+from ....parallel import parallel_map
 from .raw_meshes import Raw
 
 #: Faces at a time: so many stay in a processor's cache.
-PORTION = 1 << 15
+FACES_AT_A_TIME = 1 << 15
 
 #: Corners of the two triangles of a quad, and of those that do not overlap where these would.
 HALVES, OTHER_HALVES = np.int32([0, 1, 2, 0, 2, 3]), np.int32([0, 1, 3, 1, 2, 3])
@@ -73,12 +73,12 @@ def in_portions(given: np.ndarray, each: int, make: Callable[[np.ndarray], Trian
     found = Triangles(np.empty((count, 3), np.int32), np.empty((count, 3), np.uint32), np.empty(count, np.bool_))
 
     def fill(first: int) -> None:
-        part = slice(each * first, each * (first + PORTION))
+        part = slice(each * first, each * (first + FACES_AT_A_TIME))
         with np.errstate(all="ignore"):
-            made = make(given[first : first + PORTION])
+            made = make(given[first : first + FACES_AT_A_TIME])
         found.corners[part], found.vertices[part], found.has_area[part] = made.corners, made.vertices, made.has_area
 
-    side_by_side(fill, range(0, len(given), PORTION), len(given))
+    parallel_map(fill, range(0, len(given), FACES_AT_A_TIME), len(given))
     return found
 
 

@@ -12,7 +12,7 @@ from ....color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
 #: Texels that are converted at a time: they stay in the processor's cache from step to step.
-PORTION = 1 << 15
+TEXELS_AT_A_TIME = 1 << 15
 
 
 #: Spaces of byte images whose numbers are taken as they are; those of others are amounts of Rec.709's primaries.
@@ -52,8 +52,8 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     pixels = pixels.reshape(width * height, -1)
     stored = np.empty((height, width, 4), np.uint8)
     rows = stored.reshape(-1, 4)
-    for first in range(0, len(rows), PORTION):
-        part = slice(first, first + PORTION)
+    for first in range(0, len(rows), TEXELS_AT_A_TIME):
+        part = slice(first, first + TEXELS_AT_A_TIME)
         rows[part] = _stored(image, _four_channels(pixels[part]), on_black)
     return stored
 

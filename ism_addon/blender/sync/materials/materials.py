@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from ....scene import Image, Materials
-from ..diagnostics import Findings
+from ..diagnostics import Diagnostics
 from . import images, nodes, unsupported_features
 
 #: The session_uid of an image, whether it repeats and is on black, and the file of its sequence's frame.
@@ -26,20 +26,20 @@ class _Row(NamedTuple):
     base_color: np.ndarray
     image: int
     layer: str | None  # the UV layer that its image lies on; "": the one that renders; None where it has no image
-    findings: tuple[Findings, ...]  # those of its image are shared with the others that have it
+    findings: tuple[Diagnostics, ...]  # those of its image are shared with the others that have it
 
 
 GREY_ROW = _Row(np.full(3, GREY), -1, None, ())
 
 
-class MaterialTable:
+class MaterialReader:
     """Gives each material and each image its index for good, and reads it when it is first met."""
 
     def __init__(self) -> None:
         self._indices: dict[int, int] = {}
         self._rows: list[_Row | None] = []
         self._met: set[int] = set()
-        self._read_images: dict[ImageKey, tuple[int, Findings]] = {}
+        self._read_images: dict[ImageKey, tuple[int, Diagnostics]] = {}
         self._images: list[Image] = []
         #: By the same keys: those that need not be read again as long as their origin is the same.
         self._of_origin: dict[ImageKey, tuple[tuple, Image]] = {}
@@ -80,7 +80,7 @@ class MaterialTable:
         self._read_images.clear()
         self._images.clear()
 
-    def table(self, findings: Findings) -> Materials:
+    def table(self, findings: Diagnostics) -> Materials:
         """All that were ever met: their indices stay."""
         rows = [row or GREY_ROW for row in self._rows]
         for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
@@ -97,7 +97,7 @@ class MaterialTable:
     def _row(self, material: bpy.types.Material | None) -> _Row:
         if material is None:
             return GREY_ROW
-        findings = Findings()
+        findings = Diagnostics()
         node_tree = nodes.tree(material)
         if node_tree is None:
             return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
@@ -114,7 +114,7 @@ class MaterialTable:
         unsupported_features.note_shader(material, shader, findings)
         return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
 
-    def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Findings) -> _Row:
+    def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Diagnostics) -> _Row:
         """A row from a shader's colour socket."""
         plain, node = nodes.rgb(socket, GREY)
         if node is None:
@@ -128,13 +128,13 @@ class MaterialTable:
         return _Row(plain, -1, None, (findings,))
 
     def _image(
-        self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings
-    ) -> tuple[int, Findings]:
+        self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics
+    ) -> tuple[int, Diagnostics]:
         """The node's image, -1 where there is none to read, and what is to be said of it."""
         image = node.image
         if image is None:
             findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
-            return -1, Findings()
+            return -1, Diagnostics()
         unsupported_features.note_placement(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
         of_frame = image.filepath_from_user(image_user=node.image_user) if image.source == "SEQUENCE" else ""
@@ -143,8 +143,8 @@ class MaterialTable:
             self._read_images[key] = self._read_image(key, image)
         return self._read_images[key]
 
-    def _read_image(self, key: ImageKey, image: bpy.types.Image) -> tuple[int, Findings]:
-        findings = Findings()
+    def _read_image(self, key: ImageKey, image: bpy.types.Image) -> tuple[int, Diagnostics]:
+        findings = Diagnostics()
         found = self._texels(key, image)
         if found is None:
             findings.note(

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ....scene.limits import within
+from ....scene.limits import is_within
 
 #: The nodes of textures behind which only the mesh's own UVs stand.
 UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
@@ -73,4 +73,4 @@ def uv_layer(vector: bpy.types.NodeSocket) -> str:
 def color(values: bpy.types.bpy_prop_array, otherwise: float) -> np.ndarray:
     """(3,) of a colour socket, with a stand-in for what is no number."""
     rgb = np.array(values[:3], np.float32)
-    return np.where(within(rgb), rgb, np.float32(otherwise))
+    return np.where(is_within(rgb), rgb, np.float32(otherwise))

@@ -6,7 +6,7 @@ A new Principled BSDF has some gloss, so that each file would have a sentence ab
 
 import bpy
 
-from ..diagnostics import Findings
+from ..diagnostics import Diagnostics
 from . import nodes
 
 #: Sockets that are drawn only where nothing feeds them and they have this value, and what is said of others.
@@ -24,12 +24,12 @@ PLAIN: dict[str, dict[str, tuple[float, str]]] = {
 }
 
 #: Of a new Principled BSDF, which has so much gloss at most: its least roughness, and its most of all else.
-LEAST_ROUGHNESS = 0.5
-MOST_GLOSS = {"IOR": 1.5, "Specular IOR Level": 0.5, "Anisotropic": 0.0, "Thin Film Thickness": 0.0}
+MIN_ROUGHNESS = 0.5
+MAX_GLOSS = {"IOR": 1.5, "Specular IOR Level": 0.5, "Anisotropic": 0.0, "Thin Film Thickness": 0.0}
 GLOSS = "Gloss is not drawn"
 
 
-def note_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Findings) -> None:
+def note_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:
     """Of what else than a surface a material's output shows."""
     if output is None:
         return
@@ -39,7 +39,7 @@ def note_output(material: bpy.types.Material, output: bpy.types.Node | None, fin
         findings.note("Displacement is not drawn", material.name)
 
 
-def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Findings) -> None:
+def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
     """Of all but the colour of a shader that is drawn."""
     for name, (plain, kind) in PLAIN[shader.bl_idname].items():
         socket = shader.inputs.get(name)
@@ -70,16 +70,16 @@ def _is_glossy(shader: bpy.types.Node) -> bool:
     if _is(shader.inputs["Specular IOR Level"], 0.0):
         return False
     roughness, fed_by = nodes.number(shader.inputs["Roughness"])
-    if fed_by is not None or roughness < LEAST_ROUGHNESS:
+    if fed_by is not None or roughness < MIN_ROUGHNESS:
         return True
-    for name, most in MOST_GLOSS.items():
+    for name, most in MAX_GLOSS.items():
         value, fed_by = nodes.number(shader.inputs[name]) if name in shader.inputs else (most, None)
         if fed_by is not None or value > most:
             return True
     return False
 
 
-def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Findings) -> None:
+def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics) -> None:
     """Say where a texture will not lie as the artist meant it."""
     placed_by = nodes.source(node.inputs["Vector"])
     if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:

@@ -12,27 +12,27 @@ import numpy as np
 
 from ....scene import Change
 from ...frame import (
-    BLOCK,
     PREDICTION,
+    PROBE_SPACING,
+    PROBES,
+    PROBES_PER_TILE_SIDE,
     RENEWED,
-    SCOUTED,
-    SCOUTED_BLOCK,
-    SCOUTS_APART,
-    UNKNOWN,
+    TILE_SIZE,
+    UNKNOWN_VISIBILITY,
     Frame,
     Pass,
-    blocks_at,
-    by_block,
+    from_tile_layout,
+    tiles_where,
 )
 from ...gl import driver_variants
 from ...gl.render_targets import Target, pixels
 from ...gl.shader_compiler import bind
 
 #: Of each light and pixel: rays that arrived so far, and rays.
-SEEN = Target(2, "f4")
+RAY_COUNTS = Target(2, "f4")
 
 #: Of each light and block: whether any ray about it arrived, and whether any did not.
-FOUND = Target(2, "f1", divisor=BLOCK, strips=True)
+TILE_VISIBILITY = Target(2, "f1", divisor=TILE_SIZE, strips=True)
 
 
 class PredictVisibility(Pass):
@@ -40,7 +40,7 @@ class PredictVisibility(Pass):
 
     reads = ("scouted", "spotted", "reach", "position", "normal", "depth")
     writes = {
-        "around": Target(2, "f2", divisor=SCOUTS_APART),  # a light's prediction where scouts were
+        "around": Target(2, "f2", divisor=PROBE_SPACING),  # a light's prediction where scouts were
         "foreseen": Target(4, "f4"),  # position, with normals, of what was predicted
     }
     makes = ("predictions", "seen", "found", "looks")
@@ -48,15 +48,15 @@ class PredictVisibility(Pass):
 
     @cached_property
     def scouts(self) -> moderngl.Program:
-        return self.in_blocks(part="probes", scouts_apart=SCOUTS_APART)
+        return self.in_blocks(part="probes", scouts_apart=PROBE_SPACING)
 
     @cached_property
     def pixels(self) -> moderngl.Program:
-        return self.in_blocks(scouts_apart=SCOUTS_APART)
+        return self.in_blocks(scouts_apart=PROBE_SPACING)
 
     @cached_property
     def blocks(self) -> moderngl.VertexArray:
-        return self.full_screen(part="tiles", block=BLOCK)
+        return self.full_screen(part="tiles", block=TILE_SIZE)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -66,7 +66,7 @@ class PredictVisibility(Pass):
             return
         tables, first = frame.tables, frame.sample == 0
         if first:
-            found = self.by_blocks(frame, tables["scouted"], SCOUTS_APART)
+            found = self.by_blocks(frame, tables["scouted"], PROBE_SPACING)
             for light in np.flatnonzero(frame.scene.lights.spread < np.pi):
                 if light in found:  # a cone may light what lies between rays, none of which it was worth to send
                     found[light][tables["reach"][light].scouted & ~found[light].any(2)] = True
@@ -76,7 +76,7 @@ class PredictVisibility(Pass):
             tables["looks"] = dict(
                 tables["scouted"]
             )  # some are added; what ProbeVisibility made may serve the next picture too
-            tables["seen"] = self.of_each_light(frame, "seen", SEEN)
+            tables["seen"] = self.of_each_light(frame, "seen", RAY_COUNTS)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()
         else:
@@ -99,11 +99,11 @@ class PredictVisibility(Pass):
         """Lights that had seemed hidden, and the blocks (rows,columns) where they are not."""
         for light, seen in spotted.items():
             reach = frame.tables["reach"][light]
-            reach.seen[seen] = np.maximum(reach.seen[seen], UNKNOWN)
+            reach.seen[seen] = np.maximum(reach.seen[seen], UNKNOWN_VISIBILITY)
             if light in frame.tables["found"] or not (seen & ~reach.dim).any():
                 continue
             frame.tables["found"][light] = np.stack([seen, np.ones_like(seen)], 2)
-            for table, target in (("looks", SCOUTED), ("seen", SEEN)):
+            for table, target in (("looks", PROBES), ("seen", RAY_COUNTS)):
                 size = -(-frame.view.width // target.divisor), -(-frame.view.height // target.divisor)
                 frame.tables[table][light] = target.create(self.device.gl, size)
                 self.device.gl.framebuffer([frame.tables[table][light]]).clear()
@@ -111,13 +111,13 @@ class PredictVisibility(Pass):
     def by_blocks(self, frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
         """For each light (H,W,2) bool: whether any ray about a block arrived, and whether any did not."""
         gl = self.device.gl
-        size = FOUND.size(frame.view.width, frame.view.height)
-        found = {light: FOUND.create(gl, size) for light in rays}
+        size = TILE_VISIBILITY.size(frame.view.width, frame.view.height)
+        found = {light: TILE_VISIBILITY.create(gl, size) for light in rays}
         for light, texture in found.items():
             target = gl.framebuffer([texture])
             self.draw_by_block(frame, target, self.blocks, rays=rays[light], apart=apart)
         self.device.wait()
-        return {light: by_block(pixels(texture), frame.blocks) > 0.0 for light, texture in found.items()}
+        return {light: from_tile_layout(pixels(texture), frame.blocks) > 0.0 for light, texture in found.items()}
 
     def predict(self, frame: Frame, light: int, prediction: moderngl.Texture, traced: bool) -> None:
         """All or nothing of a light in blocks whose rays agree; in the others first where scouts were, then between."""
@@ -125,16 +125,16 @@ class PredictVisibility(Pass):
         found = tables["found"][light]
         surfaces = {"position": targets["position"], "normals": targets["normal"], "depth": targets["depth"]}
         rays = {"scouted": tables["looks"][light], "seen": tables["seen"][light], "traced": traced}
-        gl, around, doubtful = self.device.gl, targets.into("around"), blocks_at(found.all(2))
-        write_blocks(targets["around"], targets.sizes["around"], found[..., 0], SCOUTED_BLOCK)
+        gl, around, doubtful = self.device.gl, targets.into("around"), tiles_where(found.all(2))
+        write_tiles(targets["around"], targets.sizes["around"], found[..., 0], PROBES_PER_TILE_SIDE)
         bind(self.scouts, **surfaces, **rays)
-        self.draw_blocks(frame, around, self.scouts, doubtful, block=SCOUTED_BLOCK)
-        write_blocks(prediction, (frame.view.width, frame.view.height), found[..., 0], BLOCK)
+        self.draw_blocks(frame, around, self.scouts, doubtful, block=PROBES_PER_TILE_SIDE)
+        write_tiles(prediction, (frame.view.width, frame.view.height), found[..., 0], TILE_SIZE)
         bind(self.pixels, **surfaces, around=targets["around"])
         self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
 
 
-def write_blocks(prediction: moderngl.Texture, size: tuple[int, int], arrived: np.ndarray, block: int) -> None:
+def write_tiles(prediction: moderngl.Texture, size: tuple[int, int], arrived: np.ndarray, block: int) -> None:
     """Predict for blocks (rows,columns) bool that all of a light arrives or nothing, and no doubt about it."""
     pixels = np.zeros((*arrived.shape, 2), np.float16)
     pixels[..., 0] = arrived

@@ -6,23 +6,23 @@ from typing import Self
 
 import numpy as np
 
-from ....sampling import RAY_STEPS, TURN_STEPS, fixed_point
+from ....sampling import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
 from ....scene import Lights, LightShape
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 
 #: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
-ENOUGH = 0.1
+RAY_THRESHOLD = 0.1
 
 #: Doubt in a prediction that all rays of a neighbourhood agree on.
-TRUST = 0.03
+MIN_DOUBT = 0.03
 
 #: What their shaders fetch.
 RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 
 @dataclass(frozen=True)
-class Kind:
+class LightVariant:
     """Of a light: what the others would need, many drivers would walk through too. Each is 0 or 1."""
 
     rectangles: int
@@ -36,21 +36,21 @@ class Kind:
         return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
 
 
-def constants_of(kind: Kind, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
+def shader_constants(kind: LightVariant, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
     """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
-    return {"rays": rays, "places_in_pixel": places, "trust": TRUST, "least_chance": least_chance, **asdict(kind)}
+    return {"rays": rays, "places_in_pixel": places, "trust": MIN_DOUBT, "least_chance": least_chance, **asdict(kind)}
 
 
 def ray_sequence() -> dict[str, tuple[int, ...]]:
     """Uniforms: which ray of a pixel goes where on its light, and when it is its turn."""
-    return {"ray_steps": fixed_point(RAY_STEPS), "turn_steps": fixed_point(TURN_STEPS)}
+    return {"ray_steps": fixed_point(RAY_INCREMENTS), "turn_steps": fixed_point(TURN_INCREMENTS)}
 
 
-def enough(frame: Frame) -> float:
+def ray_threshold(frame: Frame) -> float:
     """The change of a pixel's luminance that a ray is traced for in any case."""
-    return ENOUGH * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
+    return RAY_THRESHOLD * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
 
 
-def count_used(frame: Frame, lights: set[int]) -> None:
+def count_lights(frame: Frame, lights: set[int]) -> None:
     """Of all samples, the most lights that one was drawn with."""
     frame.counts["lights_used"] = max(frame.counts["lights_used"], len(lights))

@@ -12,21 +12,21 @@ tell whether there should be doubt.
 import moderngl
 import numpy as np
 
-from ....sampling import LIGHT_STEPS, PIXEL_STEPS, TURN_STEPS, fixed_point, members
+from ....sampling import LIGHT_INCREMENTS, PIXEL_INCREMENTS, TURN_INCREMENTS, fixed_point, members
 from ....scene import Change
-from ...frame import BLOCK, PREDICTION, Frame, Pass
+from ...frame import PREDICTION, TILE_SIZE, Frame, Pass
 from ...gl.context import Device
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
-from .ray_correction import RECORDS, Kind, constants_of, count_used, enough, ray_sequence
+from .ray_correction import RECORDS, LightVariant, count_lights, ray_sequence, ray_threshold, shader_constants
 
 #: The least chance of a ray.
-LEAST_CHANCE = 0.1
+MIN_RAY_PROBABILITY = 0.1
 
 #: The chance of a block in which nothing is in doubt, for a light that could be as bright there as the picture is on
 #: average, and the most: where it is brighter, it is the worse if the prediction is wrong.
-SURE_CHANCE = 0.03125
-MOST_SURE = 0.5
+CERTAIN_PROBABILITY = 0.03125
+MAX_CERTAIN_PROBABILITY = 0.5
 
 
 class TraceShadows(Pass):
@@ -56,7 +56,7 @@ class TraceShadows(Pass):
         frame.targets.into("predicted", "correction").clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        shifts = members(LIGHT_STEPS, 0, len(lights.shape))
+        shifts = members(LIGHT_INCREMENTS, 0, len(lights.shape))
         frame.tables["used"] = used = set()
         predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
@@ -64,28 +64,28 @@ class TraceShadows(Pass):
             if not len(traced) + len(shown):
                 continue
             used.add(light)
-            kind = Kind.of(lights, light)
+            kind = LightVariant.of(lights, light)
             shared = {
                 **frame.receivers,
                 "lights": frame.tables["lights"],
                 "light_index": light,
-                "pixel_steps": fixed_point(PIXEL_STEPS),
+                "pixel_steps": fixed_point(PIXEL_INCREMENTS),
                 "depth": frame.targets["depth"],
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
             }
-            program = self.in_blocks(*RECORDS, **constants_of(kind, 0, 1, LEAST_CHANCE))
+            program = self.in_blocks(*RECORDS, **shader_constants(kind, 0, 1, MIN_RAY_PROBABILITY))
             bind(program, **shared)
             self.draw_blocks(frame, predicted, program, shown)
-            frame.counts["pixels_refined"] += len(traced) * BLOCK**2
+            frame.counts["pixels_refined"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 places = {"shift": fixed_point(shift[:3]), **ray_sequence()}
                 with_rays.append((light, kind, shared | places, traced))
         for light, kind, uniforms, traced in with_rays:
-            program = self.in_blocks(*RECORDS, **constants_of(kind, 1, len(frame.grid.places), LEAST_CHANCE))
-            bind(program, **uniforms, enough=enough(frame), **frame.tables["casters"])
+            program = self.in_blocks(*RECORDS, **shader_constants(kind, 1, len(frame.grid.places), MIN_RAY_PROBABILITY))
+            bind(program, **uniforms, enough=ray_threshold(frame), **frame.tables["casters"])
             self.draw_blocks(frame, self.into(frame, light), program, traced)
-        count_used(frame, used)
+        count_lights(frame, used)
 
     def into(self, frame: Frame, light: int) -> moderngl.Framebuffer:
         """Of a light that has rays: the framebuffer that takes what they find, kept as long as its textures are."""
@@ -118,10 +118,10 @@ class TraceShadows(Pass):
         if frame.sample == 0:
             return blocks[:0], blocks[seen]
         columns, rows = frame.blocks
-        phase = members(TURN_STEPS[:1], 0, columns * rows)[row * columns + column, 0] + shift
+        phase = members(TURN_INCREMENTS[:1], 0, columns * rows)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
-        phase += blocks["number"] // len(frame.grid.places) * TURN_STEPS[1]
-        chance = np.minimum(SURE_CHANCE * reach.bright[row, column], MOST_SURE)
+        phase += blocks["number"] // len(frame.grid.places) * TURN_INCREMENTS[1]
+        chance = np.minimum(CERTAIN_PROBABILITY * reach.bright[row, column], MAX_CERTAIN_PROBABILITY)
         turn = (blocks["number"] + 1.0) * chance + phase
         sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))
         blocks["chance"] = np.where(doubtful, 0.0, chance)

@@ -12,7 +12,7 @@ from functools import cached_property
 import moderngl
 import numpy as np
 
-from ....sampling import Dimension, additive_sequence, sequence
+from ....sampling import Dimension, rd_sequence, sequence
 from ....scene import Change
 from ...frame import Frame, Pass
 from ...gl import driver_variants
@@ -20,10 +20,10 @@ from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
 #: Side of the random texture, as in the report.
-TILE = 64
+NOISE_SIZE = 64
 
 #: Points a pixel and sample. Chosen with the report's budget in mind; more samples add more.
-POINTS = 16
+SAMPLES = 16
 
 
 class AmbientOcclusion(Pass):
@@ -36,14 +36,14 @@ class AmbientOcclusion(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
-        pixels = self.full_screen(points=POINTS, tile=TILE)
-        pixels.program["cone_points"].write(additive_sequence(0, POINTS, 3).astype("f4"))
+        pixels = self.full_screen(points=SAMPLES, tile=NOISE_SIZE)
+        pixels.program["cone_points"].write(rd_sequence(0, SAMPLES, 3).astype("f4"))
         return pixels
 
     @cached_property
     def random(self) -> moderngl.Texture:
-        random = np.random.default_rng(2013).uniform(-1.0, 1.0, (TILE, TILE, 2)).astype("f4")
-        texture = self.device.gl.texture((TILE, TILE), 2, random, dtype="f4")
+        random = np.random.default_rng(2013).uniform(-1.0, 1.0, (NOISE_SIZE, NOISE_SIZE, 2)).astype("f4")
+        texture = self.device.gl.texture((NOISE_SIZE, NOISE_SIZE), 2, random, dtype="f4")
         driver_variants.never_filtered(texture)
         return texture
 

@@ -16,19 +16,19 @@ from dataclasses import replace
 import moderngl
 
 from ....scene import Change
-from ...frame import BLOCK, Frame, Pass
-from ...gl.draw_limit import TEXELS
+from ...frame import TILE_SIZE, Frame, Pass
+from ...gl.draw_limit import TEXELS_PER_RAY
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
 #: Pixels of margin from which on a filter is wide.
-WIDE = 5
+WIDE_MARGIN = 5
 
 #: Samples that are fetched and weighed in the time that it takes to add to a sum.
-ADDING = 4
+SAMPLES_PER_BLEND = 4
 
 #: A pixel's variance, over that of a Blackman-Harris filter that reaches 1 px: 1 / 12 / 0.076736.
-BLUR = 1.08598
+RELATIVE_VARIANCE = 1.08598
 
 SUMS = {**{name: Target(4, "f4") for name in ("sum", "sum_correction", "weights")}, "sum_headroom": Target(1, "f4")}
 #: Of wide filters: what of a sample counts at all, and the same after it is filtered in rows.
@@ -36,7 +36,7 @@ TAKEN = {f"taken_{name}": replace(target, divisor=0) for name, target in SUMS.it
 ROWS = {f"rows_{name}": replace(target, divisor=0) for name, target in SUMS.items()}
 
 
-def margin(reach: float) -> int:
+def filter_margin(reach: float) -> int:
     """Pixels away that a sample can count for, which is up to half a pixel off its own one's centre.
 
     Where that is none, samples are spread as the filter is, and all count alike.
@@ -46,7 +46,7 @@ def margin(reach: float) -> int:
 
 def rays_for(samples: int) -> float:
     """In whose time so many samples are added to a pixel's sums."""
-    return len(SUMS) * (samples + ADDING) / TEXELS
+    return len(SUMS) * (samples + SAMPLES_PER_BLEND) / TEXELS_PER_RAY
 
 
 class Accumulate(Pass):
@@ -69,12 +69,12 @@ class Accumulate(Pass):
             "headroom": frame.targets["headroom"],
             "chances": frame.tables["chances"],
         }
-        if margin(reach) < WIDE:
+        if filter_margin(reach) < WIDE_MARGIN:
             gl.enable_only(adding)
-            program = self.in_blocks(margin=margin(reach), corrected=corrected, whole=int(first))
+            program = self.in_blocks(margin=filter_margin(reach), corrected=corrected, whole=int(first))
             bind(program, **samples, reach=reach)
-            rays = rays_for((2 * margin(reach) + 1) ** 2)
-            around = 0 if first else margin(reach)
+            rays = rays_for((2 * filter_margin(reach) + 1) ** 2)
+            around = 0 if first else filter_margin(reach)
             self.draw_blocks(frame, frame.targets.into(*SUMS), program, margin=around, rays=rays)
             return
         gl.enable_only(moderngl.NOTHING)
@@ -91,9 +91,12 @@ class Accumulate(Pass):
 
     def draw_lines(self, frame: Frame, source: dict[str, Target], into: dict[str, Target]) -> None:
         """Filter along rows or, into the sums, along columns."""
-        lines, reach = self.full_screen(part="lines", block=BLOCK, columns=int(into is SUMS)), frame.view.filter_width
-        narrower = math.sqrt(reach * reach - BLUR)
+        lines, reach = (
+            self.full_screen(part="lines", block=TILE_SIZE, columns=int(into is SUMS)),
+            frame.view.filter_width,
+        )
+        narrower = math.sqrt(reach * reach - RELATIVE_VARIANCE)
         samplers = "taken", "taken_correction", "taken_weights", "taken_headroom"
         textures = {sampler: frame.targets[name] for sampler, name in zip(samplers, source, strict=True)}
-        bind(lines.program, **textures, chances=frame.tables["chances"], reach=narrower, margin=margin(reach))
-        self.draw_pixels(frame, frame.targets.into(*into), lines, rays_for(2 * margin(reach) + 1))
+        bind(lines.program, **textures, chances=frame.tables["chances"], reach=narrower, margin=filter_margin(reach))
+        self.draw_pixels(frame, frame.targets.into(*into), lines, rays_for(2 * filter_margin(reach) + 1))

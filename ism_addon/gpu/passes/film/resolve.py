@@ -11,16 +11,16 @@ import moderngl
 import numpy as np
 
 from ....scene import Change, Lights
-from ...frame import BLOCK, Frame, Pass
+from ...frame import TILE_SIZE, Frame, Pass
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
 #: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
-EVENNESS = 0.4
+STRATIFICATION_EXPONENT = 0.4
 
 #: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where
 #: surfaces meet, that tells more than the newest sample's positions and normals do.
-STRICTNESS = 20.0
+SIMILARITY_SHARPNESS = 20.0
 
 
 class Resolve(Pass):
@@ -32,15 +32,17 @@ class Resolve(Pass):
 
     @cached_property
     def near(self) -> moderngl.VertexArray:
-        return self.full_screen(part="neighbours", block=BLOCK, evenness=EVENNESS, strictness=STRICTNESS)
+        return self.full_screen(
+            part="neighbours", block=TILE_SIZE, evenness=STRATIFICATION_EXPONENT, strictness=SIMILARITY_SHARPNESS
+        )
 
     @cached_property
     def predicted(self) -> moderngl.VertexArray:
-        return self.full_screen(block=BLOCK, corrected=0)
+        return self.full_screen(block=TILE_SIZE, corrected=0)
 
     @cached_property
     def corrected(self) -> moderngl.VertexArray:
-        return self.full_screen(block=BLOCK, corrected=1)
+        return self.full_screen(block=TILE_SIZE, corrected=1)
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
@@ -55,7 +57,7 @@ class Resolve(Pass):
             sum_headroom=frame.targets["sum_headroom"],
             counts=frame.tables["counts"],
             near=frame.targets["near"],
-            least=least_light(frame.scene.lights),
+            least=min_light(frame.scene.lights),
             stand_out=frame.targets["stand_out"],
         )
         self.draw_pixels(frame, frame.targets.into("resolved"), pixels)
@@ -72,6 +74,6 @@ class Resolve(Pass):
         self.draw_pixels(frame, frame.targets.into("near", "stand_out"), self.near)
 
 
-def least_light(lights: Lights) -> float:
+def min_light(lights: Lights) -> float:
     """Nothing, unless lights are negative."""
     return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0

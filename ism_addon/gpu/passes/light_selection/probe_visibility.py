@@ -5,11 +5,11 @@ from dataclasses import asdict
 
 import moderngl
 
-from ....sampling import PIXEL_STEPS, additive_sequence, fixed_point
+from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
-from ...frame import SCOUTED, SCOUTED_BLOCK, SCOUTS_APART, Frame, Pass, blocks_at
+from ...frame import PROBE_SPACING, PROBES, PROBES_PER_TILE_SIDE, Frame, Pass, tiles_where
 from ...gl.shader_compiler import bind
-from ..direct.ray_correction import RECORDS, Kind
+from ..direct.ray_correction import RECORDS, LightVariant
 
 
 class ProbeVisibility(Pass):
@@ -24,27 +24,27 @@ class ProbeVisibility(Pass):
 
     def draw(self, frame: Frame) -> None:
         gl, view = self.device.gl, frame.view
-        size = SCOUTED.size(view.width, view.height)
+        size = PROBES.size(view.width, view.height)
         casts = frame.scene.lights.casts_shadow
         lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
-        scouted = {light: SCOUTED.create(gl, size) for light in lights}
+        scouted = {light: PROBES.create(gl, size) for light in lights}
         gl.enable_only(moderngl.NOTHING)
-        places = additive_sequence(0, len(casts), 2)
+        places = rd_sequence(0, len(casts), 2)
         for light in lights:
             into = gl.framebuffer([scouted[light]])
             into.clear()
-            kind = Kind.of(frame.scene.lights, light)
-            program = self.in_blocks(*RECORDS, scouts_apart=SCOUTS_APART, **asdict(kind))
+            kind = LightVariant.of(frame.scene.lights, light)
+            program = self.in_blocks(*RECORDS, scouts_apart=PROBE_SPACING, **asdict(kind))
             bind(
                 program,
                 **frame.receivers,
                 lights=frame.tables["lights"],
                 light_index=light,
                 offset=(0, 0),
-                pixel_steps=fixed_point(PIXEL_STEPS),
+                pixel_steps=fixed_point(PIXEL_INCREMENTS),
                 place=fixed_point(places[light]),
                 **frame.tables["casters"],
             )
-            blocks = blocks_at(frame.tables["reach"][light].scouted)
-            self.draw_blocks(frame, into, program, blocks, block=SCOUTED_BLOCK)
+            blocks = tiles_where(frame.tables["reach"][light].scouted)
+            self.draw_blocks(frame, into, program, blocks, block=PROBES_PER_TILE_SIDE)
         frame.tables["scouted"] = scouted

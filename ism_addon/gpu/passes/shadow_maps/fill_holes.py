@@ -12,26 +12,28 @@ from functools import cached_property
 
 import moderngl
 
-from ...atlas import EMPTY, GRANULE
+from ...atlas import MAP_SIZE_MULTIPLE, NO_OCCLUDER
 from ...frame import Frame, Pass
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind, compile_program
 
-LEVELS = GRANULE.bit_length() - 1
-LEVEL = Target(2, "f4", neutral=(EMPTY, 0.0), divisor=0)  # depth in m, coverage
+LEVELS = MAP_SIZE_MULTIPLE.bit_length() - 1
+PULL_PUSH_LEVEL = Target(2, "f4", neutral=(NO_OCCLUDER, 0.0), divisor=0)  # depth in m, coverage
 
 
 class FillHoles(Pass):
     """The atlas of one batch without the holes."""
 
     reads = ("splats",)
-    writes = {"shadow_maps": LEVEL}
+    writes = {"shadow_maps": PULL_PUSH_LEVEL}
     settings = ("shadow.fill_threshold",)
 
     @cached_property
     def steps(self) -> dict[str, moderngl.VertexArray]:
         programs = {
-            name: compile_program(self.device, "glsl/full_screen.vert", f"passes/shadow_maps/{name}.frag", empty=EMPTY)
+            name: compile_program(
+                self.device, "glsl/full_screen.vert", f"passes/shadow_maps/{name}.frag", empty=NO_OCCLUDER
+            )
             for name in ("pull", "push")
         }
         return {name: self.device.gl.vertex_array(program, []) for name, program in programs.items()}
@@ -43,9 +45,9 @@ class FillHoles(Pass):
         frame.device.gl.enable_only(moderngl.NOTHING)
         width, height = frame.batch.size
         for level in range(1, LEVELS + 1):
-            frame.targets.allocate(f"pull {level}", LEVEL, (width >> level, height >> level))
-            frame.targets.allocate(f"push {level}", LEVEL, (width >> level, height >> level))
-        frame.targets.allocate("shadow_maps", LEVEL, (width, height))
+            frame.targets.allocate(f"pull {level}", PULL_PUSH_LEVEL, (width >> level, height >> level))
+            frame.targets.allocate(f"push {level}", PULL_PUSH_LEVEL, (width >> level, height >> level))
+        frame.targets.allocate("shadow_maps", PULL_PUSH_LEVEL, (width, height))
         for level in range(1, LEVELS + 1):
             self.step("pull", frame, f"pull {level}", level - 1)
         for level in reversed(range(LEVELS)):

@@ -12,11 +12,11 @@ from functools import cached_property
 import moderngl
 
 from ....scene import Change
-from ...atlas import EMPTY
+from ...atlas import NO_OCCLUDER
 from ...frame import Frame, Pass
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT
+from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 
 #: Light points that are looked from, or lights, or pixels, in the time of a ray; as measured.
 POINTS = 30
@@ -32,7 +32,7 @@ class GatherLight(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
-        return self.full_screen(LIGHT, LIGHT_POINT, MEMBERSHIP, POINTS_OF_LIGHT, empty=EMPTY)
+        return self.full_screen(LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE, empty=NO_OCCLUDER)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and not frame.fitted

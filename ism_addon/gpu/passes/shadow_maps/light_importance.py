@@ -10,22 +10,22 @@ turns by a hundredth of a picture nine in ten change the points of one of twenty
 
 import numpy as np
 
-from ....sampling import additive_sequence
+from ....sampling import rd_sequence
 from ....scene import Change
-from ...culling.surface_bounds import Bounds, Lamps, light_on
+from ...culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
 from ...frame import Frame, Pass
-from .point_cloud import Cloud
+from .point_cloud import PointCloud
 
 #: Points of the cloud that the lights are seen from.
-RECEIVERS = 4096
+IMPORTANCE_POINTS = 4096
 
 
-def deviations(cloud: Cloud, lamps: Lamps) -> np.ndarray:
+def importance(cloud: PointCloud, lamps: LightBounds) -> np.ndarray:
     """(K,) of K lamps: what the light of each would be off by if one point stood for it, in some unit."""
-    some = (additive_sequence(0, RECEIVERS if len(cloud) else 0, 1)[:, 0] * len(cloud)).astype(int)
+    some = (rd_sequence(0, IMPORTANCE_POINTS if len(cloud) else 0, 1)[:, 0] * len(cloud)).astype(int)
     places, normals = cloud.positions[some].T, cloud.normals[some].T
-    either_side = Bounds.around(np.tile(places, 2), np.concatenate([normals, -normals], 1))
-    _, guess = light_on(either_side, lamps)
+    either_side = SurfaceBounds.around(np.tile(places, 2), np.concatenate([normals, -normals], 1))
+    _, guess = irradiance_bound(either_side, lamps)
     light = guess.sum(0)
     if not light.any():
         return np.ones(len(guess))
@@ -46,6 +46,6 @@ class WeighLights(Pass):
         return frame.splats
 
     def draw(self, frame: Frame) -> None:
-        frame.tables["deviations"] = deviations(
-            frame.tables["cloud"], Lamps.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
+        frame.tables["deviations"] = importance(
+            frame.tables["cloud"], LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
         )

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....sampling import points_on_triangles, shares, triangle_areas
+from ....sampling import points_on_triangles, proportional_counts, triangle_areas
 from ....scene import Mesh, Scene
 
 #: Points that are placed at a time.
-PORTION = 1 << 17
+POINTS_AT_A_TIME = 1 << 17
 
 
 @dataclass(frozen=True)
-class Cloud:
+class PointCloud:
     """P points; each stands for `area` m². Anchor space."""
 
     positions: np.ndarray  # (P,3) float32
@@ -34,7 +34,9 @@ def similarity(linear: np.ndarray) -> np.ndarray:
     return np.where(stretched, 0.0, np.sqrt(square))
 
 
-def make_cloud(scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], None] = lambda: None) -> Cloud:
+def make_point_cloud(
+    scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], None] = lambda: None
+) -> PointCloud:
     """Points on all instances that cast shadows, in proportion to their world area. Between portions it calls `look`.
 
     An instance's points are the first of its mesh's endless sequence: they stay where they are on it
@@ -51,15 +53,15 @@ def make_cloud(scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], 
         areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
     total = areas.sum()
     if total <= 0.0:
-        return Cloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
-    due = shares(areas, count)
+        return PointCloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
+    due = proportional_counts(areas, count)
     positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(due)
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
             fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group], look)
     positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
-    return Cloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
+    return PointCloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
 
 
 def fill(
@@ -84,9 +86,9 @@ def fill(
     facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
     all_of = np.repeat(np.arange(len(due)), due)
     all_index = np.arange(len(all_of)) - np.repeat(np.cumsum(due) - due, due)
-    for first in range(0, len(all_of), PORTION):
+    for first in range(0, len(all_of), POINTS_AT_A_TIME):
         look()
-        of, index = (numbers[first : first + PORTION] for numbers in (all_of, all_index))
+        of, index = (numbers[first : first + POINTS_AT_A_TIME] for numbers in (all_of, all_index))
         to = (ends - due)[of] + index
         positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
         turned = np.einsum("nij,nj->ni", linear[of], facets[index])

@@ -7,11 +7,11 @@ proportion to its area, a point uniformly on it. Which of the points a shadow ma
 
 from ....scene import Change
 from ...frame import Frame, Pass
-from .point_cloud import make_cloud
+from .point_cloud import make_point_cloud
 
 #: Points in the cloud for each that a map sees, and the most points in the cloud, whatever a map sees.
-CHOICE = 16
-MOST_POINTS = 1 << 20
+POINTS_PER_MAP_POINT = 16
+MAX_POINTS = 1 << 20
 
 
 class SamplePoints(Pass):
@@ -29,5 +29,5 @@ class SamplePoints(Pass):
 
     def draw(self, frame: Frame) -> None:
         seen = frame.settings.quality.surface_points
-        count = max(seen, min(CHOICE * seen, MOST_POINTS))
-        frame.tables["cloud"] = make_cloud(frame.scene, frame.anchor, count, frame.pace.look)
+        count = max(seen, min(POINTS_PER_MAP_POINT * seen, MAX_POINTS))
+        frame.tables["cloud"] = make_point_cloud(frame.scene, frame.anchor, count, frame.pace.look)

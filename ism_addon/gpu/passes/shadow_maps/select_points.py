@@ -15,21 +15,21 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ....parallel import side_by_side
-from ....sampling import additive_sequence
+from ....parallel import parallel_map
+from ....sampling import rd_sequence
 from ....scene import Change, Lights
-from ...culling.surface_bounds import Lamps
+from ...culling.surface_bounds import LightBounds
 from ...frame import Frame, Pass
-from .point_cloud import Cloud
+from .point_cloud import PointCloud
 
 #: Subsets a light; its light points share them out.
-TURNS = 4
+SUBSETS_PER_LIGHT = 4
 
-POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])
+MAP_POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])
 
 
 @dataclass(frozen=True)
-class Subset:
+class PointRange:
     """Vertices first … first + count - 1 of the buffer of points."""
 
     first: int
@@ -37,13 +37,13 @@ class Subset:
     maps: float  # that all discs would fill if none hid another, at most
 
 
-def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
+def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
     """(P,) float32, in proportion to the sr that points fill, seen from about a light.
 
     0 behind it, outside of where its spread sends light, and if not linked: nothing there hides any of its light.
     A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
     """
-    lamp = Lamps.of(lights, anchor)[light : light + 1]
+    lamp = LightBounds.of(lights, anchor)[light : light + 1]
     to = cloud.positions - lamp.position.ravel()
     square = np.einsum("nk,nk->n", to, to) + (lamp.area.ravel() / np.float32(12.0) + np.float32(1e-12))
     facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
@@ -56,7 +56,7 @@ def solid_angles(cloud: Cloud, lights: Lights, light: int, anchor: np.ndarray) -
     return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
 
-def chances(weights: np.ndarray, count: int) -> np.ndarray:
+def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
     """(P,) probabilities in proportion to weights (P,), no more than 1, that sum to `count` if they can."""
     scale = count / max(float(weights.sum()), 1e-30)
     for _ in range(8):  # what is cut off at 1 is given to the others
@@ -68,17 +68,17 @@ def chances(weights: np.ndarray, count: int) -> np.ndarray:
     return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
 
 
-def choose(
-    cloud: Cloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
+def select(
+    cloud: PointCloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
 ) -> list[np.ndarray]:
-    """TURNS subsets of about `count` points, as arrays of POINT. Before each it calls `look`."""
-    chance = chances(weights, count)
-    luck = additive_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
+    """TURNS subsets of about `count` points, as arrays of MAP_POINT. Before each it calls `look`."""
+    chance = selection_probabilities(weights, count)
+    luck = rd_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
     found = []
-    for turn in range(TURNS):
+    for turn in range(SUBSETS_PER_LIGHT):
         look()
-        taken = np.flatnonzero(np.modf(luck + np.float32(turn / TURNS))[0] < chance)
-        points = np.zeros(len(taken), POINT)
+        taken = np.flatnonzero(np.modf(luck + np.float32(turn / SUBSETS_PER_LIGHT))[0] < chance)
+        points = np.zeros(len(taken), MAP_POINT)
         points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
         points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / chance[taken])
         found.append(points)
@@ -86,7 +86,7 @@ def choose(
 
 
 def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
-    """How many maps the discs of points (P,) of POINT would fill if none hid another, seen from a light's middle (3,).
+    """How many maps the discs of MAP_POINTs (P,) would fill if none hid another, seen from a light's middle (3,).
 
     That is what splat.vert draws: squares, where maps stretch them most, and all of the map for a disc close by.
     """
@@ -115,17 +115,17 @@ class SelectPoints(Pass):
 
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in frame.tables["reaching"]:
-                return [(np.zeros(0, POINT), 0.0)] * TURNS
-            subsets = choose(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
+                return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
+            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
-        chosen = side_by_side(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
+        chosen = parallel_map(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
         look()
         points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
-        ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, TURNS)
+        ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, SUBSETS_PER_LIGHT)
         table = [
             [
-                Subset(int(end) - len(points), len(points), maps)
+                PointRange(int(end) - len(points), len(points), maps)
                 for end, (points, maps) in zip(row, subsets, strict=True)
             ]
             for row, subsets in zip(ends, chosen, strict=True)

@@ -16,14 +16,14 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ...atlas import EMPTY
+from ...atlas import NO_OCCLUDER
 from ...frame import Frame, Pass
 from ...gl.draw_limit import portions
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind, compile_program
 
 #: Rays in whose time processors are done with a disc: as many as are drawn at once take memory on them until then.
-A_DISC = 4.0
+RAYS_PER_DISC = 4.0
 
 #: Texels that are drawn in the time of a ray.
 TEXELS = 30
@@ -33,7 +33,7 @@ class SplatMaps(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
     reads = ("surface_points", "maps")
-    writes = {"splats": Target(1, "f4", neutral=(EMPTY,), divisor=0)}
+    writes = {"splats": Target(1, "f4", neutral=(NO_OCCLUDER,), divisor=0)}
     settings = (
         "shadow.method",
         "quality.map_size",
@@ -41,7 +41,7 @@ class SplatMaps(Pass):
 
     @cached_property
     def discs(self) -> moderngl.Program:
-        return compile_program(self.device, f"{self.name_of()}.vert", f"{self.name_of()}.frag", empty=EMPTY)
+        return compile_program(self.device, f"{self.name_of()}.vert", f"{self.name_of()}.frag", empty=NO_OCCLUDER)
 
     def needed(self, frame: Frame) -> bool:
         return frame.splats and frame.batch.count > 0
@@ -51,7 +51,7 @@ class SplatMaps(Pass):
         frame.targets.allocate("splats", self.writes["splats"], batch.size)
         atlas = frame.targets.into("splats")
         whole = atlas.viewport
-        atlas.clear(EMPTY)
+        atlas.clear(NO_OCCLUDER)
         subsets, points = frame.tables["surface_points"]
         if points is None:
             return
@@ -80,7 +80,7 @@ class SplatMaps(Pass):
         tangent, normal = point["tangent"], point["normal"]
         axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
         bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
-        rays = A_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
+        rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
         for part in portions(subset.count, rays):
             count = part.stop - part.start
             frame.pace.ask(rays * count)

@@ -8,43 +8,43 @@ light's radiance and area are exact (see gather), its points only say how much o
 import numpy as np
 
 from ....radiometry import plane_normals
-from ....sampling import Dimension, additive_sequence, points_on_light, sequence, shares
+from ....sampling import Dimension, points_on_light, proportional_counts, rd_sequence, sequence
 from ....scene import Change, Lights
 from ....spaces import orthonormal
 from ...frame import Frame, Pass
-from ...gl.shader_records import LIGHT_POINT, POINTS_OF_LIGHT
+from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 
 #: A light point as the maps' drawing needs it: the axes x and z of its map, in anchor space.
-MAP = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
+SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
 
 
-def points_per_light(wanting: list[int], weights: np.ndarray, count: int) -> dict[int, int]:
+def allocate_virtual_lights(wanting: list[int], weights: np.ndarray, count: int) -> dict[int, int]:
     """`count` light points for those that want any of L lights, by weights (L,); one at least for each."""
     known = weights[wanting] if weights[wanting].any() else np.ones(len(wanting))
-    more = shares(known, max(count - len(wanting), 0))
+    more = proportional_counts(known, max(count - len(wanting), 0))
     return {light: 1 + int(number) for light, number in zip(wanting, more, strict=True)}
 
 
-def point_tables(
+def virtual_light_tables(
     lights: Lights, points_per_light: dict[int, int], sample: int, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of POINTS_OF_LIGHT, of LIGHT_POINT and of MAP for one sample."""
+    """Rows of VIRTUAL_LIGHT_RANGE, of VIRTUAL_LIGHT and of SHADOW_MAP_VIEW for one sample."""
     counts = np.array(list(points_per_light.values()), int)
-    of_lights = np.zeros(len(counts), POINTS_OF_LIGHT.dtype)
+    of_lights = np.zeros(len(counts), VIRTUAL_LIGHT_RANGE.dtype)
     of_lights["light"], of_lights["count"] = list(points_per_light), counts
     of_lights["first"] = np.cumsum(counts) - counts
 
     normals = plane_normals(lights)
     tangents, bitangents = orthonormal(normals)
     owners = np.repeat(list(points_per_light), counts).astype(int)
-    shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + additive_sequence(0, len(normals), 2)
+    shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + rd_sequence(0, len(normals), 2)
     positions = [points_on_light(lights, light, count, shifts[light]) for light, count in points_per_light.items()]
     offsets = np.concatenate([np.zeros((0, 3)), *positions]) - lights.position[owners]
-    angle = 2.0 * np.pi * additive_sequence(sample * len(owners), len(owners), 1)
-    points = np.zeros(len(owners), LIGHT_POINT.dtype)
+    angle = 2.0 * np.pi * rd_sequence(sample * len(owners), len(owners), 1)
+    points = np.zeros(len(owners), VIRTUAL_LIGHT.dtype)
     points["place"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents])[:, owners])
     points["turn"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
-    maps = np.zeros(len(owners), MAP)
+    maps = np.zeros(len(owners), SHADOW_MAP_VIEW)
     maps["position"] = offsets + (lights.position - anchor)[owners]
     maps["tangent"] = np.cos(angle) * tangents[owners] + np.sin(angle) * bitangents[owners]
     maps["normal"], maps["light"] = normals[owners], owners
@@ -67,11 +67,11 @@ class PlaceVirtualLights(Pass):
         lights, counts = frame.scene.lights, dict.fromkeys(frame.tables["reaching"], 0)
         wanting = [light for light in counts if frame.splats and lights.casts_shadow[light]]
         if wanting:
-            counts |= points_per_light(wanting, frame.tables["deviations"], frame.settings.quality.light_points)
-        of_lights, points, maps = point_tables(lights, counts, frame.sample, frame.anchor)
+            counts |= allocate_virtual_lights(wanting, frame.tables["deviations"], frame.settings.quality.light_points)
+        of_lights, points, maps = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
         frame.tables["points_per_light"] = counts
-        frame.tables["points_of_lights"] = POINTS_OF_LIGHT.upload(self.device, of_lights)
-        frame.tables["light_points"] = LIGHT_POINT.upload(self.device, points)
+        frame.tables["points_of_lights"] = VIRTUAL_LIGHT_RANGE.upload(self.device, of_lights)
+        frame.tables["light_points"] = VIRTUAL_LIGHT.upload(self.device, points)
         frame.tables["maps"] = maps
         frame.counts["light_points"] = len(points)
         frame.counts["bytes_uploaded"] += of_lights.nbytes + points.nbytes

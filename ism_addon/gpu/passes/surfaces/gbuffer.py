@@ -11,9 +11,9 @@ import moderngl
 import numpy as np
 
 from ....scene import Change
-from ....setting_limits import WIDTH
-from ...buffers.instance_buffers import Ranges, portions
-from ...frame import FAR_AWAY, Frame, Pass
+from ....setting_limits import TEXTURE_WIDTH
+from ...buffers.instance_buffers import MultiDrawCall, portions
+from ...frame import BACKGROUND_DEPTH, Frame, Pass
 from ...gl.context import Device
 from ...gl.depth import logarithm, nearness
 from ...gl.frame_uniforms import clip_from_anchor
@@ -22,11 +22,11 @@ from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import INSTANCE, MATERIAL
 
 #: OpenGL cuts triangles off so far beyond the picture, in its sizes: where it cuts a vast one may be off by pixels.
-BEYOND = 0.125
+GUARD_BAND = 0.125
 
 #: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
 #: memory for all of them.
-PORTION = 1 << 16
+TRIANGLES_AT_A_TIME = 1 << 16
 
 
 class GBuffer(Pass):
@@ -36,7 +36,7 @@ class GBuffer(Pass):
         "triangles": Target(2, "u4", divisor=0),  # on a finer grid than the pixels'; several samples share it
         "z": Target(1, DEPTH, divisor=0),
         "triangle": Target(2, "u4"),
-        "depth": Target(1, "f4", neutral=(FAR_AWAY,)),
+        "depth": Target(1, "f4", neutral=(BACKGROUND_DEPTH,)),
         "position": Target(4, "f4"),
         "normal": Target(4, "f4"),  # octahedral: shading normal in xy, the triangle's own in zw
         "albedo": Target(4, "f4"),  # in alpha: the rise
@@ -70,7 +70,7 @@ class GBuffer(Pass):
         first, size = frame.grid.bounds(frame.view.width, frame.view.height)
         # Without images no shader is ready for them: many processors would walk through that too.
         images = len(frame.scene.images) > 0
-        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=FAR_AWAY, images=int(images), width=WIDTH)
+        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=BACKGROUND_DEPTH, images=int(images), width=TEXTURE_WIDTH)
         bind(
             surface,
             triangles_seen=frame.targets["triangles"],
@@ -95,7 +95,7 @@ class GBuffer(Pass):
         target = frame.targets.into("triangles", "z")
         target.clear(depth=0.0, viewport=(0, 0, *size))
         most = self.device.texture_size  # viewports may be as large
-        beyond = [min(math.ceil(BEYOND * side), (most - side) // 2) for side in size]
+        beyond = [min(math.ceil(GUARD_BAND * side), (most - side) // 2) for side in size]
         target.viewport = *np.negative(beyond), *np.add(size, np.multiply(2, beyond))
         target.use()
         gl.enable_only(moderngl.DEPTH_TEST)
@@ -118,8 +118,8 @@ class GBuffer(Pass):
         else:
             draws = placement.chosen(np.ones(len(placement.mesh), np.bool_))
         waiting = 0
-        for draw in portions(draws, PORTION):
-            together = isinstance(draw, Ranges)
+        for draw in portions(draws, TRIANGLES_AT_A_TIME):
+            together = isinstance(draw, MultiDrawCall)
             bind(self.triangles, together=together)
             if together:
                 count = int(draw.triangles.sum())
@@ -130,6 +130,6 @@ class GBuffer(Pass):
                 self.device.draw(triangles, draw.first_triangle, draw.triangles, draw.instances)
             frame.counts["triangles_drawn"] += count
             waiting += count
-            if waiting >= PORTION:
+            if waiting >= TRIANGLES_AT_A_TIME:
                 frame.pace.hand_over()
                 waiting = 0

@@ -11,46 +11,47 @@ from functools import cached_property
 import moderngl
 import numpy as np
 
-from ....sampling import TURN_STEPS, Dimension, members, sequence
+from ....sampling import TURN_INCREMENTS, Dimension, members, sequence
 from ....scene import Change
-from ...convergence import Error
-from ...frame import BLOCK, Frame, Pass, blocks_at, by_block
+from ...convergence import Convergence
+from ...frame import TILE_SIZE, Frame, Pass, from_tile_layout, tiles_where
 from ...gl.render_targets import Target
 
 #: Samples that every block takes part in.
-SAMPLES_FOR_ALL = 2
+UNIFORM_SAMPLES = 2
 
 #: The least chance of a block after them, and the part of the blocks that still take part for sure.
-LEAST_CHANCE = 0.06
-FOR_SURE = 0.1
+MIN_TILE_PROBABILITY = 0.06
+ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: The variance of a mean of n samples falls like this power of 1 / n: they are spread evenly, and edges are the more of
 #: it (Mitchell 1996).
-FALL = 1.5
+VARIANCE_EXPONENT = 1.5
 
-#: So the least sum of noise² / n^FALL for a sum of n is where n is in proportion to this power of the noise.
-POWER = 2.0 / (1.0 + FALL)
+#: The sum of noise² / n^VARIANCE_EXPONENT is least, for a given sum of n, where n is in proportion to this power of the
+#: noise.
+ALLOCATION_EXPONENT = 2.0 / (1.0 + VARIANCE_EXPONENT)
 
 #: The least chance of a block beside another, as a part of the other's: its samples count for that one's pixels too, by
 #: as much more as it takes part less often, and a few that count for many make borders that show.
-BESIDE = 0.25
+MIN_NEIGHBOUR_RATIO = 0.25
 
 #: What sums of float32 leave of no noise at all, as a part of the mean luminance.
-ROUNDING = 5e-4
-TINY = float(np.finfo(np.float32).tiny)
+SUM_ROUNDING = 5e-4
+FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 
 class SelectTiles(Pass):
     """The blocks that take part in this sample, and in how many each did so far."""
 
-    writes = {"noise": Target(2, "f4", divisor=BLOCK, strips=True)}
+    writes = {"noise": Target(2, "f4", divisor=TILE_SIZE, strips=True)}
     makes = ("blocks", "counts", "chances", "error")
     settings = ("shadow.method", "skip")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     @cached_property
     def means(self) -> moderngl.VertexArray:
-        return self.full_screen(block=BLOCK)
+        return self.full_screen(block=TILE_SIZE)
 
     def draw(self, frame: Frame) -> None:
         if frame.sample == 0:
@@ -58,12 +59,12 @@ class SelectTiles(Pass):
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
             unsettled = ~frame.tables["error"].settled
-            if frame.fitted and frame.settings.skip and frame.sample >= SAMPLES_FOR_ALL and unsettled.any():
+            if frame.fitted and frame.settings.skip and frame.sample >= UNIFORM_SAMPLES and unsettled.any():
                 self.share_out(noise, frame.tables["brightness"], unsettled)
         error, turn = frame.tables["error"], sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
-        takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & most_around(~error.settled)
+        takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & neighbourhood_max(~error.settled)
         frame.tables["blocks"] = self.blocks(frame, takes_part)
-        frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * BLOCK**2
+        frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * TILE_SIZE**2
         self.turns += takes_part
         error.count(takes_part)
         of_blocks = 0, 0, *frame.blocks
@@ -75,22 +76,22 @@ class SelectTiles(Pass):
         gl, (columns, rows) = self.device.gl, frame.blocks
         self.turns = np.zeros((rows, columns), np.float32)
         self.chance = np.ones((rows, columns), np.float32)
-        self.phase = members(TURN_STEPS[:1], 0, columns * rows).reshape(rows, columns)
-        frame.tables["error"] = Error((rows, columns))
+        self.phase = members(TURN_INCREMENTS[:1], 0, columns * rows).reshape(rows, columns)
+        frame.tables["error"] = Convergence((rows, columns))
         for name, components in (("counts", 1), ("chances", 2)):
             frame.tables[name] = Target(components, "f4").create(gl, frame.blocks)
 
     def share_out(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
         """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
-        rounding = ROUNDING * brightness / LEAST_CHANCE ** (1.0 / POWER)
-        enough = max(float(np.quantile(noise[unsettled], 1.0 - FOR_SURE)), rounding, TINY)
-        chance = np.where(unsettled, noise / enough, 0.0) ** POWER
-        chance = np.maximum(chance, BESIDE * most_around(chance))
-        self.chance = np.clip(chance, LEAST_CHANCE, 1.0).astype(np.float32)
+        rounding = SUM_ROUNDING * brightness / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
+        enough = max(float(np.quantile(noise[unsettled], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
+        chance = np.where(unsettled, noise / enough, 0.0) ** ALLOCATION_EXPONENT
+        chance = np.maximum(chance, MIN_NEIGHBOUR_RATIO * neighbourhood_max(chance))
+        self.chance = np.clip(chance, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
-        blocks = blocks_at(takes_part)
+        blocks = tiles_where(takes_part)
         blocks["number"] = self.turns[takes_part]
         turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
         blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]
@@ -101,11 +102,11 @@ class SelectTiles(Pass):
         sums = {name: frame.targets[name] for name in ("sum", "sum_correction", "weights")}
         self.draw_by_block(frame, frame.targets.into("noise"), self.means, **sums)
         self.device.wait()
-        square, bright = np.moveaxis(by_block(frame.targets.read("noise"), frame.blocks), -1, 0)
+        square, bright = np.moveaxis(from_tile_layout(frame.targets.read("noise"), frame.blocks), -1, 0)
         return np.sqrt(square), float(bright.mean())
 
 
-def most_around(values: np.ndarray) -> np.ndarray:
+def neighbourhood_max(values: np.ndarray) -> np.ndarray:
     """(H,W): the largest of each one and its eight neighbours."""
     padded = np.pad(values, 1, mode="edge")
     return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).max((2, 3))

@@ -10,11 +10,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ....parallel import side_by_side
+from ....parallel import parallel_map
 from ....scene import Change, Mesh
-from ...accel.blas import MeshTree, Runs
-from ...accel.bvh import NOTHING, build, in_planes, packed, scale_of
-from ...accel.small_blas import mesh_trees
+from ...accel.blas import BLAS, DeferredBLAS
+from ...accel.bvh import NOTHING, build, packed, quantize_boxes, scale_of
+from ...accel.small_blas import build_all_blas
 from ...buffers.instance_buffers import anchor_from_steps
 from ...buffers.small_meshes import in_groups, joined
 from ...frame import Frame, Pass
@@ -22,26 +22,26 @@ from ...gl.context import Device
 from ...gl.shader_records import CASTER
 
 #: An axis that an instance squeezes to less than this part of its longest is kept as long: flat things have two sides.
-FLATTEST = 1e-6
+MIN_AXIS_RATIO = 1e-6
 
 #: What fills less than this of its longest axis cubed is looked at for such axes.
-FLAT = 1e-4
+FLAT_VOLUME = 1e-4
 
 #: Instances that are bounded at a time: their boxes stay in a processor's cache.
-PORTION = 1 << 9
+INSTANCES_AT_A_TIME = 1 << 9
 
 
-class MeshTable:
+class BLASTable:
     """The trees of the wanted meshes, and what of them is asked for by instance, as arrays: when they are uploaded."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], made: dict[int, MeshTree | Runs]):
+    def __init__(self, meshes: tuple[Mesh, ...], made: dict[int, BLAS | DeferredBLAS]):
         self.meshes, self.made = meshes, made
         #: (M,): where in the arrays below a mesh of the scene is; -1 for those that are not.
         self.rows = np.full(len(meshes), -1)
         self.rows[list(made)] = np.arange(len(made))
 
     @cached_property
-    def trees(self) -> tuple[MeshTree, ...]:
+    def trees(self) -> tuple[BLAS, ...]:
         """One a wanted mesh."""
         return tuple(each.tree for each in self.made.values())
 
@@ -80,7 +80,7 @@ class BuildBLAS(Pass):
     depends_on = (Change.MESHES,)
 
     #: The trees of all meshes that still are, for all renderers.
-    kept: ClassVar[WeakKeyDictionary[Mesh, MeshTree]] = WeakKeyDictionary()
+    kept: ClassVar[WeakKeyDictionary[Mesh, BLAS]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
         """Once triangles lie in the order of their trees, they are left so."""
@@ -91,14 +91,14 @@ class BuildBLAS(Pass):
         meshes = frame.scene.meshes
         wanted = {number: meshes[number] for number in frame.tables["wanted"]}
         new = [mesh for mesh in wanted.values() if mesh not in self.kept]
-        self.kept.update(zip(new, mesh_trees(new), strict=True))
-        frame.tables["mesh_trees"] = MeshTable(meshes, {number: self.kept[mesh] for number, mesh in wanted.items()})
+        self.kept.update(zip(new, build_all_blas(new), strict=True))
+        frame.tables["mesh_trees"] = BLASTable(meshes, {number: self.kept[mesh] for number, mesh in wanted.items()})
 
 
-class MeshArrays:
+class BLASBuffers:
     """Trees of meshes one behind the other."""
 
-    def __init__(self, device: Device, trees: tuple[MeshTree, ...]):
+    def __init__(self, device: Device, trees: tuple[BLAS, ...]):
         self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
         self.first_starts = np.cumsum([0] + [tree.leaves for tree in trees])
         self.nodes = device.room(2 * int(self.first_nodes[-1]), 4, "u4")
@@ -124,8 +124,8 @@ class BuildTLAS(Pass):
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.meshes: MeshTable | None = None
-        self.arrays: MeshArrays | None = None
+        self.meshes: BLASTable | None = None
+        self.arrays: BLASBuffers | None = None
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -139,11 +139,11 @@ class BuildTLAS(Pass):
         low, high = (np.empty((len(chosen), 3), np.float32) for _ in range(2))
         for which, middles, halves in meshes.boxes:
             own = np.flatnonzero(which[row] >= 0)
-            low[own], high[own] = boxes_around(linear[own], offsets[own], which[row[own]], middles, halves)
+            low[own], high[own] = instance_bounds(linear[own], offsets[own], which[row[own]], middles, halves)
         middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), NOTHING)
         tree = build(boxes, 1)
         if self.arrays is None or self.meshes is not meshes:
-            self.meshes, self.arrays = meshes, MeshArrays(self.device, meshes.trees)
+            self.meshes, self.arrays = meshes, BLASBuffers(self.device, meshes.trees)
             frame.counts["bytes_uploaded"] += self.arrays.bytes
         nodes = rows_of(packed(tree.nodes))
         table = np.zeros(len(chosen), CASTER.dtype)
@@ -174,10 +174,10 @@ def on_grid(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     """The middle (3,) and the scale (3,) of the grid that just holds boxes (N,3), and them on it (2,3,N) in planes."""
     middle = (low.min(0) + high.max(0)) / 2.0
     scale = scale_of(np.maximum(high - middle, middle - low).max(0))
-    return middle, scale, in_planes(np.stack([((corner - middle) * scale).T for corner in (low, high)]))
+    return middle, scale, quantize_boxes(np.stack([((corner - middle) * scale).T for corner in (low, high)]))
 
 
-def boxes_around(
+def instance_bounds(
     linear: np.ndarray, offsets: np.ndarray, mesh: np.ndarray, middles: np.ndarray, halves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Low and high corners (I,3) float32 of instances, whose mesh (I,) has boxes of middles and halves (3,M,B).
@@ -187,7 +187,7 @@ def boxes_around(
     low, high = (np.empty((len(mesh), 3)) for _ in range(2))
 
     def fill(first: int) -> None:
-        part = slice(first, first + PORTION)
+        part = slice(first, first + INSTANCES_AT_A_TIME)
         own_middles, own_halves = (of_meshes[:, mesh[part]] for of_meshes in (middles, halves))
         for axis in range(3):
             row = linear[part, axis, :, None]
@@ -195,7 +195,7 @@ def boxes_around(
             half = sum(np.abs(row[:, k]) * own_halves[k] for k in range(3))
             low[part, axis], high[part, axis] = (middle - half).min(1), (middle + half).max(1)
 
-    side_by_side(fill, range(0, len(mesh), PORTION), middles.shape[2] * len(mesh))
+    parallel_map(fill, range(0, len(mesh), INSTANCES_AT_A_TIME), middles.shape[2] * len(mesh))
     slack = 1e-6 * (np.abs(low) + np.abs(high))
     return (low - slack).astype(np.float32), (high + slack).astype(np.float32)
 
@@ -205,7 +205,7 @@ def inverse_of(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     a, b, c = np.ascontiguousarray(linear.transpose(1, 2, 0))
     columns = np.stack([np.cross(*pair, axis=0) for pair in ((b, c), (c, a), (a, b))])
     volume = (a * columns[0]).sum(0)
-    flat = np.abs(volume) <= FLAT * (linear * linear).sum((1, 2)) ** 1.5
+    flat = np.abs(volume) <= FLAT_VOLUME * (linear * linear).sum((1, 2)) ** 1.5
     inverse = (columns / np.where(flat, 1.0, volume)).transpose(2, 1, 0)
     inverse[flat] = inverse_of_flat(linear[flat])
     return np.concatenate([inverse, -np.einsum("nij,nj->ni", inverse, offsets)[:, :, None]], 2)
@@ -214,5 +214,5 @@ def inverse_of(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
 def inverse_of_flat(linear: np.ndarray) -> np.ndarray:
     """(I,3,3): the inverses of (I,3,3), whose shortest axes count as longer."""
     u, scales, v = np.linalg.svd(linear)
-    scales = np.maximum(scales, np.maximum(FLATTEST * scales[:, :1], np.finfo(np.float32).tiny))
+    scales = np.maximum(scales, np.maximum(MIN_AXIS_RATIO * scales[:, :1], np.finfo(np.float32).tiny))
     return np.einsum("nji,nj,nkj->nik", v, 1.0 / scales, u)

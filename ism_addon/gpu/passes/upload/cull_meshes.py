@@ -9,17 +9,17 @@ import numpy as np
 from ....radiometry import plane_normals
 from ....scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ...culling.frustum_culling import in_view
-from ...culling.frustum_slices import BORDER, parts_in_picture
-from ...culling.shaft_culling import between
+from ...culling.frustum_slices import BORDER, visible_slices
+from ...culling.shaft_culling import meets_shaft
 from ...frame import Frame, Pass
 from ...gl.context import Device
 from ...gl.frame_uniforms import clip_from_anchor
 
 #: What positions on the GPU may be off by, as a part of their coordinates.
-ROUNDING = 1e-6
+POSITION_ROUNDING = 1e-6
 
 #: Pairs of a box and a shaft that are looked at at a time: as many as processors keep close at hand.
-PAIRS = 1 << 14
+PAIRS_AT_A_TIME = 1 << 14
 
 
 class CullMeshes(Pass):
@@ -48,23 +48,23 @@ class CullMeshes(Pass):
     def chosen(frame: Frame, others: np.ndarray) -> np.ndarray:
         """(I,) bool: the instances that the picture needs, of those whose mesh is not there yet, (I,) bool."""
         scene = frame.scene
-        boxes = boxes_around(scene, frame.anchor)
+        boxes = instance_boxes(scene, frame.anchor)
         seen = scene.instances.visible & boxes_in_view(frame, boxes)
         chosen, blockers = others & seen, np.flatnonzero(others & scene.instances.casts_shadow & ~seen)
         if frame.traces and len(blockers) and seen.any():
-            parts = parts_in_picture(boxes[..., seen], frame.view, frame.anchor)
-            chosen[blockers] = in_the_way(scene, frame.anchor, boxes, parts, blockers)
+            parts = visible_slices(boxes[..., seen], frame.view, frame.anchor)
+            chosen[blockers] = occluders(scene, frame.anchor, boxes, parts, blockers)
         return chosen
 
 
-def boxes_around(scene: Scene, anchor: np.ndarray) -> np.ndarray:
+def instance_boxes(scene: Scene, anchor: np.ndarray) -> np.ndarray:
     """(2,3,I) float64, anchor space: lowest and highest corners of all instances."""
     instances, corners = scene.instances, bounding_boxes(scene.meshes)
     low, high = corners[instances.mesh].swapaxes(0, 1)
     linear, offsets = instances.world_from_object[:, :3, :3], instances.world_from_object[:, :3, 3]
     middle = np.einsum("nij,nj->in", linear, (low + high) / 2.0) + (offsets - anchor).T
     half = np.einsum("nij,nj->in", np.abs(linear), (high - low) / 2.0)
-    half += ROUNDING * (np.abs(middle) + half)
+    half += POSITION_ROUNDING * (np.abs(middle) + half)
     return np.stack([middle - half, middle + half])
 
 
@@ -76,42 +76,42 @@ def boxes_in_view(frame: Frame, boxes: np.ndarray) -> np.ndarray:
     return in_view(half.T, clip, 2.0 * BORDER / min(view.width, view.height))
 
 
-def in_the_way(scene: Scene, anchor: np.ndarray, boxes: np.ndarray, parts: np.ndarray, which: np.ndarray) -> np.ndarray:
+def occluders(scene: Scene, anchor: np.ndarray, boxes: np.ndarray, parts: np.ndarray, which: np.ndarray) -> np.ndarray:
     """(B,) bool: the instances, of those numbered (B,), in the way of a light to parts (2,3,K) of what is seen.
 
     Where to find out would take as long as to upload the mesh, it is taken to be.
     """
-    ones, others, of_light = shafts(scene.lights, anchor, parts)
+    ones, others, of_light = shadow_shafts(scene.lights, anchor, parts)
     mesh = scene.instances.mesh[which]
     triangles = np.array([len(mesh.triangles) for mesh in scene.meshes])
     found = np.bincount(mesh, minlength=len(triangles))[mesh] * len(of_light) > triangles[mesh]
     unsure = np.flatnonzero(~found)
-    step = max(PAIRS // max(len(of_light), 1), 1)
+    step = max(PAIRS_AT_A_TIME // max(len(of_light), 1), 1)
     for first in range(0, len(unsure), step):
         part = unsure[first : first + step]
         own = boxes[..., which[part]]
-        may = may_block(scene.lights, anchor, own, scene.instances.groups[which[part]])
-        found[part] = (may[:, of_light] & between(own, ones, others)).any(1)
+        may = may_occlude(scene.lights, anchor, own, scene.instances.groups[which[part]])
+        found[part] = (may[:, of_light] & meets_shaft(own, ones, others)).any(1)
     return found
 
 
-def shafts(lights: Lights, anchor: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def shadow_shafts(lights: Lights, anchor: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """From lights (2,3,S) to the parts (2,3,S) of the picture that they may shine on, and the lights' numbers (S,)."""
     centre, reach = (lights.position - anchor).T, (np.abs(lights.axis_u) + np.abs(lights.axis_v)).T / 2.0
     around = np.stack([centre - reach, centre + reach])
     shining = lights.casts_shadow & lights.radiance.any(1)
-    light, part = np.nonzero(shining[:, None] & (farthest_ahead(lights, anchor, parts) > 0.0).T)
+    light, part = np.nonzero(shining[:, None] & (max_height_above_light(lights, anchor, parts) > 0.0).T)
     return around[..., light], parts[..., part], light
 
 
-def may_block(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
+def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
     """(B,L) bool: whether instances of these groups (B,) cast a light's shadows, and some of the box is ahead of it."""
     group = np.maximum(lights.blockers, 0).astype(np.uint32)
     linked = (lights.blockers < 0) | (groups[:, None] >> group & 1 == 1)
-    return linked & (farthest_ahead(lights, anchor, boxes) > 0.0)
+    return linked & (max_height_above_light(lights, anchor, boxes) > 0.0)
 
 
-def farthest_ahead(lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+def max_height_above_light(lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     """(N,L) m: how far before a light's plane boxes (2,3,N) reach."""
     normals = plane_normals(lights)
     middle, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0

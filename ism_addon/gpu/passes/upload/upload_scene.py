@@ -2,14 +2,14 @@
 """The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
 
 from ....scene import Change
-from ...accel.blas import MeshTree, Runs
-from ...buffers.instance_buffers import Owners, Placement
-from ...buffers.material_buffers import Surfaces, Texels
-from ...buffers.mesh_buffers import Coordinates, Geometry
+from ...accel.blas import BLAS, DeferredBLAS
+from ...buffers.instance_buffers import InstanceBuffers, Owners
+from ...buffers.material_buffers import MaterialBuffers, TextureBuffer
+from ...buffers.mesh_buffers import MeshBuffers, UVBuffers
 from ...frame import Frame, Pass
 
 
-def trees_of(frame: Frame) -> dict[int, MeshTree | Runs] | None:
+def blas_of(frame: Frame) -> dict[int, BLAS | DeferredBLAS] | None:
     """Those of the wanted meshes, or None where rays have never asked for them."""
     table = frame.tables.get("mesh_trees")
     return table.made if table is not None and table.meshes == frame.scene.meshes else None
@@ -24,8 +24,8 @@ class UploadMeshes(Pass):
     depends_on = (Change.MESHES,)
 
     def draw(self, frame: Frame) -> None:
-        trees = trees_of(frame)
-        geometry = frame.shared(Geometry, frame.scene.meshes, trees is not None)
+        trees = blas_of(frame)
+        geometry = frame.shared(MeshBuffers, frame.scene.meshes, trees is not None)
         frame.counts["bytes_uploaded"] += geometry.add(frame.tables["wanted"], trees or {})
         frame.tables["geometry"] = geometry
 
@@ -40,7 +40,7 @@ class UploadUVs(Pass):
         return len(frame.scene.images) > 0
 
     def draw(self, frame: Frame) -> None:
-        coordinates = frame.shared(Coordinates, frame.tables["geometry"])
+        coordinates = frame.shared(UVBuffers, frame.tables["geometry"])
         frame.counts["bytes_uploaded"] += coordinates.follow()
         frame.tables["coordinates"] = coordinates
 
@@ -54,7 +54,7 @@ class UploadInstances(Pass):
 
     def draw(self, frame: Frame) -> None:
         geometry = frame.tables["geometry"]
-        placement = Placement(self.device, geometry, frame.scene.instances, frame.anchor)
+        placement = InstanceBuffers(self.device, geometry, frame.scene.instances, frame.anchor)
         placement.own(lambda pairs: frame.shared(Owners, geometry, pairs))
         frame.tables["placement"] = placement
         frame.counts["bytes_uploaded"] += placement.bytes
@@ -67,5 +67,5 @@ class UploadMaterials(Pass):
     depends_on = (Change.MATERIALS,)
 
     def draw(self, frame: Frame) -> None:
-        texels = frame.shared(Texels, frame.scene.images)
-        frame.tables["surfaces"] = frame.shared(Surfaces, frame.scene.materials, texels)
+        texels = frame.shared(TextureBuffer, frame.scene.images)
+        frame.tables["surfaces"] = frame.shared(MaterialBuffers, frame.scene.materials, texels)
