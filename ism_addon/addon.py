@@ -6,11 +6,11 @@ from types import ModuleType
 
 import bpy
 
-from .blender import engine, operators
+from .blender import engine, old_files, operators
 from .ui import compatible_panels, developer, panels, presets, properties, shading, statistics
 
 #: In this order; the engine last, when all that it reads is there.
-PARTS = (properties, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
+PARTS = (properties, old_files, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
 
 _registered: list[ModuleType] = []
 

@@ -8,63 +8,9 @@ are made from these fields. A section is a frozen dataclass, so two settings com
 import math
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields
-from enum import StrEnum
-from typing import Any, Self
+from typing import Any
 
-
-class Choice(StrEnum):
-    """A setting of a few names. Each has a label and a meaning for its user."""
-
-    label: str
-    meaning: str
-
-    def __new__(cls, value: str, label: str, meaning: str) -> Self:
-        member = str.__new__(cls, value)
-        member._value_ = value
-        member.label, member.meaning = label, meaning
-        return member
-
-
-class Method(Choice):
-    """How it is found out what part of a light reaches a surface."""
-
-    FITTED = "FITTED", "Fitted", "Shadow rays, as many as the picture needs where it needs them: exact in the end"
-    CLASSIC = "CLASSIC", "Classic", "Imperfect shadow maps, one for each light point, as in the report of 2013"
-
-
-class Resolution(Choice):
-    """The side of the viewport's picture, in percent of the viewport's."""
-
-    FULL = "100", "100 %", "Draw each pixel"
-    HALF = "50", "50 %", "Draw a quarter of the pixels, each twice as wide and high"
-    QUARTER = "25", "25 %", "Draw a sixteenth of the pixels, each four times as wide and high"
-
-
-class DebugView(Choice):
-    """The picture, or any target that a pass writes on the way to it."""
-
-    COLOR = "color", "Picture", "The picture itself"
-    TRIANGLE = "triangle", "Triangles", "The nearest triangle, each in a colour of its own"
-    DEPTH = "depth", "Depth", "Distance along the view's axis, in metres: white from one on"
-    POSITION = "position", "Position", "Place of the nearest surface, in metres, as red, green and blue"
-    NORMAL = "normal", "Normal", "Direction of the nearest surface, as red, green and blue"
-    ALBEDO = "albedo", "Base Color", "Colour of the nearest surface, without light"
-    AROUND = (
-        "around",
-        "Prediction Around",
-        "Part of one light that the rays around a pixel say it sees. Fitted only",
-    )
-    FORESEEN = "foreseen", "Predicted Surfaces", "Places that the shadows were predicted for. Fitted only"
-    PREDICTED = "predicted", "Predicted Light", "The lights' irradiance as it is predicted. Fitted only"
-    CORRECTION = "correction", "Correction", "How far shadow rays say that the prediction is wrong. Fitted only"
-    SPLATS = "splats", "Splats", "The shadow maps as the surface points leave them, with holes. Classic only"
-    SHADOW_MAPS = "shadow_maps", "Shadow Maps", "The shadow maps when their holes are filled. Classic only"
-    IRRADIANCE = "irradiance", "Irradiance", "The lights' irradiance through the shadow maps. Classic only"
-    OCCLUSION = "occlusion", "Raw Occlusion", "Ambient occlusion as it is found, with noise: white is open"
-    OCCLUSION_ACROSS = "occlusion_across", "Half-Smooth Occlusion", "Ambient occlusion, smoothed across but not along"
-    SMOOTH_OCCLUSION = "smooth_occlusion", "Ambient Occlusion", "Ambient occlusion as it darkens the picture"
-    COLOR_CORRECTION = "color_correction", "Color Correction", "What the correction does to the picture. Fitted only"
-    HEADROOM = "headroom", "Headroom", "How much brighter the light in doubt may yet make the picture. Fitted only"
+from .choices import Choice, DebugView, Method, Resolution
 
 
 @dataclass(frozen=True)
@@ -95,19 +41,19 @@ class Shadow:
         True, "Shadows", "Draw the lights' shadows. Off, every light reaches every surface that faces it"
     )
     method: Method = setting(  # noqa: RUF009 (what it returns is a field)
-        Method.FITTED,
+        Method.RAY_TRACED,
         "Method",
-        "How it is found out what part of a light reaches a surface",
+        "How shadows are computed",
     )
     splat_size: float = setting(
         1.15,
         "Splat Size",
-        "Radius of a surface point's disc over the radius that its share of the area has. "
+        "Radius of a point's disc over the radius that its share of the area has. "
         "Larger closes holes and leaks, and darkens beside edges. Costs a little time",
         low=0.1,
         high=8.0,
         soft_high=3.0,
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
     bias: float = setting(
         0.5,
@@ -117,13 +63,13 @@ class Shadow:
         low=0.0,
         high=16.0,
         soft_high=4.0,
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
     fill_holes: bool = setting(
         True,
         "Fill Holes",
         "Close the gaps between the points of a shadow map by pull-push interpolation. Costs a little time",
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
     fill_threshold: float = setting(
         0.02,
@@ -133,7 +79,7 @@ class Shadow:
         high=1.0,
         soft_high=0.2,
         unit="FACTOR",
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
 
 
@@ -214,36 +160,36 @@ class Quality:
         high=1e6,
         unit="TIME_ABSOLUTE",
     )
-    light_points: int = setting(
+    virtual_lights: int = setting(
         105,
-        "Light Points",
-        "Virtual point lights a sample, shared out among the area lights; each has a shadow map of its own. "
+        "Virtual Point Lights",
+        "Virtual point lights in a sample, distributed among the lights; each has a shadow map of its own. "
         "More give smoother penumbrae; time grows in proportion",
         low=1,
         high=4096,
         soft_high=1024,
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
     map_size: int = setting(
         128,
         "Map Size",
-        "Width of one shadow map, which covers a light point's whole hemisphere. "
-        "More give sharper contacts; needs more surface points to be filled",
+        "Width of one shadow map, which covers a virtual light's whole hemisphere. "
+        "More give sharper contacts; needs more points to be filled",
         low=8,
         high=4096,
         soft_high=512,
         unit="PIXEL",
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
-    surface_points: int = setting(
+    map_points: int = setting(
         32768,
-        "Surface Points",
+        "Points per Map",
         "Points that stand for the scene in each shadow map. "
         "More let smaller things cast a shadow; time grows in proportion",
         low=1,
         high=1 << 20,
         soft_high=1 << 18,
-        method=Method.CLASSIC,
+        method=Method.SHADOW_MAPS,
     )
 
 
@@ -261,7 +207,7 @@ class ViewportQuality(Quality):
 
 #: The two uses of Quality: Blender's final render, and its viewport, where waiting is felt.
 FINAL = Quality()
-VIEWPORT = ViewportQuality(light_points=32, map_size=64, surface_points=8192)
+VIEWPORT = ViewportQuality(virtual_lights=32, map_size=64, map_points=8192)
 
 
 @dataclass(frozen=True)
@@ -273,8 +219,8 @@ class Settings:
     quality: Quality = FINAL
     #: Off, no work is left out that would not change the picture, and nothing is taken from the picture before: to
     #: measure what that saves.
-    skip: bool = True
-    show: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
+    shortcuts: bool = True
+    debug_view: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
         DebugView.COLOR,
         "Debug View",
         "Show what a step of the method has made instead of the picture. Final renders are always the picture",

@@ -17,13 +17,16 @@ from typing import IO, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from . import old_names
 from .atomic_files import atomic_write
 from .quoting import shortened
 from .scene import MAX_LINK_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from .scene.limits import MAX_DISTANCE, MAX_VALUES, is_invertible, is_within, spans_plane
 from .settings import Choice, Settings
 
-VERSION = 2
+VERSION = 3
+#: This one is read, too: its settings have other names.
+BEFORE = 2
 
 #: The array of each field: dtype and lengths, or others. A letter is one length throughout its object.
 SHAPES: dict[tuple[type, str], str] = {
@@ -87,7 +90,9 @@ def load(path: str | Path) -> tuple[Scene, View, Settings]:
             raise SnapshotError(
                 f"{path} is not a snapshot: {shortened(str(error) or type(error).__name__)}."
             ) from error
-    if version != VERSION:
+    if version == BEFORE:
+        told["settings"] = old_names.current(told.get("settings"))
+    elif version != VERSION:
         raise SnapshotError(
             f"{path} is a snapshot of version {shortened(str(version))}; this one reads version {VERSION}."
         )

@@ -33,7 +33,7 @@ void main() {
 def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
-    frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, skip=False), 0, Profile())
+    frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, shortcuts=False), 0, Profile())
     for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, BuildTLAS):
         renderer.run(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners

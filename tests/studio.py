@@ -14,12 +14,12 @@ from .scenes.small import basis, mesh, perspective
 
 #: One sample, few points: for tests that ask about something else. All samples, if there are more.
 SMALL_SETTINGS = Settings(
-    quality=Quality(samples=1, error_threshold=0.0, light_points=8, map_size=32, surface_points=2048),
+    quality=Quality(samples=1, error_threshold=0.0, virtual_lights=8, map_size=32, map_points=2048),
     ssao=SSAO(enabled=False),
 )
 
 #: The same by imperfect shadow maps.
-MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.CLASSIC))
+MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS))
 
 
 @dataclass

@@ -140,7 +140,7 @@ def test_every_sample_adds_to_the_penumbra(device):
     truth, _ = reference.picture(scene, view, 10)
     errors = []
     for samples in (1, 4, 24):
-        settings = with_quality(MAPS, samples=samples, light_points=3, map_size=96, surface_points=16384)
+        settings = with_quality(MAPS, samples=samples, virtual_lights=3, map_size=96, map_points=16384)
         color = draw(device, scene, view, settings).color[..., :3].reshape(-1, 3)
         errors.append(reference.nrmse(color, truth))
     assert errors[1] < 0.8 * errors[0]

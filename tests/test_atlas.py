@@ -40,7 +40,7 @@ def test_no_light_point_still_makes_one_batch():
 
 def test_several_batches_give_the_picture_of_one(device):
     scene, view = box_over_plane(48, 32)
-    quality = with_quality(MAPS, light_points=40, map_size=32, surface_points=2048)
+    quality = with_quality(MAPS, virtual_lights=40, map_size=32, map_points=2048)
     whole = draw(device, scene, view, quality)
     narrow = replace(device, texture_size=96)
     parts = draw(narrow, scene, view, quality)
@@ -52,6 +52,6 @@ def test_several_batches_give_the_picture_of_one(device):
 def test_a_map_wider_than_any_texture_becomes_as_wide_as_one(device):
     scene, view = box_over_plane(24, 16)
     narrow = replace(device, texture_size=64)
-    large = draw(narrow, scene, view, with_quality(MAPS, light_points=3, map_size=4096))
-    fitting = draw(narrow, scene, view, with_quality(MAPS, light_points=3, map_size=64))
+    large = draw(narrow, scene, view, with_quality(MAPS, virtual_lights=3, map_size=4096))
+    fitting = draw(narrow, scene, view, with_quality(MAPS, virtual_lights=3, map_size=64))
     assert np.array_equal(large.color, fitting.color)

@@ -25,7 +25,7 @@ from .test_draw_limit import FEW, lit_by_many
 from .test_worker import ended
 
 RAYS = replace(with_quality(SMALL_SETTINGS, samples=3), ssao=SSAO(enabled=True))
-BY_MAPS = with_quality(MAPS, samples=3, map_size=64, light_points=12)
+BY_MAPS = with_quality(MAPS, samples=3, map_size=64, virtual_lights=12)
 
 
 class Watch:
@@ -112,7 +112,7 @@ STAGES = [
     ),
     (RAYS, set_to("ssao", radius=0.3), "AmbientOcclusion"),
     (RAYS, brighter, "Shade"),
-    (BY_MAPS, set_to("quality", surface_points=1500), "SamplePoints"),
+    (BY_MAPS, set_to("quality", map_points=1500), "SamplePoints"),
     (BY_MAPS, set_to("shadow", splat_size=2.0), "SelectPoints"),
     (BY_MAPS, set_to("quality", map_size=56), "SplatMaps"),
     (BY_MAPS, set_to("shadow", fill_threshold=0.5), "FillHoles"),
@@ -211,7 +211,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
 
     monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
     monkeypatch.setattr(submission.Submission, "look", look_and_wait)
-    settings = with_quality(MAPS, light_points=4096, map_size=1024, surface_points=1 << 20)
+    settings = with_quality(MAPS, virtual_lights=4096, map_size=1024, map_points=1 << 20)
     job = worker.start(Request(*box_over_plane(320, 180), settings), "client")
     (thread,) = (each for each in threading.enumerate() if each.name == "ISM renderer")
     assert reached.wait(60.0)

@@ -108,7 +108,7 @@ def test_in_an_ascii_locale(scene_file, tmp_path):
     """As Python is in one, or in Japanese Windows: it reads files in the locale's encoding."""
     out = tmp_path / "out.png"
     ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--shadow-method", "CLASSIC"]
+    command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--shadow-method", "SHADOW_MAPS"]
     run = subprocess.run(command, cwd=ROOT, env={**os.environ, **ascii_only}, capture_output=True, timeout=60)
     assert (run.returncode, run.stderr) == (0, b"")
     assert read_png(out).shape == (16, 24, 4)
@@ -151,23 +151,24 @@ def test_the_profile_has_a_line_a_pass(call, scene_file, tmp_path, device):
     assert f"{drawn.profile.counts['triangles_drawn']:,} triangles drawn" in out
     assert "light points" not in out  # rays need none
     assert (
-        "8 light points" in call(scene_file, "-o", tmp_path / "out.png", "--profile", "--shadow-method", "classic")[1]
+        "8 virtual lights"
+        in call(scene_file, "-o", tmp_path / "out.png", "--profile", "--shadow-method", "shadow_maps")[1]
     )
 
 
 def test_flags_change_settings(call, scene_file, tmp_path, device):
     out = tmp_path / "out.png"
     assert (
-        call(scene_file, "-o", out, "--no-ssao-enabled", "--shadow-bias", "2", "--light-points", "5", "--samples", "2")[
-            0
-        ]
+        call(
+            scene_file, "-o", out, "--no-ssao-enabled", "--shadow-bias", "2", "--virtual-lights", "5", "--samples", "2"
+        )[0]
         == 0
     )
     changed = replace(
         SETTINGS,
         ssao=SSAO(enabled=False),
         shadow=replace(SETTINGS.shadow, bias=2.0),
-        quality=replace(SETTINGS.quality, light_points=5, samples=2),
+        quality=replace(SETTINGS.quality, virtual_lights=5, samples=2),
     )
     assert np.array_equal(read_png(out), display_from_linear(draw(device, *box_over_plane(24, 16), changed).color))
 
@@ -183,7 +184,7 @@ def test_the_method_is_chosen_by_its_name(call, scene_file, tmp_path, device, me
 def test_an_unknown_method_is_told_with_those_that_there_are(call, scene_file, tmp_path):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", "--shadow-method", "nonsense")
     assert status != 0
-    assert "nonsense is none of FITTED, CLASSIC" in error
+    assert "nonsense is none of RAY_TRACED, SHADOW_MAPS" in error
     assert not (tmp_path / "out.png").exists()
 
 
@@ -212,9 +213,9 @@ def test_settings_that_are_no_numbers(call, scene_file, tmp_path, value):
     ("flag", "value", "nearest"),
     [
         ("--samples", "0", "1"),
-        ("--light-points", "-3", "1"),
+        ("--virtual-lights", "-3", "1"),
         ("--map-size", "0", "8"),
-        ("--surface-points", "1000000000", "1048576"),
+        ("--map-points", "1000000000", "1048576"),
         ("--ssao-radius", "nan", "0"),
     ],
 )

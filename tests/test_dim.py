@@ -31,7 +31,7 @@ def faint(part: float):
 def turns(device, part: float) -> tuple[dict, dict]:
     """By block: how often the faint lamp had a turn after the first sample, and how often it might have had one."""
     scene, view = faint(part)
-    settings = with_quality(replace(SMALL_SETTINGS, skip=True), samples=SAMPLES)
+    settings = with_quality(replace(SMALL_SETTINGS, shortcuts=True), samples=SAMPLES)
     renderer, had, took_part = Renderer(device), Counter(), Counter()
     for sample in range(SAMPLES):
         list(renderer.sample(scene, view, settings, sample, Profile()))
@@ -58,7 +58,7 @@ def test_what_it_adds_is_the_same_on_average(device, monkeypatch):
     monkeypatch.setattr(trace_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
     always = draw(device, *faint(0.002), settings)
     without, exactly = (
-        draw(device, *stage, replace(settings, skip=False)).color[..., 0].sum(dtype=np.float64)
+        draw(device, *stage, replace(settings, shortcuts=False)).color[..., 0].sum(dtype=np.float64)
         for stage in (box_over_plane(*SIZE), faint(0.002))
     )
     assert rarely.profile.counts["pixels_refined"] < always.profile.counts["pixels_refined"]

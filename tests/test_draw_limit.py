@@ -68,7 +68,7 @@ def lit_by_many(width: int, height: int):
 CASES = {
     "by rays": (SMALL_SETTINGS, 1.5),
     "by a wide filter": (SMALL_SETTINGS, 9.0),
-    "by maps": (with_quality(MAPS, map_size=64, light_points=12), 0.01),
+    "by maps": (with_quality(MAPS, map_size=64, virtual_lights=12), 0.01),
 }
 
 
@@ -160,13 +160,13 @@ def draws_of(count: int, rays: float) -> int:
 def test_discs_of_the_largest_maps(device, asked, monkeypatch):
     """Discs are drawn by number and by size: a few that are as large as the map take as long as many small ones."""
     scene, view = box_over_plane(16, 9)
-    small = with_quality(shadows(), light_points=1, map_size=64, surface_points=3000)
-    large = with_quality(shadows(splat_size=8.0), light_points=1, map_size=1024, surface_points=3000)
+    small = with_quality(shadows(), virtual_lights=1, map_size=64, map_points=3000)
+    large = with_quality(shadows(splat_size=8.0), virtual_lights=1, map_size=1024, map_points=3000)
     found = []
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 1 << 14)
     for settings in (small, large):
         drawn = draw(device, scene, view, settings)
-        table, _ = drawn.renderer.tables["surface_points"]
+        table, _ = drawn.renderer.tables["map_points"]
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
         found.append(len(asked.pop("SplatMaps")))

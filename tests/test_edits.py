@@ -13,7 +13,7 @@ from .scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
 
-SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
+SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
 SIZE = 24, 16
 SEVERAL = 6
 
@@ -44,7 +44,7 @@ def test_after_one_sample(device, method, edit):
 @pytest.mark.parametrize("edit", EDITS)
 def test_after_several_samples(device, method, edit, last):
     settings = with_quality(SETTINGS[method], samples=SEVERAL)
-    later = {"RetestOccluded"} if last and method == Method.FITTED else set()
+    later = {"RetestOccluded"} if last and method == Method.RAY_TRACED else set()
     assert drawn_again(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
 
 
@@ -54,7 +54,7 @@ def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, mo
     lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
     lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
     scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
-    settings, view = with_quality(SETTINGS[Method.FITTED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
+    settings, view = with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
     first = draw(device, scene, view, settings)
     assert set(first.renderer.tables["found"]) == {0, 1}
     again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
@@ -67,7 +67,7 @@ def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, metho
     monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
     floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
     before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
-    renderer = draw(device, before, view, with_quality(SETTINGS[Method.FITTED], samples=SEVERAL)).renderer
+    renderer = draw(device, before, view, with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL)).renderer
     assert renderer.tables["spotted"]
     monkeypatch.undo()
     after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)

@@ -20,7 +20,7 @@ from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, with_quality
 from .test_worker import ended, request
 
-LARGE_MAPS = with_quality(MAPS, light_points=40, map_size=256)
+LARGE_MAPS = with_quality(MAPS, virtual_lights=40, map_size=256)
 
 
 @pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"])

@@ -135,7 +135,7 @@ def test_no_block_is_settled_early_and_none_without_a_threshold_or_skipping(devi
     coarse = with_quality(SMALL_SETTINGS, samples=512, error_threshold=1.0)
     assert not draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 2).renderer.error.settled.any()
     assert draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 1).renderer.error.settled.all()
-    without = draw(device, *small(name), replace(coarse, skip=False), last=MIN_SAMPLES_TO_STOP)
+    without = draw(device, *small(name), replace(coarse, shortcuts=False), last=MIN_SAMPLES_TO_STOP)
     assert not without.renderer.error.settled.any()
     assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.settled.any()
 

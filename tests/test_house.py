@@ -38,6 +38,8 @@ PURE = (
     "radiometry",
     "parallel",
     "sampling",
+    "choices",
+    "old_names",
     "snapshot",
 )
 
@@ -62,7 +64,9 @@ FLOORS = {
         ("numpy", *BLENDER_PACKAGES),
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
-    "ui": Floor(("settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"),
+    "ui": Floor(
+        ("choices", "settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"
+    ),
     "presets": Floor((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
     "addon": Floor(("blender", "ui"), ("bpy",), "it is the order of registration, and how that is undone"),
 }

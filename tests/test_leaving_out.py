@@ -18,7 +18,7 @@ from .scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, w
 from .scenes.small import box_over_plane
 from .studio import MAPS, SMALL_SETTINGS, draw, from_above, look, prepared, quad, rubble, stage, with_quality
 
-SETTINGS = {Method.FITTED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.CLASSIC: replace(MAPS, ssao=SSAO())}
+SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
 SIZE = 64, 48
 
 RAYS = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
@@ -30,11 +30,11 @@ OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
 
 #: What only the other method draws.
 OTHERS = {
-    Method.FITTED: LIGHT_BY_MAPS | MAPS_ALONE,
-    Method.CLASSIC: RAYS | LIGHT_BY_RAYS,
+    Method.RAY_TRACED: LIGHT_BY_MAPS | MAPS_ALONE,
+    Method.SHADOW_MAPS: RAYS | LIGHT_BY_RAYS,
 }
-LIT = {Method.FITTED: LIGHTS | RAYS | LIGHT_BY_RAYS, Method.CLASSIC: LIGHTS | MAPS_ALONE | LIGHT_BY_MAPS}
-SHADOWED = {Method.FITTED: RAYS | {"PredictVisibility"}, Method.CLASSIC: MAPS_ALONE}
+LIT = {Method.RAY_TRACED: LIGHTS | RAYS | LIGHT_BY_RAYS, Method.SHADOW_MAPS: LIGHTS | MAPS_ALONE | LIGHT_BY_MAPS}
+SHADOWED = {Method.RAY_TRACED: RAYS | {"PredictVisibility"}, Method.SHADOW_MAPS: MAPS_ALONE}
 
 
 WITHOUT = {
@@ -77,7 +77,7 @@ def test_without_images_no_texel_and_no_shader_for_them(device):
     scene, view = lit_stage()
     assert not scene.images
     before = set(device.programs)
-    drawn = draw(device, scene, view, SETTINGS[Method.FITTED])
+    drawn = draw(device, scene, view, SETTINGS[Method.RAY_TRACED])
     assert drawn.renderer.tables["surfaces"].texels.texture.height == lines_for(0)
     assert not [key for key in device.programs.keys() - before if ("images", 1) in key[-1]]
 
@@ -117,17 +117,17 @@ def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
 def test_a_radius_of_less_than_half_a_pixel_is_too_small(device, radius, drawn):
     """In a view from above whose pixels are an eighth of a metre wide."""
     scene, _ = lit_stage()
-    settings = with_ssao(SETTINGS[Method.FITTED], radius=radius)
+    settings = with_ssao(SETTINGS[Method.RAY_TRACED], radius=radius)
     rows = draw(device, scene, from_above(8.0, (64, 64)), settings).profile.rows
     assert {rows[name].drawn for name in OCCLUSION} == {drawn}
 
 
 def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
     scene, view = lit_stage()
-    settings = with_ssao(SETTINGS[Method.FITTED], radius=1e-3)
+    settings = with_ssao(SETTINGS[Method.RAY_TRACED], radius=1e-3)
     left_out = draw(device, scene, view, settings)
     assert not left_out.profile.rows["AmbientOcclusion"].drawn
-    drawn = draw(device, scene, view, replace(settings, skip=False))
+    drawn = draw(device, scene, view, replace(settings, shortcuts=False))
     assert drawn.profile.rows["AmbientOcclusion"].drawn
     assert (drawn.target("occlusion") == 1.0).all()
     assert (drawn.target("smooth_occlusion") == 1.0).all()

@@ -76,7 +76,7 @@ def test_more_lights_than_light_points(device):
         device,
         stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
         look((3, -3, 2)),
-        with_quality(MAPS, light_points=4),
+        with_quality(MAPS, virtual_lights=4),
     )
-    assert drawn.profile.counts["light_points"] == 10
+    assert drawn.profile.counts["virtual_lights"] == 10
     assert drawn.color[..., :3].max() > 0.2

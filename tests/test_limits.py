@@ -23,8 +23,8 @@ NUMBERS = [
     if control.low is not None
 ]
 
-NOTHING = Quality(samples=0, light_points=0, map_size=0, surface_points=0)
-ABSURD = Quality(samples=10**9, light_points=10**6, map_size=10**5, surface_points=10**9)
+NOTHING = Quality(samples=0, virtual_lights=0, map_size=0, map_points=0)
+ABSURD = Quality(samples=10**9, virtual_lights=10**6, map_size=10**5, map_points=10**9)
 BUDGETS = [member.name for member in fields(Quality) if member.name in vars(ABSURD) and member.type is int]
 
 
@@ -67,7 +67,7 @@ def test_budgets_of_nothing_draw_a_picture(worker, device):
         job = worker.start(Request(*box_over_plane(24, 16), replace(settings, quality=NOTHING)), "script")
         assert ended(job)
         assert (job.error, job.samples, job.samples_done) == ("", 1, 1)
-        least = replace(settings, quality=Quality(samples=1, light_points=1, map_size=8, surface_points=1))
+        least = replace(settings, quality=Quality(samples=1, virtual_lights=1, map_size=8, map_points=1))
         assert np.array_equal(job.picture().color, draw(device, *box_over_plane(24, 16), least).color)
 
 

@@ -11,7 +11,7 @@ from ism_addon.settings import Method
 
 from .studio import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
 
-SETTINGS = {Method.FITTED: with_quality(SMALL_SETTINGS, samples=8), Method.CLASSIC: MAPS}
+SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.SHADOW_MAPS: MAPS}
 LEFT, RIGHT = quad((-2, -2, 0), (2, 0, 0), (0, 4, 0)), quad((0, -2, 0), (2, 0, 0), (0, 4, 0))
 LIDS = [quad((x, -2, 1.0), (2, 0, 0), (0, 4, 0)) for x in (-2, 0)]
 VIEW = from_above(3.0, (64, 48), height=0.8)
@@ -51,5 +51,5 @@ def test_only_the_linked_cast_shadows(device, settings):
 def test_of_lights_that_are_dim_too(device, monkeypatch):
     monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
-        found = halves(device, SETTINGS[Method.FITTED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
+        found = halves(device, SETTINGS[Method.RAY_TRACED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
         assert tuple(half > 0.0 for half in found) == lit

@@ -54,7 +54,7 @@ def floor_and_plate():
 def test_an_unshadowed_light_among_others(device, base):
     """Each light is as it would be alone, with its shadow or without."""
     one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0))
-    settings = with_quality(base, light_points=32)
+    settings = with_quality(base, virtual_lights=32)
     together = draw(device, stage(floor_and_plate(), both(one, other)), look((3, -3, 3)), settings).color
     apart = [draw(device, stage(floor_and_plate(), lamp), look((3, -3, 3)), settings).color for lamp in (one, other)]
     assert reference.nrmse(together[..., :3], apart[0][..., :3] + apart[1][..., :3]) < 0.15
@@ -116,7 +116,7 @@ def test_no_pixel_is_nan_or_negative(device, base, name):
 
 
 @pytest.mark.parametrize(
-    "quality", [{"light_points": 1}, {"surface_points": 1}, {"map_size": 8}, {"light_points": 3, "map_size": 1000}]
+    "quality", [{"virtual_lights": 1}, {"map_points": 1}, {"map_size": 8}, {"virtual_lights": 3, "map_size": 1000}]
 )
 def test_the_least_quality_still_gives_a_picture(device, quality):
     scene, view = SMALL["sphere in corner"](24, 16)

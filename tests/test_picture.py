@@ -17,17 +17,17 @@ from .studio import draw, with_quality
 #: mean squared error over the mean. Measured: 0.004, 0.004 and 0.024 by rays, 0.020, 0.023 and 0.069 by shadow maps; up
 #: to 0.015 of the pillars' is the reference itself.
 BOUNDS = {
-    "box over plane": (8, {Method.FITTED: 0.007, Method.CLASSIC: 0.03}),
-    "sphere in corner": (10, {Method.FITTED: 0.007, Method.CLASSIC: 0.035}),
-    "pillar field": (12, {Method.FITTED: 0.033, Method.CLASSIC: 0.10}),
+    "box over plane": (8, {Method.RAY_TRACED: 0.007, Method.SHADOW_MAPS: 0.03}),
+    "sphere in corner": (10, {Method.RAY_TRACED: 0.007, Method.SHADOW_MAPS: 0.035}),
+    "pillar field": (12, {Method.RAY_TRACED: 0.033, Method.SHADOW_MAPS: 0.10}),
 }
 
 SETTINGS = {
-    Method.FITTED: Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0)),
-    Method.CLASSIC: Settings(
-        shadow=Shadow(method=Method.CLASSIC),
+    Method.RAY_TRACED: Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0)),
+    Method.SHADOW_MAPS: Settings(
+        shadow=Shadow(method=Method.SHADOW_MAPS),
         ssao=SSAO(enabled=False),
-        quality=Quality(samples=4, light_points=64, map_size=128, surface_points=16384),
+        quality=Quality(samples=4, virtual_lights=64, map_size=128, map_points=16384),
     ),
 }
 
@@ -62,7 +62,7 @@ def test_the_picture_is_the_references(device, truths, name, method):
     scene, view, truth, bounds = truths[name]
     color = rgb(draw(device, scene, view, SETTINGS[method]))
     assert reference.nrmse(color, truth) < bounds[method]
-    assert abs(color.mean() / truth.mean() - 1.0) < (0.005 if method == Method.FITTED else 0.02)
+    assert abs(color.mean() / truth.mean() - 1.0) < (0.005 if method == Method.RAY_TRACED else 0.02)
 
 
 @pytest.mark.parametrize("name", SMALL)
@@ -71,7 +71,7 @@ def test_rays_come_closer_with_every_sample(device, truths, name):
     scene, view, truth, _ = truths[name]
     errors = []
     for samples in (1, 4, 16, 64):
-        settings = with_quality(SETTINGS[Method.FITTED], samples=samples)
+        settings = with_quality(SETTINGS[Method.RAY_TRACED], samples=samples)
         errors.append(reference.nrmse(rgb(draw(device, scene, view, settings)), truth))
     assert all(later < 0.6 * sooner for sooner, later in pairwise(errors)), errors
 
@@ -80,9 +80,9 @@ def test_rays_come_closer_with_every_sample(device, truths, name):
 @pytest.mark.parametrize("broken", BROKEN)
 def test_the_bound_notices_broken_shadow_maps(device, truths, name, broken):
     scene, view, truth, bounds = truths[name]
-    settings = with_quality(SETTINGS[Method.CLASSIC], samples=1)
+    settings = with_quality(SETTINGS[Method.SHADOW_MAPS], samples=1)
     settings = replace(settings, shadow=replace(settings.shadow, **BROKEN[broken]))
-    assert reference.nrmse(rgb(draw(device, scene, view, settings)), truth) > 1.3 * bounds[Method.CLASSIC]
+    assert reference.nrmse(rgb(draw(device, scene, view, settings)), truth) > 1.3 * bounds[Method.SHADOW_MAPS]
 
 
 def narrower(scene):
@@ -108,8 +108,8 @@ def with_ghosts(scene):
 @pytest.mark.parametrize("name", SMALL)
 def test_the_bound_notices_rays_through_something_else(device, truths, name, change):
     scene, view, truth, bounds = truths[name]
-    color = rgb(draw(device, change(scene), view, SETTINGS[Method.FITTED]))
-    assert reference.nrmse(color, truth) > 1.3 * bounds[Method.FITTED]
+    color = rgb(draw(device, change(scene), view, SETTINGS[Method.RAY_TRACED]))
+    assert reference.nrmse(color, truth) > 1.3 * bounds[Method.RAY_TRACED]
 
 
 @pytest.mark.parametrize("method", Method)

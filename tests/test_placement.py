@@ -57,7 +57,7 @@ def assorted() -> Scene:
 @pytest.mark.parametrize("skip", [True, False])
 def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(device, monkeypatch, skip):
     scene, view = assorted(), look((1.5, -1.5, 1.0))
-    settings = replace(SMALL_SETTINGS, skip=skip)
+    settings = replace(SMALL_SETTINGS, shortcuts=skip)
     calls: dict[bool, list] = {True: [], False: []}
     for draw_call in ("draw", "draw_ranges"):
         real = getattr(device, draw_call)

@@ -59,7 +59,7 @@ def test_random_maps_against_numpy(device, threshold):
 
 
 def test_the_maps_of_a_scene_against_numpy(device):
-    settings = with_quality(shadows(), light_points=5, map_size=64, surface_points=1500)
+    settings = with_quality(shadows(), virtual_lights=5, map_size=64, map_points=1500)
     drawn = draw(device, stage([rubble()], light()), look((3.0, -3.0, 2.0)), settings)
     (batch,) = batches(5, 64, device.texture_size)
     splats, maps = drawn.target("splats")[..., 0], drawn.target("shadow_maps")[..., 0]

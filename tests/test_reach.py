@@ -197,5 +197,7 @@ def test_a_small_picture_loses_no_faint_lights(device, size):
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
     view, settings = from_above(1.0, size), with_quality(SMALL_SETTINGS, samples=4)
     without = draw(device, stage([floor], bright), view, settings).color[..., 0].mean()
-    faint = [draw(device, scene, view, replace(settings, skip=skip)).color[..., 0].mean() - without for skip in (1, 0)]
+    faint = [
+        draw(device, scene, view, replace(settings, shortcuts=skip)).color[..., 0].mean() - without for skip in (1, 0)
+    ]
     assert faint[0] == pytest.approx(faint[1], rel=0.01)

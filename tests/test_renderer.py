@@ -63,7 +63,7 @@ def test_the_first_picture_draws_the_passes_of_its_method(device, scene_and_view
     drawn = draw(device, *scene_and_view, settings)
     assert drawn.color.any()
     assert {name for name, row in drawn.profile.rows.items() if row.drawn} == BEFORE | expected | OCCLUSION | AFTER
-    assert drawn.profile.counts["light_points"] == (8 if settings == BY_MAPS else 0)
+    assert drawn.profile.counts["virtual_lights"] == (8 if settings == BY_MAPS else 0)
     assert drawn.profile.counts["bytes_uploaded"] > 0
 
 
@@ -128,8 +128,8 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
             {"CullMeshes", "PlaceVirtualLights", "GatherLight"} | AFTER,
         ),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
-        ("quality", {"surface_points": 1000}, set(), ALL_MAPS | AFTER),
-        ("quality", {"light_points": 5}, set(), {"PlaceVirtualLights"} | SHADOWS | AFTER),
+        ("quality", {"map_points": 1000}, set(), ALL_MAPS | AFTER),
+        ("quality", {"virtual_lights": 5}, set(), {"PlaceVirtualLights"} | SHADOWS | AFTER),
     ],
 )
 def test_a_setting_redraws_its_own_passes(again, section, changes, by_rays, by_maps):
@@ -200,7 +200,7 @@ def test_an_interrupted_picture_leaves_no_trace(device, scene_and_view, base):
 
 @pytest.mark.parametrize("target", SHOWABLE)
 def test_every_target_can_be_shown(device, scene_and_view, base, target):
-    shown = draw(device, *scene_and_view, replace(base, show=target)).color
+    shown = draw(device, *scene_and_view, replace(base, debug_view=target)).color
     assert shown.shape == (16, 24, 4)
     assert np.isfinite(shown).all()
 
@@ -209,4 +209,4 @@ def test_every_target_can_be_shown(device, scene_and_view, base, target):
 def test_targets_that_nobody_drew_can_be_shown(device, scene_and_view, base, off):
     settings = replace(base, **{off: replace(getattr(base, off), enabled=False)})
     for target in SHOWABLE:
-        assert np.isfinite(draw(device, *scene_and_view, replace(settings, show=target)).color).all()
+        assert np.isfinite(draw(device, *scene_and_view, replace(settings, debug_view=target)).color).all()

@@ -20,9 +20,9 @@ OTHER = {
     "fill_holes": False,
     "fill_threshold": 1.0,
     "samples": 3,
-    "light_points": 3,
+    "virtual_lights": 3,
     "map_size": 16,
-    "surface_points": 256,
+    "map_points": 256,
 }
 LIMITED = [
     pytest.param(name, member.name, control.method, id=member.name)
@@ -56,7 +56,7 @@ def test_every_setting_is_explained_to_its_user():
         for member, control in setting_fields(section):
             text = help_text(member, control)
             assert text[0].isupper() and not text.endswith(".")
-            assert (". For the method Classic only" in text) == (control.method is Method.CLASSIC)
+            assert (". For the method Imperfect Shadow Maps only" in text) == (control.method is Method.SHADOW_MAPS)
             for choice in member.type if issubclass(member.type, Choice) else ():
                 assert f"{choice.value}: {choice.meaning}" in text
 

@@ -35,7 +35,7 @@ def shared_out(device, scene, view, renderer=None, **quality: int) -> dict[int, 
 
 def drawn_rooms(device, idle: dict[str, int], **changes: object):
     """The room with five lamps, and others, by one sample."""
-    return draw(device, *rooms(idle, *SIZE), replace(with_quality(MAPS, light_points=60), **changes))
+    return draw(device, *rooms(idle, *SIZE), replace(with_quality(MAPS, virtual_lights=60), **changes))
 
 
 @pytest.mark.parametrize("count", [1, 7, 40, 333])
@@ -43,7 +43,7 @@ def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_wha
     lights = light(axis_u=(2.0, 0, 0), axis_v=(0, -2.0, 0))
     for place in ((1.0, 1.0, 3.0), (-1.0, 0.5, 3.0), (0.0, 0.0, 9.0)):
         lights = both(lights, small(*place))
-    counts = shared_out(device, stage([FLOOR], lights), from_above(6.0), light_points=count)
+    counts = shared_out(device, stage([FLOOR], lights), from_above(6.0), virtual_lights=count)
     assert sum(counts.values()) == max(count, 4)
     assert min(counts.values()) == 1
     if count == 40:
@@ -53,7 +53,7 @@ def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_wha
 
 def test_of_lights_alike_the_brighter_and_the_nearer_have_more(device):
     dim, bright, far = small(-1, 0, 2), small(1, 0, 2, radiance=60.0), small(0, 1, 6)
-    counts = shared_out(device, stage([FLOOR], both(both(dim, bright), far)), from_above(6.0), light_points=100)
+    counts = shared_out(device, stage([FLOOR], both(both(dim, bright), far)), from_above(6.0), virtual_lights=100)
     assert counts[1] > 2 * counts[0] > 4 * counts[2]
 
 
@@ -81,17 +81,17 @@ def test_lights_that_reach_nothing_have_no_points(device, why):
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
     counts = drawn.renderer.tables["points_per_light"]
     assert set(counts) == set(HERE)
-    assert sum(counts.values()) == drawn.profile.counts["light_points"] == 60
+    assert sum(counts.values()) == drawn.profile.counts["virtual_lights"] == 60
     assert drawn.profile.counts["lights_used"] == 5
     assert drawn.color[..., :3].mean() == pytest.approx(alone.color[..., :3].mean(), rel=0.01)
-    everything = drawn_rooms(device, {why: 40}, skip=False)
+    everything = drawn_rooms(device, {why: 40}, shortcuts=False)
     assert set(everything.renderer.tables["points_per_light"]) == set(range(45))
 
 
 def test_lights_that_reach_nothing_have_no_surface_points(device):
     """Their light points would be all that looks at them."""
     alone, among_others = (drawn_rooms(device, idle).renderer.tables for idle in ({}, {"turned away": 40}))
-    assert among_others["surface_points"][1].size == alone["surface_points"][1].size > 0
+    assert among_others["map_points"][1].size == alone["map_points"][1].size > 0
 
 
 def test_hidden_lights_keep_one_point_each_for_maps_alone_tell_that_they_are_hidden(device):
@@ -110,7 +110,7 @@ def test_a_small_move_of_the_camera_draws_no_map(device, metres):
     scene, view = rooms({}, *SIZE)
     beside = view.view_from_world.copy()
     beside[:3, 3] += metres
-    moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, light_points=60)
+    moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, virtual_lights=60)
     first = draw(device, scene, view, settings)
     counts = first.renderer.tables["points_per_light"]
     again = draw(device, scene, moved, settings, first.renderer)
@@ -125,7 +125,7 @@ def test_shares_know_nothing_of_the_pictures_before(device):
     """The sky in between, where no light counts."""
     scene, view = rooms({}, *SIZE)
     sky = look((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), SIZE)
-    settings = with_quality(MAPS, samples=5, light_points=60)
+    settings = with_quality(MAPS, samples=5, virtual_lights=60)
     first = draw(device, scene, view, settings)
     color, counts = first.color, first.renderer.tables["points_per_light"]
     there = draw(device, scene, sky, settings, first.renderer)
@@ -138,7 +138,7 @@ def test_shares_know_nothing_of_the_pictures_before(device):
 def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
     lights = both(light(casts_shadow=False), small(1.0, 1.0, 3.0))
     scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.3), (0.5, 0.5, 0.8), 2)], lights)
-    assert shared_out(device, scene, from_above(6.0), light_points=20) == {0: 0, 1: 20}
+    assert shared_out(device, scene, from_above(6.0), virtual_lights=20) == {0: 0, 1: 20}
     unshadowed = replace(scene, lights=replace(lights, casts_shadow=np.zeros(2, bool)))
     drawn = draw(device, unshadowed, from_above(6.0), MAPS)
     assert drawn.renderer.tables["points_per_light"] == {0: 0, 1: 0}
@@ -160,7 +160,7 @@ def test_the_picture_is_right_on_average(device):
     scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
     view = look((2.5, -4.0, 3.0), size=(48, 32))
     truth, _ = reference.picture(scene, view, 12)
-    settings = with_quality(MAPS, samples=16, light_points=32, map_size=128, surface_points=16384)
+    settings = with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=16384)
     found = draw(device, scene, view, settings)
     assert set(found.renderer.tables["points_per_light"]) == {0, 1, 2}
     assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ism_addon import snapshot
+from ism_addon import old_names, snapshot
 from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
 
@@ -62,7 +62,10 @@ def a_scene():
 
 VIEW = View(np.diag([0.1, 0.2, -0.3, 1.0]), np.eye(4)[[1, 0, 2, 3]], 640, 480, 1.25, True)
 SETTINGS = Settings(
-    Shadow(method=Method.CLASSIC, bias=0.1 + 0.2), SSAO(enabled=False), Quality(samples=3), show=DebugView.NORMAL
+    Shadow(method=Method.SHADOW_MAPS, bias=0.1 + 0.2),
+    SSAO(enabled=False),
+    Quality(samples=3),
+    debug_view=DebugView.NORMAL,
 )
 
 
@@ -201,7 +204,7 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("version", 1, "of version 1; this one reads version 2"),
+        ("version", 1, "of version 1; this one reads version 3"),
         ("version", None, "is not a snapshot"),
         ("scene", None, "has no scene"),
         ("scene/world", [], "has no scene/world"),
@@ -212,9 +215,9 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
         ("view/width", 0, "a picture of 0×480 pixels cannot be drawn"),
         ("view/width", 1.5, "which is no int"),
         ("view/filter_width", float("nan"), "which is no float"),
-        ("settings/shadow/method", "SOFT", "method is 'SOFT', none of FITTED, CLASSIC"),
-        ("settings/shadow/method", "classic", "method is 'classic', none of"),
-        ("settings/shadow/method", ["CLASSIC"], "none of FITTED, CLASSIC"),
+        ("settings/shadow/method", "SOFT", "method is 'SOFT', none of RAY_TRACED, SHADOW_MAPS"),
+        ("settings/shadow/method", "shadow_maps", "method is 'shadow_maps', none of"),
+        ("settings/shadow/method", ["SHADOW_MAPS"], "none of RAY_TRACED, SHADOW_MAPS"),
         ("settings/shadow/method", 1, "method is 1, none of"),
         ("settings/shadow/enabled", 1, "enabled is 1, which is no bool"),
         ("settings/quality/bounces", 3, "has bounces, unknown to this version"),
@@ -274,3 +277,19 @@ def test_damage_is_refused_or_harmless(path):
         except snapshot.SnapshotError:
             refused += 1
     assert refused > 300
+
+
+def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
+    old = {"version": snapshot.BEFORE, "settings/shadow/method": "CLASSIC"}
+    for section, names in old_names.SETTINGS.items():
+        values = getattr(SETTINGS, section) if section else SETTINGS
+        for name, new in names.items():
+            below = "/".join(filter(None, ("settings", section)))
+            old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
+    assert_same(snapshot.load(rewritten(path, told=old)), (a_scene(), VIEW, SETTINGS))
+
+
+@pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])
+def test_a_snapshot_of_version_0_1_0_without_its_settings_is_refused(path, settings):
+    with pytest.raises(snapshot.SnapshotError):
+        snapshot.load(rewritten(path, told={"version": snapshot.BEFORE, "settings": settings}))

@@ -41,6 +41,6 @@ def test_counts(device, name):
 def test_without_skipping_it_is_the_same_picture(device, name):
     case = CASES[name]
     scene, view, settings = case.picture
-    whole = draw(device, scene, view, replace(settings, skip=False)).color[..., :3]
+    whole = draw(device, scene, view, replace(settings, shortcuts=False)).color[..., :3]
     found = drawn(device, case).color[..., :3]
     assert np.sqrt(((found - whole) ** 2).mean()) <= LEFT_OUT * max(whole.mean(), 1e-6)

@@ -30,7 +30,7 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     tables = drawn.renderer.tables
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
     _, _, points = virtual_light_tables(scene.lights, tables["points_per_light"], 0, anchor)
-    subsets, buffer = tables["surface_points"]
+    subsets, buffer = tables["map_points"]
     discs = np.frombuffer(buffer.read(), MAP_POINT)
     found = []
     for index, point in enumerate(points):
@@ -55,7 +55,7 @@ def wrong_part(ours: np.ndarray, truth: np.ndarray) -> float:
 def test_maps_hold_the_nearest_disc_of_each_direction(device, height, points):
     lights = light(position=(0.1, 0.2, height), axis_u=(0.5, 0.1, 0.0), axis_v=(0.1, -0.5, 0.1))
     scene, view = stage([rubble()], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(), light_points=3, map_size=48, surface_points=points)
+    settings = with_quality(shadows(), virtual_lights=3, map_size=48, map_points=points)
     drawn = draw(device, scene, view, settings)
     ours, truth = maps(drawn, 3, 48, device), true_maps(drawn, scene, view, settings, 48)
     assert 0.01 < (truth < NO_OCCLUDER).mean() <= 1.0
@@ -65,7 +65,7 @@ def test_maps_hold_the_nearest_disc_of_each_direction(device, height, points):
 @pytest.mark.parametrize("size", [0.3, 1.0, 4.0])
 def test_the_splat_size_is_the_discs_radius(device, size):
     scene, view = stage([rubble()], light()), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(splat_size=size), light_points=2, map_size=64, surface_points=300)
+    settings = with_quality(shadows(splat_size=size), virtual_lights=2, map_size=64, map_points=300)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 2, 64, device), true_maps(drawn, scene, view, settings, 64)) <= RIM
 
@@ -77,7 +77,7 @@ def test_discs_at_the_horizon(device, height):
     tilted = quad((0.5, -1.0, -0.4), (0.0, 2.0, 0.0), (0.3, 0.0, 1.0))
     lights = light(position=(0.0, 0.0, 0.0), axis_u=(0.1, 0.0, 0.0), axis_v=(0.0, -0.1, 0.0))
     scene, view = stage([floor, tilted], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(), light_points=2, map_size=48, surface_points=800)
+    settings = with_quality(shadows(), virtual_lights=2, map_size=48, map_points=800)
     drawn = draw(device, scene, view, settings)
     ours, truth = maps(drawn, 2, 48, device), true_maps(drawn, scene, view, settings, 48)
     assert wrong_part(ours, truth) <= 2 * RIM
@@ -88,7 +88,7 @@ def test_the_distance_is_that_of_the_plane_not_of_the_discs_centre(device):
     """A floor, seen by few large discs: each covered texel has the floor's own distance."""
     floor = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0))
     lights = light(position=(0.0, 0.0, 1.0), axis_u=(1e-3, 0.0, 0.0), axis_v=(0.0, -1e-3, 0.0))
-    settings = with_quality(shadows(), light_points=1, map_size=64, surface_points=300)
+    settings = with_quality(shadows(), virtual_lights=1, map_size=64, map_points=300)
     drawn = draw(device, stage([floor], lights), look((3.0, -3.0, 2.0)), settings)
     (ours,) = maps(drawn, 1, 64, device)
     expected = 1.0 / map_directions(64)[..., 2]
@@ -101,7 +101,7 @@ def test_a_disc_may_be_as_large_as_the_map(device):
     """Close to the light a disc covers the whole map, as far as the driver's largest point reaches."""
     lights = light(position=(0.0, 0.0, 0.2), axis_u=(1e-3, 0.0, 0.0), axis_v=(0.0, -1e-3, 0.0))
     scene, view = stage([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(splat_size=2.0), light_points=1, map_size=120, surface_points=20)
+    settings = with_quality(shadows(splat_size=2.0), virtual_lights=1, map_size=120, map_points=20)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 1, 120, device), true_maps(drawn, scene, view, settings, 120)) <= RIM
 

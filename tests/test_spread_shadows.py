@@ -15,7 +15,7 @@ from .studio import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, 
 #: By method: settings, and how far off pictures may be, as RMSE over the mean and as a ratio of the means.
 METHODS = {
     "rays": (with_quality(SMALL_SETTINGS, samples=256), 0.06, 0.01),
-    "maps": (with_quality(MAPS, samples=8, light_points=64, map_size=64, surface_points=16384), 0.28, 0.18),
+    "maps": (with_quality(MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
 }
 
 

@@ -18,7 +18,7 @@ FULL = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
 
 def mean_occlusion(device, scene, view, ssao: SSAO, samples: int = 24, target: str = "occlusion") -> np.ndarray:
     """(H/2,W/2): the target's average over samples."""
-    settings = replace(with_quality(SMALL_SETTINGS, samples=samples), ssao=ssao, show=target)
+    settings = replace(with_quality(SMALL_SETTINGS, samples=samples), ssao=ssao, debug_view=target)
     return draw(device, scene, view, settings).color[::2, ::2, 0].astype(float)
 
 

@@ -68,11 +68,11 @@ def test_shadow_maps_want_only_what_is_in_the_picture(device):
     """They see points, which need no upload of meshes."""
     scene = with_one_at(BESIDE, light(position=(4.0, 0.0, 1.0)))
     assert wanted(draw(device, scene, VIEW, MAPS)) == (0,)
-    assert MAPS.shadow.method == Method.CLASSIC
+    assert MAPS.shadow.method == Method.SHADOW_MAPS
 
 
 def test_without_skipping_all_are_wanted(device):
-    assert wanted(draw(device, with_one_at(BESIDE), VIEW, replace(SMALL_SETTINGS, skip=False))) == (0, 1)
+    assert wanted(draw(device, with_one_at(BESIDE), VIEW, replace(SMALL_SETTINGS, shortcuts=False))) == (0, 1)
 
 
 def test_a_picture_of_nothing_wants_nothing(device):

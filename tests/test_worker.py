@@ -107,7 +107,7 @@ def test_statistics_are_plain_numbers(worker):
         "ended_by",
     }
     assert 0 < told["triangles_drawn"] <= told["triangles"] == 12 * 8**2 + 12 * 3**2
-    assert told["light_points"] == 0 < told["triangles_drawn"]  # by rays
+    assert told["virtual_lights"] == 0 < told["triangles_drawn"]  # by rays
     assert told["samples"] == 1
     assert told["bytes_uploaded"] > 0
     assert all(set(row) == {"drawn", "reused", "skipped", "ms"} for row in told["passes"].values())
@@ -215,7 +215,7 @@ def test_a_start_while_another_thread_stops(worker):
 
 
 def test_a_request_that_cannot_be_drawn_is_an_error_of_its_own(worker):
-    broken = worker.start(request(replace(SMALL_SETTINGS, show="nonsense")), "one")
+    broken = worker.start(request(replace(SMALL_SETTINGS, debug_view="nonsense")), "one")
     sound = worker.start(request(), "two")
     assert ended(broken)
     assert ended(sound)

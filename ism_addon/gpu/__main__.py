@@ -38,7 +38,7 @@ def parser() -> argparse.ArgumentParser:
         help="an intermediate target instead of the picture: %(choices)s",
     )
     line.add_argument(
-        "--skip",
+        "--shortcuts",
         action=argparse.BooleanOptionalAction,
         help="leave out work that does not change the picture; off, to measure what that saves",
     )
@@ -51,7 +51,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
-    """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch, --shadow-method CLASSIC for a choice."""
+    """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch, --shadow-method SHADOW_MAPS for a choice."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
     kind: dict = {"type": member.type}
     if member.type is bool:
@@ -91,8 +91,8 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
             if key.startswith(f"{name}.") and value is not None
         }
         settings = replace(settings, **{name: replace(getattr(settings, name), **given)})
-    skip = settings.skip if options.skip is None else options.skip
-    return replace(settings, show=options.show or settings.show, skip=skip)
+    shortcuts = settings.shortcuts if options.shortcuts is None else options.shortcuts
+    return replace(settings, debug_view=options.show or settings.debug_view, shortcuts=shortcuts)
 
 
 def resized(view: View, width: int, height: int) -> View:

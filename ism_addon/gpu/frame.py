@@ -112,7 +112,7 @@ class Frame:
     @property
     def fitted(self) -> bool:
         """Whether light and shadow come from TraceShadows; else they come from the shadow maps."""
-        return self.settings.shadow.method == Method.FITTED
+        return self.settings.shadow.method == Method.RAY_TRACED
 
     @property
     def traces(self) -> bool:
@@ -129,7 +129,7 @@ class Frame:
         """Whether ambient occlusion can darken anything."""
         ssao = self.settings.ssao
         asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any()
-        return bool(asked and not (self.settings.skip and self.pixels_around(ssao.radius) < SUBPIXEL_RADIUS))
+        return bool(asked and not (self.settings.shortcuts and self.pixels_around(ssao.radius) < SUBPIXEL_RADIUS))
 
     def pixels_around(self, radius: float) -> float:
         """How many pixels across or up, at most, anything seen is from points about it, `radius` m away or less."""

@@ -10,7 +10,7 @@ from ..scene import Scene
 #: What is counted beside the passes.
 COUNTS = (
     *("triangles_drawn", "pixels_drawn", "lights_used", "pixels_refined", "pixels_checked"),
-    *("light_points", "surface_points", "bytes_uploaded", "bytes_of_targets"),
+    *("virtual_lights", "map_points", "bytes_uploaded", "bytes_of_targets"),
 )
 
 

@@ -72,7 +72,7 @@ JUDGED = EstimateError
 
 PASSES = (*BEFORE, *FITTED, *CLASSIC, *FOR_EACH_BATCH, *AFTER, AT_LAST, JUDGED)
 
-#: What settings.show may name: whatever is drawn before it is shown.
+#: What settings.debug_view may name: whatever is drawn before it is shown.
 SHOWABLE = tuple(
     name
     for kind in PASSES
@@ -143,8 +143,8 @@ class Renderer:
 
         And MemoryError for a picture that would take more memory than there is.
         """
-        if settings.show not in SHOWABLE:
-            raise ValueError(f"there is no target {settings.show} to show, only {', '.join(SHOWABLE)}")
+        if settings.debug_view not in SHOWABLE:
+            raise ValueError(f"there is no target {settings.debug_view} to show, only {', '.join(SHOWABLE)}")
         limit = self.device.texture_size
         if max(view.width, view.height) > limit:
             raise ValueError(
@@ -175,12 +175,12 @@ class Renderer:
 
     def estimate(self, scene: Scene, view: View, settings: Settings, fine_pixels: int) -> None:
         """Raises MemoryError if a picture would take more than there is."""
-        fitted = settings.shadow.method == Method.FITTED
+        fitted = settings.shadow.method == Method.RAY_TRACED
         others = (*CLASSIC, *FOR_EACH_BATCH) if fitted else FITTED
         casting = int(scene.lights.casts_shadow.sum()) if settings.shadow.enabled else 0
         lights, map_texels = (casting if fitted else 0), 0
         if casting and not fitted:
-            points = max(settings.quality.light_points, casting)
+            points = max(settings.quality.virtual_lights, casting)
             atlas, *_ = batches(points, settings.quality.map_size, self.device.texture_size)
             map_texels = math.prod(atlas.size)
         wanted = needed([kind for kind in PASSES if kind not in others], view, fine_pixels, lights, map_texels)
@@ -192,7 +192,7 @@ class Renderer:
         needed = step.needed(frame)
         key = self.key(kind, frame) if needed else {}
         done = not needed and frame.sample > 0  # what it made for the first sample is kept for the next picture's
-        may_keep = frame.settings.skip or frame.sample > 0 or not needed
+        may_keep = frame.settings.shortcuts or frame.sample > 0 or not needed
         if may_keep and kind in self.keys and (done or self.keys[kind] == key):
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return kind.__name__

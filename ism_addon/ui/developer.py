@@ -14,7 +14,7 @@ class ISM_RENDER_PT_developer(ISMPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(context.scene.ism, "show")
+        layout.prop(context.scene.ism, "debug_view")
         layout.operator("ism.save_snapshot", icon="FILE_TICK")
         layout.operator("ism.reload_shaders", icon="FILE_REFRESH")
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-Look stands there once, quality twice; `.show` is the debug view. Every property can be animated, and an edit redraws
-the 3D viewports.
+Look stands there once, quality twice; `.debug_view` shows a step of the method. Every property can be animated, and an
+edit redraws the 3D viewports.
 """
 
 from dataclasses import Field
@@ -51,7 +51,7 @@ class ISMSettings(bpy.types.PropertyGroup):
     ssao: bpy.props.PointerProperty(type=ISMSSAO)
     render: bpy.props.PointerProperty(type=ISMRender)
     viewport: bpy.props.PointerProperty(type=ISMViewport)
-    show: _property(*next(settings.setting_fields(settings.Settings)), settings.Settings.show)
+    debug_view: _property(*next(settings.setting_fields(settings.Settings)), settings.Settings.debug_view)
 
 
 CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings)

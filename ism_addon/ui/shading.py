@@ -28,7 +28,7 @@ class ISM_VIEW3D_PT_shading(bpy.types.Panel):
         quality = layout.column()
         quality.prop(ism.viewport, "samples")
         quality.prop(ism.viewport, "resolution")
-        layout.prop(ism, "show")
+        layout.prop(ism, "debug_view")
 
 
 register, unregister = bpy.utils.register_classes_factory((ISM_VIEW3D_PT_shading,))

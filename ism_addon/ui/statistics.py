@@ -43,8 +43,8 @@ def counts(statistics: dict) -> list[tuple[str, str]]:
         ("Lights Used", "lights_used", f"{statistics['lights_used']:,}"),
         ("Pixels Refined", "pixels_refined", f"{statistics['pixels_refined']:,}"),
         ("Pixels Checked", "pixels_checked", f"{statistics['pixels_checked']:,}"),
-        ("Light Points", "light_points", f"{statistics['light_points']:,}"),
-        ("Surface Points", "surface_points", f"{statistics['surface_points']:,}"),
+        ("Virtual Point Lights", "virtual_lights", f"{statistics['virtual_lights']:,}"),
+        ("Points per Map", "map_points", f"{statistics['map_points']:,}"),
         ("Uploaded", "bytes_uploaded", megabytes["bytes_uploaded"]),
         ("Memory of Targets", "bytes_of_targets", megabytes["bytes_of_targets"]),
     ]

@@ -41,11 +41,11 @@ class Case:
 
 
 CASES = {
-    "1280×720, 105 light points": Case(1280, 720, Quality(light_points=105)),
-    "1920×1080, 1024 light points": Case(1920, 1080, Quality(light_points=1024, map_size=64, surface_points=2048)),
+    "1280×720, 105 light points": Case(1280, 720, Quality(virtual_lights=105)),
+    "1920×1080, 1024 light points": Case(1920, 1080, Quality(virtual_lights=1024, map_size=64, map_points=2048)),
 }
 #: By name: the look of the shadows.
-METHODS = {"fitted": Settings(), "classic": Settings(shadow=Shadow(method=Method.CLASSIC))}
+METHODS = {"fitted": Settings(), "classic": Settings(shadow=Shadow(method=Method.SHADOW_MAPS))}
 
 
 def main() -> int:

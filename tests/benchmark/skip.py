@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is saved by leaving out what does not change a picture, and by keeping what did not change: `dev.py bench skip`.
 
-Every case of tests/scenes/sparing.py is drawn twice, as always and with nothing left out (`--no-skip`): the ratio of
-the times, how far the pictures are apart, and the counts. Then the atrium, by the times that both take to the same
+Every case of tests/scenes/sparing.py is drawn twice, as always and with nothing left out (`--no-shortcuts`): the ratio
+of the times, how far the pictures are apart, and the counts. Then the atrium, by the times that both take to the same
 error, against Cycles' picture; and beside it how much sooner it would be there if nothing had to be found, see known.
 """
 
@@ -51,7 +51,7 @@ def measured(device: Device, case: Case, skip: bool) -> tuple[float, Profile, np
     """A case by a new renderer, after the picture before it."""
     renderer = Renderer(device)
     for picture in filter(None, (case.before, case.picture)):
-        found = draw(renderer, (*picture[:2], replace(picture[2], skip=skip)))
+        found = draw(renderer, (*picture[:2], replace(picture[2], shortcuts=skip)))
     renderer.release()
     return found
 
@@ -88,7 +88,7 @@ def line(name: str, found: dict) -> str:
 def to_the_same_error(device: Device, folder: Path, rounds: int) -> list[dict]:
     """Of the atrium: seconds to the error that some numbers of samples have, with skipping, without, and told all."""
     stage = set_up("atrium", 0, (640, 360), TRUTH_SAMPLES, folder)
-    variants = {"skip": ALL_SAMPLES, "no skip": replace(ALL_SAMPLES, skip=False)}
+    variants = {"skip": ALL_SAMPLES, "no skip": replace(ALL_SAMPLES, shortcuts=False)}
     engines = [Ism(name, settings, device, stage, SECONDS) for name, settings in variants.items()]
     known = Known("all known", ALL_SAMPLES, device, stage, SECONDS)
     curves = race(stage, [*engines, known], rounds).curves

@@ -25,7 +25,7 @@ bpy.data.lights[0].type = "AREA"
 bpy.data.lights[0].size = 2.0
 scene.render.engine = "ISM"
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 48, 32, 100
-scene.ism.render.samples, scene.ism.render.light_points = 1, 8
+scene.ism.render.samples, scene.ism.render.virtual_lights = 1, 8
 scene.render.filepath = picture
 bpy.ops.render.render(write_still=True)
 

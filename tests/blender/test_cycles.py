@@ -56,7 +56,7 @@ def test_unshadowed_light_is_that_of_cycles(device, lamp_over_plane, shape, spre
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the truth
     renderer = Renderer(device)
     settings = Settings(
-        shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=Quality(samples=1, light_points=4)
+        shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=Quality(samples=1, virtual_lights=4)
     )
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass

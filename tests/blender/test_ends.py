@@ -56,13 +56,13 @@ def test_time_ends_it(scene, told):
 
 def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):
     """Blender keeps properties in their ranges, but not what scripts and older files have put in their place."""
-    scene.ism.render["samples"], scene.ism.render["light_points"] = 0, 10**6
+    scene.ism.render["samples"], scene.ism.render["virtual_lights"] = 0, 10**6
     told()
     assert engine.statistics()["samples"] == 1
-    warnings = re.findall(r"(?:Samples|Light Points) cannot be .*", capfd.readouterr().out)
+    warnings = re.findall(r"(?:Samples|Virtual Point Lights) cannot be .*", capfd.readouterr().out)
     assert sorted(warnings) == [
-        "Light Points cannot be 1,000,000: 4,096 is used instead.",
         "Samples cannot be 0: 1 is used instead.",
+        "Virtual Point Lights cannot be 1,000,000: 4,096 is used instead.",
     ]
 
 

@@ -50,7 +50,7 @@ def prepare(scene):
     view_layer = scene.view_layers[0]
     view_layer.name, view_layer.use_pass_z, view_layer.use_pass_normal = "Layer", True, True
     quality = scene.ism.render
-    quality.samples, quality.light_points, quality.map_size, quality.surface_points = 2, 8, 32, 2000
+    quality.samples, quality.virtual_lights, quality.map_size, quality.map_points = 2, 8, 32, 2000
 
 
 @pytest.fixture
@@ -153,15 +153,15 @@ def test_world_stands_behind_or_leaves_the_film_empty(scene, rendered):
     assert (alpha[0, 0], alpha[HEIGHT // 2, WIDTH // 2]) == pytest.approx((0.0, 1.0), abs=1e-3)
 
 
-@pytest.mark.parametrize(("method", "has_points"), [("FITTED", False), ("CLASSIC", True)])
+@pytest.mark.parametrize(("method", "has_points"), [("RAY_TRACED", False), ("SHADOW_MAPS", True)])
 def test_statistics_are_a_copy_of_the_last_render(scene, rendered, method, has_points):
     scene.ism.shadow.method = method
     rendered()
     numbers = engine.statistics()
     assert numbers["samples"] == 2
-    assert numbers["light_points"] == (8 if has_points else 0)
+    assert numbers["virtual_lights"] == (8 if has_points else 0)
     assert numbers["triangles"] == 14
-    assert (numbers["surface_points"] > 0) is has_points
+    assert (numbers["map_points"] > 0) is has_points
     assert numbers["bytes_uploaded"] > 0 and numbers["seconds"] > 0.0
     for row in numbers["passes"].values():
         assert set(row) == {"drawn", "reused", "skipped", "ms"}

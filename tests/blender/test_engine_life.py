@@ -170,7 +170,7 @@ def test_unknown_errors_are_not_swallowed():
     result = python(
         "import bpy\n"
         "from ism_addon import addon\n"
-        "from ism_addon.blender import camera\n"
+        "from ism_addon.blender.sync import camera\n"
         "addon.register()\n"
         "camera.final_view = None\n"
         "bpy.context.scene.render.engine = 'ISM'\n"

@@ -43,7 +43,7 @@ def ours(device):
     """(16,16,3) of the open scene."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     renderer = Renderer(device)
-    quality = Quality(samples=1, light_points=4)
+    quality = Quality(samples=1, virtual_lights=4)
     settings = Settings(shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=quality)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the truth
     for _ in renderer.sample(scene_reader.scene(depsgraph), view, settings, 0, Profile()):

@@ -22,7 +22,7 @@ def scene():
     scene.render.engine = "ISM"
     scene.render.resolution_x, scene.render.resolution_y = 40, 20
     scene.ism.render.samples, scene.ism.viewport.samples = 5, 3
-    scene.ism.show = "depth"
+    scene.ism.debug_view = "depth"
     return scene
 
 
@@ -41,7 +41,7 @@ def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
     expected = camera.final_view(bpy.context.evaluated_depsgraph_get())
     assert np.array_equal(view.clip_from_view, expected.clip_from_view)
     assert settings == read_settings.read(scene, "render")
-    assert (settings.quality.samples, settings.show) == (5, DebugView.COLOR)
+    assert (settings.quality.samples, settings.debug_view) == (5, DebugView.COLOR)
 
 
 @pytest.mark.parametrize("pressed_in", ["WINDOW", "HEADER"])
@@ -56,7 +56,7 @@ def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, presse
     assert (view.width, view.height) == (window.width // pixels, window.height // pixels)
     assert np.array_equal(view.clip_from_view, np.array(area.spaces.active.region_3d.window_matrix))
     assert settings == read_settings.read(scene, "viewport")
-    assert (settings.quality.samples, settings.show) == (3, DebugView.DEPTH)
+    assert (settings.quality.samples, settings.debug_view) == (3, DebugView.DEPTH)
 
 
 def test_from_a_viewport_it_is_without_what_that_hides(scene, viewport, tmp_path):

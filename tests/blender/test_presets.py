@@ -12,7 +12,7 @@ from ism_addon.blender.render import read_settings
 from ism_addon.settings import FINAL, VIEWPORT, Method
 from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
 
-OURS = {"Draft", "Good", "Final", "Classic_2013"}
+OURS = {"Draft", "Default", "Final", "Report_2013"}
 
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -47,7 +47,7 @@ def chosen():
 
 def turn(scene):
     """All that a preset is about, away from its default."""
-    scene.ism.shadow.method = "CLASSIC"
+    scene.ism.shadow.method = "SHADOW_MAPS"
     scene.ism.viewport.resolution = "25"
     for group in (scene.ism.render, scene.ism.viewport):
         for member, _ in settings.setting_fields(settings.Quality):
@@ -62,13 +62,13 @@ def test_good_is_what_the_settings_are_by_themselves(scene):
     before = chosen()
     turn(scene)
     assert not {name for name, value in chosen().items() if value == before[name]}
-    choose("Good")
+    choose("Default")
     assert chosen() == before
 
 
 @pytest.mark.parametrize(("name", "times", "resolution"), [("Draft", 0.25, "50"), ("Final", 4, "100")])
 def test_a_preset_changes_what_it_says(scene, name, times, resolution):
-    choose("Good")
+    choose("Default")
     before = chosen()
     turn(scene)
     choose(name)
@@ -78,18 +78,18 @@ def test_a_preset_changes_what_it_says(scene, name, times, resolution):
 
 def test_the_report_of_2013(scene):
     turn(scene)
-    choose("Classic_2013")
+    choose("Report_2013")
     render, viewport = (read_settings.read(scene, use) for use in ("render", "viewport"))
     assert render == viewport
-    assert render.shadow.method is Method.CLASSIC
+    assert render.shadow.method is Method.SHADOW_MAPS
     assert astuple(render.quality) == pytest.approx(astuple(settings.Quality(samples=1)))
 
 
 def test_the_look_is_left_alone(scene):
-    scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.show = 3.0, 2.0, "normal"
+    scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.debug_view = 3.0, 2.0, "normal"
     for name in OURS:
         choose(name)
-    assert (scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.show) == (3.0, 2.0, "normal")
+    assert (scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.debug_view) == (3.0, 2.0, "normal")
 
 
 def test_users_keep_and_remove_their_own(scene, tmp_path):
@@ -97,7 +97,7 @@ def test_users_keep_and_remove_their_own(scene, tmp_path):
     kept = chosen()
     bpy.ops.render.ism_preset_add(name="My own")
     assert found()["My_own"].is_relative_to(tmp_path)
-    choose("Good")
+    choose("Default")
     assert chosen() != kept
     choose("My_own")
     assert chosen() == kept

@@ -68,7 +68,7 @@ def test_defaults(scene):
         assert same(read.shadow, settings.Shadow())
         assert same(read.ssao, settings.SSAO())
         assert same(read.quality, settings.Quality(*astuple(quality)[: len(fields(settings.Quality))]))
-        assert read.show == settings.Settings().show
+        assert read.debug_view == settings.Settings().debug_view
 
 
 @pytest.mark.parametrize("name, member, control", EVERY)
@@ -113,7 +113,7 @@ def test_values_arrive_and_stay_in_range(scene, name, member, control):
 
 
 def test_an_unknown_choice_is_refused(scene):
-    with pytest.raises(TypeError, match="CLASSIC"):
+    with pytest.raises(TypeError, match="SHADOW_MAPS"):
         scene.ism.shadow.method = "NONSENSE"
     assert scene.ism.shadow.method == settings.Shadow().method
 
@@ -121,11 +121,11 @@ def test_an_unknown_choice_is_refused(scene):
 @pytest.mark.parametrize(
     ("method", "shadow", "sampling"),
     [
-        ("FITTED", ["method"], ["samples", "error_threshold", "time_limit"]),
+        ("RAY_TRACED", ["method"], ["samples", "error_threshold", "time_limit"]),
         (
-            "CLASSIC",
+            "SHADOW_MAPS",
             ["method", "splat_size", "bias", "fill_holes", "fill_threshold"],
-            ["samples", "error_threshold", "time_limit", "light_points", "map_size", "surface_points"],
+            ["samples", "error_threshold", "time_limit", "virtual_lights", "map_size", "map_points"],
         ),
     ],
 )
@@ -143,9 +143,9 @@ def test_the_two_qualities_are_apart(scene):
 
 
 def test_a_debug_view_is_for_the_viewport_alone(scene):
-    scene.ism.show = "occlusion"
-    assert read_settings.read(scene, "viewport").show is settings.DebugView.OCCLUSION
-    assert read_settings.read(scene, "render").show is settings.DebugView.COLOR
+    scene.ism.debug_view = "occlusion"
+    assert read_settings.read(scene, "viewport").debug_view is settings.DebugView.OCCLUSION
+    assert read_settings.read(scene, "render").debug_view is settings.DebugView.COLOR
 
 
 @pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("50", 2), ("25", 4)])

@@ -29,7 +29,7 @@ def rendered():
         scene.render.resolution_x, scene.render.resolution_y = 24, 16
         scene.ism.shadow.method = method
         quality = scene.ism.render
-        quality.samples, quality.light_points, quality.map_size, quality.surface_points = 2, 2, 16, 256
+        quality.samples, quality.virtual_lights, quality.map_size, quality.map_points = 2, 2, 16, 256
         bpy.ops.render.render()
 
     return render
@@ -40,7 +40,7 @@ def test_before_the_first_picture_there_is_nothing():
 
 
 def test_a_final_render_is_told(rendered):
-    rendered("FITTED")
+    rendered("RAY_TRACED")
     use, told = statistics.latest()
     assert use == "render"
     assert use in statistics.USES
@@ -52,7 +52,7 @@ def test_a_final_render_is_told(rendered):
     assert float(rows["TraceShadows"][3]) > 0.0
 
 
-@pytest.mark.parametrize(("method", "has_points"), [("FITTED", False), ("CLASSIC", True)])
+@pytest.mark.parametrize(("method", "has_points"), [("RAY_TRACED", False), ("SHADOW_MAPS", True)])
 def test_counts_are_of_what_there_is(rendered, method, has_points):
     rendered(method)
     shown = dict(statistics.counts(statistics.latest()[1]))
@@ -61,7 +61,7 @@ def test_counts_are_of_what_there_is(rendered, method, has_points):
     assert shown["Time"].endswith(" s")
     assert shown["Ended By"] == "Samples"
     assert 0.0 < float(shown["Estimated Error"].removesuffix(" %")) < 100.0
-    assert ("Light Points" in shown) == ("Surface Points" in shown) == has_points
+    assert ("Virtual Point Lights" in shown) == ("Points per Map" in shown) == has_points
     assert all(float(shown[name].removesuffix(" MB")) >= 0.0 for name in ("Uploaded", "Memory of Targets"))
 
 

@@ -23,7 +23,7 @@ def through_camera(stage: Stage) -> None:
 def render(stage: Stage, path: Path) -> None:
     """F12, with as many samples as the viewport."""
     ism = stage.scene.ism
-    for name in ("samples", "light_points", "map_size", "surface_points"):
+    for name in ("samples", "virtual_lights", "map_size", "map_points"):
         setattr(ism.render, name, getattr(ism.viewport, name))
     stage.scene.render.filepath = str(path)
     stage.scene.render.dither_intensity = 0.0  # the viewport has none

@@ -67,7 +67,7 @@ def occlude(stage: Stage, chance: Random) -> None:
 
 
 def change_method(stage: Stage, chance: Random) -> None:
-    stage.scene.ism.shadow.method = chance.choice(("FITTED", "CLASSIC"))
+    stage.scene.ism.shadow.method = chance.choice(("RAY_TRACED", "SHADOW_MAPS"))
 
 
 def turn(stage: Stage, chance: Random) -> None:

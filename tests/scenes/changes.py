@@ -50,21 +50,21 @@ BY_MAPS = {"SplatMaps", "FillHoles", "GatherLight"}
 
 #: Other ones, or nothing new, in each sample.
 EACH_SAMPLE = {
-    Method.FITTED: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    Method.CLASSIC: {"SelectTiles", "GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
+    Method.RAY_TRACED: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+    Method.SHADOW_MAPS: {"SelectTiles", "GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
 }
 
 
 #: What an edit has drawn again, of that which samples share;
 SHARED = {
-    Method.FITTED: {
+    Method.RAY_TRACED: {
         nothing_changed: set(),
         view_turned: {"CullMeshes", "ProbeVisibility"},
         light_moved: {"CullMeshes", "UploadLights", "ProbeVisibility"},
         colour_changed: {"UploadMaterials"},
         object_moved: {"CullMeshes", "UploadInstances", "BuildTLAS", "ProbeVisibility"},
     },
-    Method.CLASSIC: {
+    Method.SHADOW_MAPS: {
         nothing_changed: set(),
         view_turned: {"CullMeshes"},
         light_moved: {"CullMeshes", "UploadLights", "WeighLights", "SelectPoints"},
@@ -75,14 +75,14 @@ SHARED = {
 
 #: and of a first sample, where all that was drawn is that of another first sample.
 FIRST = {
-    Method.FITTED: {
+    Method.RAY_TRACED: {
         nothing_changed: set(),
         view_turned: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
         light_moved: BY_RAYS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
         object_moved: {"GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
     },
-    Method.CLASSIC: {
+    Method.SHADOW_MAPS: {
         nothing_changed: set(),
         view_turned: {"SelectTiles", "GBuffer", "CullLights", "GatherLight"} | OCCLUSION | PICTURE,
         light_moved: {"CullLights", "PlaceVirtualLights"} | BY_MAPS | PICTURE,

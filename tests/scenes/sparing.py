@@ -56,7 +56,7 @@ def words(function: object) -> str:
     return function.__name__.replace("_", " ")
 
 
-def settings(method: Method = Method.FITTED, samples: int = SAMPLES) -> Settings:
+def settings(method: Method = Method.RAY_TRACED, samples: int = SAMPLES) -> Settings:
     """The defaults, with so many samples whatever their error."""
     base = Settings(quality=Quality(samples=samples, error_threshold=0.0))
     return replace(base, shadow=replace(base.shadow, method=method))

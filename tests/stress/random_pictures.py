@@ -138,11 +138,11 @@ def all_settings(draw: st.DrawFn) -> Settings:
     quality = Quality(
         samples=draw(st.sampled_from([1, 2, 5])),
         error_threshold=0.0,
-        light_points=draw(st.sampled_from([4, 1])),
+        virtual_lights=draw(st.sampled_from([4, 1])),
         map_size=draw(st.sampled_from([16, 8, 33])),
-        surface_points=draw(st.sampled_from([256, 1])),
+        map_points=draw(st.sampled_from([256, 1])),
     )
-    return Settings(Shadow(method=method), ssao, quality, skip=not draw(st.booleans()))
+    return Settings(Shadow(method=method), ssao, quality, shortcuts=not draw(st.booleans()))
 
 
 @st.composite

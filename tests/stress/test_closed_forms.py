@@ -58,7 +58,7 @@ def strip(lamp: Lights, part: float) -> Lights:
     ("settings", "bound"),
     [
         (with_quality(SMALL_SETTINGS, samples=256), 5e-3),
-        (with_quality(MAPS, samples=16, light_points=32, map_size=128, surface_points=1 << 15), 5e-2),
+        (with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=1 << 15), 5e-2),
     ],
     ids=["rays", "maps"],
 )
@@ -163,7 +163,7 @@ def test_a_furnace(device, within, name, ssao):
 def test_shadows_add_no_light(device, within, name, samples):
     """No pixel is brighter than without shadows, over the picture's mean, if as many samples are drawn of it."""
     scene, view = SMALL[name](96, 64)
-    settings = replace(with_quality(SMALL_SETTINGS, samples=samples), skip=False)
+    settings = replace(with_quality(SMALL_SETTINGS, samples=samples), shortcuts=False)
     whole = draw(device, scene, view, replace(settings, shadow=replace(settings.shadow, enabled=False))).color
     shaded = draw(device, scene, view, settings).color
     within(float((shaded - whole)[..., :3].max() / whole[..., :3].mean()), 1e-5)

@@ -20,7 +20,7 @@ from ..scenes.small import SMALL
 from ..studio import draw
 from ..tools import project
 
-PLAIN = Settings(ssao=SSAO(), quality=Quality(samples=9, light_points=16, map_size=32, surface_points=2048))
+PLAIN = Settings(ssao=SSAO(), quality=Quality(samples=9, virtual_lights=16, map_size=32, map_points=2048))
 METHODS = {method: replace(PLAIN, shadow=Shadow(method=method)) for method in Method}
 BOTH = pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
 FRAMES = 6

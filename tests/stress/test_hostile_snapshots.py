@@ -38,7 +38,7 @@ def test_a_snapshot_that_is_damaged(told, path, harm, sentence):
 
 def test_a_snapshot_of_later_times(told, path):
     rewritten(path, told={"version": snapshot.VERSION + 1})
-    assert told(path) == f"{path} is a snapshot of version 3; this one reads version 2."
+    assert told(path) == f"{path} is a snapshot of version 4; this one reads version 3."
 
 
 def test_a_snapshot_that_is_not_there(told, tmp_path):
@@ -79,7 +79,7 @@ def test_a_snapshot_that_is_packed(told, path, packing):
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize("place", ["settings/shadow/bias", "view/width", "view/filter_width", "settings/show"])
+@pytest.mark.parametrize("place", ["settings/shadow/bias", "view/width", "view/filter_width", "settings/debug_view"])
 @pytest.mark.parametrize("long", [10**400, "a" * 5000, [0] * 5000], ids=["number", "word", "list"])
 def test_a_snapshot_of_long_values(told, path, place, long):
     """The sentence says where, and quotes no more than can be read."""

@@ -20,8 +20,8 @@ from .into_blender import into_blender, out_of_blender
 RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0))
 MAPS = replace(
     RAYS,
-    shadow=Shadow(method=Method.CLASSIC),
-    quality=replace(RAYS.quality, light_points=16, map_size=64, surface_points=8192),
+    shadow=Shadow(method=Method.SHADOW_MAPS),
+    quality=replace(RAYS.quality, virtual_lights=16, map_size=64, map_points=8192),
 )
 FILTER = 1.5  # px
 #: Of a light: its shape, and its height as a part of its width.

@@ -41,7 +41,7 @@ def check(device, picture: Picture, renderer, afresh: bool) -> None:
     assert color.min() >= 0.0, f"{color.min()} is darker than black"
     assert color[..., 3].max() <= 1.0 + 1e-5
     white = not np.ptp(scene.lights.radiance, axis=1).any()  # of light in doubt, only the brightness is known
-    if how.shadow.method == Method.FITTED and not how.skip and white:
+    if how.shadow.method == Method.RAY_TRACED and not how.shortcuts and white:
         whole = draw(device, unshadowed(scene), view, how, renderer).color[..., :3]
         above = (color[..., :3] - whole).max()
         assert above <= BRIGHTER * max(whole.mean(), 1e-30), f"{above} brighter than without shadows"
@@ -83,7 +83,7 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
         return None
     meshes = tuple(mesh(each.positions, each.triangles) for each in scene.meshes)
     scene, view = replace(scene, meshes=meshes), replace(view, filter_width=0.01, transparent=False)
-    plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=256), skip=how.skip)
+    plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=256), shortcuts=how.shortcuts)
     few, truth = (reference.picture(scene, view, side)[0].reshape(view.height, view.width, 3) for side in (12, 17))
     if not truth.any() or apart(few, truth) > 0.01:
         return None
@@ -111,4 +111,4 @@ def test_random_pictures_against_rays(device, within, examples):
 def test_pictures_that_were_wrong_once(device, path):
     check(device, snapshot.load(path), None, True)
     scene, view, how = snapshot.load(path)
-    check(device, (scene, view, replace(how, skip=False)), None, False)
+    check(device, (scene, view, replace(how, shortcuts=False)), None, False)

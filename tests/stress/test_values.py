@@ -15,7 +15,7 @@ from .pictures import apart
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0))
 BOTH = pytest.mark.parametrize(
-    "settings", [SETTINGS, with_quality(MAPS, samples=8, light_points=32)], ids=["rays", "maps"]
+    "settings", [SETTINGS, with_quality(MAPS, samples=8, virtual_lights=32)], ids=["rays", "maps"]
 )
 THINGS = [quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), rubble(60, 0.6)]
 PLACES = [placed(), placed(offset=(0.0, 0.0, 0.9))]

@@ -19,12 +19,12 @@ def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
 def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
     """The settings for a use, "render" or "viewport": one look, two qualities."""
     group = scene.ism
-    show = settings.DebugView(group.show) if use == "viewport" else settings.Settings.show
+    debug_view = settings.DebugView(group.debug_view) if use == "viewport" else settings.Settings.debug_view
     return settings.Settings(
         shadow=_section(settings.Shadow, group.shadow),
         ssao=_section(settings.SSAO, group.ssao),
         quality=_section(settings.Quality, getattr(group, use)),
-        show=show,
+        debug_view=debug_view,
     )
 
 

@@ -20,7 +20,7 @@ class Picture:
     triangles: int = 100_000
     objects: int = 0
     lamps: int = 3
-    light_points: int | None = None  # with any, shadows are those of the method Classic
+    virtual_lights: int | None = None  # with any, shadows are those of the method Classic
     height: int = 360  # px; pictures are 16:9
     ssao_radius: float | None = None  # px in the middle of the picture; without, nothing is darkened
     frames: int = 0  # of a camera that goes around the scene, after the picture
@@ -39,9 +39,9 @@ class Picture:
     def settings(self) -> Settings:
         """How it is drawn."""
         settings = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=SAMPLES))
-        if self.light_points is not None:
-            quality = replace(settings.quality, light_points=self.light_points)
-            settings = replace(settings, shadow=Shadow(method=Method.CLASSIC), quality=quality)
+        if self.virtual_lights is not None:
+            quality = replace(settings.quality, virtual_lights=self.virtual_lights)
+            settings = replace(settings, shadow=Shadow(method=Method.SHADOW_MAPS), quality=quality)
         if self.ssao_radius is not None:
             settings = replace(settings, ssao=SSAO(radius=self.ssao_radius * self.pixel))
         return settings
@@ -68,8 +68,8 @@ SERIES = {
         "instances", (10, 100, 1000, 5000, 20_000), (10, 1000), lambda value: Picture(triangles=10_000, objects=value)
     ),
     "lights": Series("area lights", (1, 5, 20, 100, 500), (1, 20), lambda value: Picture(lamps=value)),
-    "light_points": Series(
-        "virtual point lights", (16, 64, 256, 1024, 4096), (16, 256), lambda value: Picture(light_points=value)
+    "virtual_lights": Series(
+        "virtual point lights", (16, 64, 256, 1024, 4096), (16, 256), lambda value: Picture(virtual_lights=value)
     ),
     "resolution": Series(
         "lines of the picture", (180, 360, 720, 1080, 2160), (180, 720), lambda value: Picture(height=value)

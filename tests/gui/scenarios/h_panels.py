@@ -22,14 +22,14 @@ def debug_views(stage: Stage) -> Steps:
     yield from _settle(stage)
     first = stage.pixels("picture")
     for name, (point, linear) in TARGETS.items():
-        stage.scene.ism.show = name
+        stage.scene.ism.debug_view = name
         yield from stage.rested()
         across, up = stage.place_of(point)
         shown = stage.pixels(name)
         texel = shown[round((1.0 - up) * len(shown)), round(across * len(shown[0]))]
         expected = [1.055 * value ** (1.0 / 2.4) - 0.055 if value else 0.0 for value in linear]
         stage.measured(f"{name}: off by", 255 * np.abs(texel - expected).max(), "/255", must=2)
-    stage.scene.ism.show = "color"
+    stage.scene.ism.debug_view = "color"
     yield from stage.rested()
     stage.measured("the picture again, RMSE", 255 * rmse(first, stage.pixels("again")), "/255", must=1, aim=0)
     jobs = engine.jobs()

@@ -70,7 +70,7 @@ class PredictVisibility(Pass):
             for light in np.flatnonzero(frame.scene.lights.spread < np.pi):
                 if light in found:  # a cone may light what lies between rays, none of which it was worth to send
                     found[light][tables["reach"][light].scouted & ~found[light].any(2)] = True
-            if not frame.settings.skip:
+            if not frame.settings.shortcuts:
                 found = {light: np.ones_like(blocks) for light, blocks in found.items()}
             tables["found"] = {light: blocks for light, blocks in found.items() if blocks[..., 0].any()}
             tables["looks"] = dict(

@@ -48,7 +48,7 @@ def ray_sequence() -> dict[str, tuple[int, ...]]:
 
 def ray_threshold(frame: Frame) -> float:
     """The change of a pixel's luminance that a ray is traced for in any case."""
-    return RAY_THRESHOLD * frame.tables["brightness"] if frame.settings.skip else float(np.finfo(np.float32).tiny)
+    return RAY_THRESHOLD * frame.tables["brightness"] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)
 
 
 def count_lights(frame: Frame, lights: set[int]) -> None:

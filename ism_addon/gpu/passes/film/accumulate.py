@@ -54,12 +54,12 @@ class Accumulate(Pass):
 
     reads = ("blocks", "chances", "color", "color_correction", "headroom", "shown")
     writes = {**SUMS, **TAKEN, **ROWS}
-    settings = ("show",)
+    settings = ("debug_view",)
     depends_on = (Change.SAMPLE,)
 
     def draw(self, frame: Frame) -> None:
         gl = frame.device.gl
-        first, colored, reach = frame.sample == 0, frame.settings.show == "color", frame.view.filter_width
+        first, colored, reach = frame.sample == 0, frame.settings.debug_view == "color", frame.view.filter_width
         adding = moderngl.NOTHING if first else moderngl.BLEND
         gl.blend_func = moderngl.ONE, moderngl.ONE
         corrected = int(colored and not first)  # the first sample is predicted, no more; all blocks take part in it

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any target as a picture: what settings.show names, stretched to the picture's size."""
+"""Any target as a picture: what settings.debug_view names, stretched to the picture's size."""
 
 from functools import cached_property
 
@@ -15,7 +15,7 @@ class DebugImage(Pass):
 
     reads = ("color",)
     writes = {"shown": Target(4, "f4")}
-    settings = ("show",)
+    settings = ("debug_view",)
 
     @cached_property
     def pixels(self) -> dict[bool, moderngl.VertexArray]:
@@ -26,17 +26,17 @@ class DebugImage(Pass):
         return {integers: self.device.gl.vertex_array(program, []) for integers, program in programs.items()}
 
     def needed(self, frame: Frame) -> bool:
-        return frame.settings.show != "color"
+        return frame.settings.debug_view != "color"
 
     def draw(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
-        source = frame.targets[frame.settings.show]
+        source = frame.targets[frame.settings.debug_view]
         pixels = self.pixels[source.dtype == "u4"]
         bind(
             pixels.program,
             source=source,
-            octahedral=frame.settings.show == "normal",
+            octahedral=frame.settings.debug_view == "normal",
             components=source.components,
-            size=frame.targets.sizes[frame.settings.show],
+            size=frame.targets.sizes[frame.settings.debug_view],
         )
         self.draw_pixels(frame, frame.targets.into("shown"), pixels)

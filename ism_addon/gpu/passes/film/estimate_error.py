@@ -36,7 +36,7 @@ class EstimateError(Pass):
 
     reads = ("resolved",)
     writes = {"earlier": Target(4, "f4"), "moved": Target(2, "f4", divisor=TILE_SIZE, strips=True)}
-    settings = ("quality.error_threshold", "skip")
+    settings = ("quality.error_threshold", "shortcuts")
     depends_on = (Change.SAMPLE,)
 
     def __init__(self, device: Device):
@@ -54,7 +54,7 @@ class EstimateError(Pass):
                 error.compare(self.moved(frame), self.counts)
             self.device.gl.copy_framebuffer(frame.targets.into("earlier"), frame.targets.into("resolved"))
             self.counts = error.counts.copy()
-        if frame.settings.skip and quality.error_threshold > 0.0 and frame.sample + 1 >= MIN_SAMPLES_TO_STOP:
+        if frame.settings.shortcuts and quality.error_threshold > 0.0 and frame.sample + 1 >= MIN_SAMPLES_TO_STOP:
             error.settle(quality.error_threshold)
 
     def moved(self, frame: Frame) -> np.ndarray:

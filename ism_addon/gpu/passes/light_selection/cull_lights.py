@@ -93,7 +93,7 @@ class CullLights(Pass):
         **{f"far_{name}": TILE_BOUNDS for name in ("lowest", "highest", "facing")},
     }
     makes = ("reach", "reaching")
-    settings = ("skip",)
+    settings = ("shortcuts",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def __init__(self, device: Device):
@@ -119,7 +119,7 @@ class CullLights(Pass):
     def draw(self, frame: Frame) -> None:
         if frame.sample not in RENEWED:  # surfaces come to light
             return
-        frame.tables["reach"] = self.reached(frame) if frame.settings.skip else without_culling(frame)
+        frame.tables["reach"] = self.reached(frame) if frame.settings.shortcuts else without_culling(frame)
         frame.tables["reaching"] = tuple(sorted(frame.tables["reach"]))
 
     def reached(self, frame: Frame) -> dict[int, LightInfluence]:

@@ -9,7 +9,7 @@ uniform usampler2D triangles;
 uniform samplerBuffer memberships;
 uniform samplerBuffer lights;
 uniform samplerBuffer points_of_lights;
-uniform samplerBuffer light_points;
+uniform samplerBuffer virtual_lights;
 uniform sampler2D maps;
 uniform int light_count; // of those that count
 uniform ivec2 batch; // first light point, number of light points
@@ -50,7 +50,7 @@ vec3 light_irradiance(Light light, PointsOfLight points, vec3 p, vec3 n, vec3 fa
     float sent = 0.0, arrived = 0.0, close = 0.0, arrived_close = 0.0;
     int last = full == vec3(0.0) ? 0 : points.first + points.count;
     for (int k = points.first; k < last; ++k) {
-        LightPoint point = fetch_LightPoint(light_points, k);
+        LightPoint point = fetch_LightPoint(virtual_lights, k);
         vec3 v = vec3(p.xy - point.place, p.z);
         float square = dot(v, v);
         float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);

@@ -25,7 +25,7 @@ POINTS = 30
 class GatherLight(Pass):
     """Irradiance W/m² of each pixel: the sum over the batches of light points."""
 
-    reads = ("position", "normal", "placement", "lights", "points_of_lights", "light_points", "splats", "shadow_maps")
+    reads = ("position", "normal", "placement", "lights", "points_of_lights", "virtual_lights", "splats", "shadow_maps")
     writes = {"irradiance": Target(4, "f4")}
     settings = ("shadow.enabled", "shadow.method", "shadow.bias", "shadow.fill_holes")
     depends_on = (Change.LIGHTS,)
@@ -53,7 +53,7 @@ class GatherLight(Pass):
             memberships=frame.tables["placement"].memberships,
             lights=frame.tables["lights"],
             points_of_lights=frame.tables["points_of_lights"],
-            light_points=frame.tables["light_points"],
+            virtual_lights=frame.tables["virtual_lights"],
             maps=frame.targets["shadow_maps" if shadow.fill_holes else "splats"],
             light_count=len(frame.tables["points_per_light"]),
             batch=(batch.first, batch.count),

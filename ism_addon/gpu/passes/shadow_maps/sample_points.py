@@ -20,7 +20,7 @@ class SamplePoints(Pass):
     makes = ("cloud",)
     settings = (
         "shadow.method",
-        "quality.surface_points",
+        "quality.map_points",
     )
     depends_on = (Change.MESHES, Change.INSTANCES)
 
@@ -28,6 +28,6 @@ class SamplePoints(Pass):
         return frame.splats
 
     def draw(self, frame: Frame) -> None:
-        seen = frame.settings.quality.surface_points
+        seen = frame.settings.quality.map_points
         count = max(seen, min(POINTS_PER_MAP_POINT * seen, MAX_POINTS))
         frame.tables["cloud"] = make_point_cloud(frame.scene, frame.anchor, count, frame.pace.look)

@@ -101,8 +101,8 @@ class SelectPoints(Pass):
 
     reads = ("cloud",)
     compares = ("reaching",)
-    makes = ("surface_points",)
-    settings = ("shadow.method", "quality.surface_points", "shadow.splat_size")
+    makes = ("map_points",)
+    settings = ("shadow.method", "quality.map_points", "shadow.splat_size")
     depends_on = (Change.LIGHTS,)
 
     def needed(self, frame: Frame) -> bool:
@@ -110,7 +110,7 @@ class SelectPoints(Pass):
 
     def draw(self, frame: Frame) -> None:
         cloud, lights = frame.tables["cloud"], frame.scene.lights
-        count, size = frame.settings.quality.surface_points, frame.settings.shadow.splat_size
+        count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
         look = frame.pace.look
 
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
@@ -132,6 +132,6 @@ class SelectPoints(Pass):
         ]
         look()
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
-        frame.tables["surface_points"] = table, buffer
+        frame.tables["map_points"] = table, buffer
         frame.counts["bytes_uploaded"] += points.nbytes
-        frame.counts["surface_points"] = max((subset.count for row in table for subset in row), default=0)
+        frame.counts["map_points"] = max((subset.count for row in table for subset in row), default=0)

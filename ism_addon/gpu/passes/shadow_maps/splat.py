@@ -32,7 +32,7 @@ TEXELS = 30
 class SplatMaps(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
-    reads = ("surface_points", "maps")
+    reads = ("map_points", "maps")
     writes = {"splats": Target(1, "f4", neutral=(NO_OCCLUDER,), divisor=0)}
     settings = (
         "shadow.method",
@@ -52,7 +52,7 @@ class SplatMaps(Pass):
         atlas = frame.targets.into("splats")
         whole = atlas.viewport
         atlas.clear(NO_OCCLUDER)
-        subsets, points = frame.tables["surface_points"]
+        subsets, points = frame.tables["map_points"]
         if points is None:
             return
         atlas.use()

@@ -56,8 +56,8 @@ class PlaceVirtualLights(Pass):
 
     reads = ("deviations",)
     compares = ("reaching",)
-    makes = ("points_per_light", "points_of_lights", "light_points", "maps")
-    settings = ("quality.light_points",)
+    makes = ("points_per_light", "points_of_lights", "virtual_lights", "maps")
+    settings = ("quality.virtual_lights",)
     depends_on = (Change.LIGHTS, Change.SAMPLE)
 
     def needed(self, frame: Frame) -> bool:
@@ -67,11 +67,13 @@ class PlaceVirtualLights(Pass):
         lights, counts = frame.scene.lights, dict.fromkeys(frame.tables["reaching"], 0)
         wanting = [light for light in counts if frame.splats and lights.casts_shadow[light]]
         if wanting:
-            counts |= allocate_virtual_lights(wanting, frame.tables["deviations"], frame.settings.quality.light_points)
+            counts |= allocate_virtual_lights(
+                wanting, frame.tables["deviations"], frame.settings.quality.virtual_lights
+            )
         of_lights, points, maps = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
         frame.tables["points_per_light"] = counts
         frame.tables["points_of_lights"] = VIRTUAL_LIGHT_RANGE.upload(self.device, of_lights)
-        frame.tables["light_points"] = VIRTUAL_LIGHT.upload(self.device, points)
+        frame.tables["virtual_lights"] = VIRTUAL_LIGHT.upload(self.device, points)
         frame.tables["maps"] = maps
-        frame.counts["light_points"] = len(points)
+        frame.counts["virtual_lights"] = len(points)
         frame.counts["bytes_uploaded"] += of_lights.nbytes + points.nbytes

@@ -44,7 +44,7 @@ class GBuffer(Pass):
     makes = ("rise",)  # how far the curved surface stands out over the triangle
     reads = ("geometry", "placement", "surfaces", "coordinates", "blocks")
     parts = {"surfaces": ("albedo",)}
-    settings = ("skip",)
+    settings = ("shortcuts",)
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     def __init__(self, device: Device):
@@ -112,7 +112,7 @@ class GBuffer(Pass):
             owners=placement.owners.array,
         )
         triangles = gl.vertex_array(self.triangles, [])
-        if frame.settings.skip:
+        if frame.settings.shortcuts:
             a_pixel = 2.0 / min(frame.view.width, frame.view.height)
             draws = placement.draws(clip_from_anchor(frame.view, frame.anchor), a_pixel)
         else:

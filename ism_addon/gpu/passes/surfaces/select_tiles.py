@@ -46,7 +46,7 @@ class SelectTiles(Pass):
 
     writes = {"noise": Target(2, "f4", divisor=TILE_SIZE, strips=True)}
     makes = ("blocks", "counts", "chances", "error")
-    settings = ("shadow.method", "skip")
+    settings = ("shadow.method", "shortcuts")
     depends_on = (Change.VIEW, Change.SAMPLE)
 
     @cached_property
@@ -59,7 +59,7 @@ class SelectTiles(Pass):
         elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
             noise, frame.tables["brightness"] = self.so_far(frame)
             unsettled = ~frame.tables["error"].settled
-            if frame.fitted and frame.settings.skip and frame.sample >= UNIFORM_SAMPLES and unsettled.any():
+            if frame.fitted and frame.settings.shortcuts and frame.sample >= UNIFORM_SAMPLES and unsettled.any():
                 self.share_out(noise, frame.tables["brightness"], unsettled)
         error, turn = frame.tables["error"], sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
         takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & neighbourhood_max(~error.settled)

@@ -26,7 +26,7 @@ class CullMeshes(Pass):
     """The numbers of the meshes that are needed."""
 
     makes = ("wanted",)
-    settings = ("shadow.enabled", "shadow.method", "skip")
+    settings = ("shadow.enabled", "shadow.method", "shortcuts")
     depends_on = (Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW)
 
     def __init__(self, device: Device):
@@ -38,7 +38,7 @@ class CullMeshes(Pass):
         meshes, mesh = frame.scene.meshes, frame.scene.instances.mesh
         if self.meshes is not meshes:
             self.meshes, self.wanted = meshes, np.zeros(len(meshes), bool)
-        if not frame.settings.skip:
+        if not frame.settings.shortcuts:
             self.wanted[mesh] = True
         elif not self.wanted[mesh].all():
             self.wanted[mesh[self.chosen(frame, ~self.wanted[mesh])]] = True

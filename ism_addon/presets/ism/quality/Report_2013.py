@@ -4,7 +4,7 @@
 import bpy
 
 ism = bpy.context.scene.ism
-ism.shadow.method = "CLASSIC"
+ism.shadow.method = "SHADOW_MAPS"
 ism.render.samples = 1
-for name in ("samples", "light_points", "map_size", "surface_points"):
+for name in ("samples", "virtual_lights", "map_size", "map_points"):
     setattr(ism.viewport, name, getattr(ism.render, name))

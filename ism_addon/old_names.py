@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings as version 0.1.0 named them. Files that it saved keep their values."""
+
+from typing import Any
+
+#: Of a section of settings: old names, and those of today. The empty section has the settings outside of all.
+SETTINGS: dict[str, dict[str, str]] = {
+    "": {"skip": "shortcuts", "show": "debug_view"},
+    "quality": {"light_points": "virtual_lights", "surface_points": "map_points"},
+}
+
+#: Values of the shadow's method. A .blend has their number, which is what it was.
+METHODS = {"FITTED": "RAY_TRACED", "CLASSIC": "SHADOW_MAPS"}
+
+
+def current(settings: Any) -> Any:
+    """The settings of an old snapshot, a tree of JSON, by today's names. What is no such tree is given back."""
+    if not isinstance(settings, dict):
+        return settings
+    found = renamed(settings, "")
+    if isinstance(found.get("quality"), dict):
+        found["quality"] = renamed(found["quality"], "quality")
+    shadow = found.get("shadow")
+    if isinstance(shadow, dict) and isinstance(method := shadow.get("method"), str):
+        found["shadow"] = shadow | {"method": METHODS.get(method, method)}
+    return found
+
+
+def renamed(values: dict[str, Any], section: str) -> dict[str, Any]:
+    """Values of a section by today's names."""
+    return {SETTINGS[section].get(name, name): value for name, value in values.items()}
