@@ -36,7 +36,7 @@ def device(opened_device):
 
 @pytest.fixture
 def worker():
-    """A Worker, whose thread must have ended with it."""
+    """A RenderThread, whose thread must have ended with it."""
     from ism_addon.gpu.jobs.render_thread import RenderThread
 
     made = RenderThread()

@@ -25,7 +25,7 @@ from dataclasses import replace
 from pathlib import Path
 import numpy as np
 from ism_addon.gpu.jobs.job import Request
-from ism_addon.gpu.jobs.render_thread import Worker
+from ism_addon.gpu.jobs.render_thread import RenderThread
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO
 from tests.studio import MAPS, SMALL_SETTINGS, both, light, look, no_lights, quad, rubble, stage, with_quality
@@ -62,7 +62,7 @@ def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
     assert not job.error and job.picture().color.any(), job.error
     said.append(settled())
 
-worker, said = Worker(), []
+worker, said = RenderThread(), []
 PLAIN = [
     (2, 300, (90, 60)), (2, 300, (90, 60)), (3, 5000, (64, 32)), (1, 1, (33, 17), 2), (1, 20, (1, 1)),
     (3, 5000, (4, 300), 8), (0, 20, (128, 64)), (2, 1, (128, 128), 4), (1, 0, (90, 60)), (3, 5000, (33, 17)),

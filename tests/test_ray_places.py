@@ -83,9 +83,9 @@ def before_an_edge(count: int, part: float) -> Scene:
 @pytest.fixture
 def seen(device, monkeypatch):
     """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
-    for module in trace_shadows, trace_faint_lights:  # all have one: it does not matter when it is their turn
-        monkeypatch.setattr(module, "LEAST_CHANCE", 1.0)
-    monkeypatch.setattr(trace_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
+    monkeypatch.setattr(trace_shadows, "MIN_RAY_PROBABILITY", 1.0)  # all have one: no matter when it is their turn
+    for name in ("MIN_FAINT_RAY_PROBABILITY", "MIN_LIGHT_PROBABILITY"):
+        monkeypatch.setattr(trace_faint_lights, name, 1.0)
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))

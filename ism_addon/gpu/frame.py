@@ -208,7 +208,7 @@ class Pass:
     def in_blocks(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
         """The program of the file named like this pass, or like a part of it, for draw_blocks."""
         stages = "glsl/tiles.vert", f"{self.name_of(part)}.frag"
-        return compile_program(self.device, *stages, records=records, block=TILE_SIZE, **constants)
+        return compile_program(self.device, *stages, records=records, tile_size=TILE_SIZE, **constants)
 
     def draw_blocks(
         self,

@@ -12,7 +12,7 @@ import numpy as np
 archive, picture = sys.argv[-2:]
 bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
 early = sorted({"moderngl", "glcontext"} & set(sys.modules))
-reading = (".blender.extract", ".blender.final", ".blender.viewport", ".snapshot")
+reading = (".sync.scene_reader", ".render.final_render", ".viewport.viewport", ".snapshot")
 read_early = sorted(name for name in sys.modules if name.endswith(reading))
 threads_early = [thread.name for thread in threading.enumerate() if thread is not threading.main_thread()]
 

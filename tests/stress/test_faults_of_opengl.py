@@ -28,10 +28,10 @@ ROOT = Path(__file__).parents[2]
 #: Asks twice, in an interpreter of its own, and prints both errors.
 ASK = """
 from ism_addon.gpu.jobs.job import Request
-from ism_addon.gpu.jobs.render_thread import Worker
+from ism_addon.gpu.jobs.render_thread import RenderThread
 from tests.scenes.small import box_over_plane
 from ism_addon.settings import Settings
-worker = Worker()
+worker = RenderThread()
 for client in range(2):
     job = worker.start(Request(*box_over_plane(8, 8), Settings()), client)
     while not job.finished:

@@ -170,7 +170,7 @@ def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 
 def parts_of(nodes: np.ndarray) -> np.ndarray:
-    """MeshTree.parts of Tree.nodes."""
+    """BLAS.parts of BVH.nodes."""
     level = min(BOXES_PER_MESH, nodes.shape[2] // 2)
     boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
     boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(QUANTA_PER_PLANE)

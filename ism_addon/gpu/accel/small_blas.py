@@ -97,7 +97,7 @@ def packed(nodes: np.ndarray) -> np.ndarray:
 
 
 def parts_of(nodes: np.ndarray) -> np.ndarray:
-    """(M,P,2,3) MeshTree.parts of trees' nodes (2,3,M,2 * leaves)."""
+    """(M,P,2,3) BLAS.parts of trees' nodes (2,3,M,2 * leaves)."""
     level = min(BOXES_PER_MESH, nodes.shape[3] // 2)
     boxes = nodes[..., level : 2 * level].transpose(2, 3, 0, 1)
     real = boxes[:, :, 0, 0] <= boxes[:, :, 1, 0]

@@ -29,7 +29,7 @@ vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-
 
 vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see SLACK.
+// On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see BOX_SLACK.
 Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec3 inverse_ray) {
     int at = 2 * (first_node + here.node);
     uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);

@@ -8,7 +8,7 @@ void main() {
     Surface here = surface_at(at);
     float sum = 0.0, weights = 0.0, doubt = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, here, SCOUTS_APART);
+        Neighbour other = neighbour(k, at, here, PROBE_SPACING);
         vec2 found = fetch(around, other.at).xy;
         sum += other.weight * found.x;
         weights += other.weight;

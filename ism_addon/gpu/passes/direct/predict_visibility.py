@@ -48,15 +48,15 @@ class PredictVisibility(Pass):
 
     @cached_property
     def scouts(self) -> moderngl.Program:
-        return self.in_blocks(part="probes", scouts_apart=PROBE_SPACING)
+        return self.in_blocks(part="probes", probe_spacing=PROBE_SPACING)
 
     @cached_property
     def pixels(self) -> moderngl.Program:
-        return self.in_blocks(scouts_apart=PROBE_SPACING)
+        return self.in_blocks(probe_spacing=PROBE_SPACING)
 
     @cached_property
     def blocks(self) -> moderngl.VertexArray:
-        return self.full_screen(part="tiles", block=TILE_SIZE)
+        return self.full_screen(part="tiles", tile_size=TILE_SIZE)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces

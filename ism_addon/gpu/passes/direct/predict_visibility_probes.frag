@@ -11,8 +11,8 @@ const int REACH = 2; // taps to each side
 float tent(ivec2 tap) { vec2 near = 1.0 - vec2(abs(tap)) / float(REACH + 1); return near.x * near.y; }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_scout = last / SCOUTS_APART;
-    ivec2 own = min(SCOUTS_APART * at, last);
+    ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_scout = last / PROBE_SPACING;
+    ivec2 own = min(PROBE_SPACING * at, last);
     int last_row = traced ? REACH : -REACH - 1; // of full resolution
     Surface here = surface_at(own);
     vec2 all = vec2(0.0), near = vec2(0.0);
@@ -22,7 +22,7 @@ void main() {
             ivec2 other = clamp(at + ivec2(x, y), ivec2(0), last_scout);
             vec2 found = fetch(scouted, other, scouted_texel).xy;
             all += found;
-            near += tent(ivec2(x, y)) * alike(here, min(SCOUTS_APART * other, last), texel) * found;
+            near += tent(ivec2(x, y)) * alike(here, min(PROBE_SPACING * other, last), texel) * found;
         }
     }
     for (int y = -REACH; y <= last_row; ++y) {

@@ -8,7 +8,7 @@ const int MARGIN = 2; // texels that the predictions of the block look beyond it
 
 void main() {
     ivec2 block = block_here(), last = last_pixel() / apart;
-    ivec2 first = max(block * (BLOCK / apart) - MARGIN, 0), end = min((block + 1) * (BLOCK / apart) - 1 + MARGIN, last);
+    ivec2 first = max(block * (TILE_SIZE / apart) - MARGIN, 0), end = min((block + 1) * (TILE_SIZE / apart) - 1 + MARGIN, last);
     vec2 texel = texel_size(rays);
     found = vec2(0.0);
     for (int y = first.y; y <= end.y; ++y) {

@@ -36,9 +36,15 @@ class LightVariant:
         return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
 
 
-def shader_constants(kind: LightVariant, rays: int, places: int, least_chance: float) -> dict[str, int | float]:
+def shader_constants(kind: LightVariant, rays: int, places: int, min_probability: float) -> dict[str, int | float]:
     """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
-    return {"rays": rays, "places_in_pixel": places, "trust": MIN_DOUBT, "least_chance": least_chance, **asdict(kind)}
+    return {
+        "trace": rays,
+        "subpixel_offsets": places,
+        "min_doubt": MIN_DOUBT,
+        "min_probability": min_probability,
+        **asdict(kind),
+    }
 
 
 def ray_sequence() -> dict[str, tuple[int, ...]]:

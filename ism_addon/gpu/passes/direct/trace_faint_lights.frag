@@ -20,12 +20,12 @@ void main() {
     float all = full / own_chance; // the rarer its turn, the more it counts
     float bright = luminance(light.radiance); // all of it in doubt: of so few rays, none is proof
     predicted = all * vec4(light.radiance * known, light.casts_shadow == 0 ? 0.0 : headroom(bright, known));
-#if RAYS
+#if TRACE
     if (light.casts_shadow == 0 || full <= 0.0) return;
     correction.a = all * abs(bright);
     uvec3 own = (uint(own_light + 0.5) + 1u) * light_steps;
     float chance = chance_of(light.radiance, here.albedo, all, known, known < 1.0);
-    Turn turn = turn_of(at, own.z, max(chance, LEAST_CHANCE / own_chance)); // as many rays as if it were always its turn
+    Turn turn = turn_of(at, own.z, max(chance, MIN_PROBABILITY / own_chance)); // as many rays as if it were always its turn
     if (!turn.now) return;
     vec2 place = place_of_pixel(at, own.xy + uint(turn.number) * ray_steps);
     LightSample sampled = sample_light(light, here.position, here.normal, place);

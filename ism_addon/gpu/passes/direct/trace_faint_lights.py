@@ -73,7 +73,7 @@ class TraceFaintLights(Pass):
         count_lights(frame, frame.tables["used"])
 
     def chosen(self, frame: Frame) -> np.ndarray:
-        """Rows of BLOCKS for each light that is dim there, if it is its turn; numbers count those that it had."""
+        """Rows of TILE for each light that is dim there, if it is its turn; numbers count those that it had."""
         blocks, (columns, rows) = frame.tables["blocks"], frame.blocks
         if frame.tables["reach"] is not self.reach:
             self.reach = frame.tables["reach"]

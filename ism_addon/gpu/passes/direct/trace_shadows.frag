@@ -11,14 +11,14 @@ uniform sampler2D depth;
 uniform uvec3 shift; // of places on the light, and of turns
 flat in float own_chance;
 layout(location = 0) out vec4 predicted; // in alpha, the luminance by which it would rise if all doubt were in vain
-#if RAYS
+#if TRACE
 layout(location = 1) out vec4 correction; // in alpha, the luminance of what is in doubt, if none of it were hidden
 layout(location = 2) out vec2 seen; // rays that arrived, and rays
 #endif
 
 // A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
 vec2 known_of(Receiver here, ivec2 at) {
-#if RAYS
+#if TRACE
     ivec2 last = last_pixel();
     vec2 known = vec2(0.0, 1.0), texel = texel_size(foreseen);
     float z = fetch(depth, at).x, best = 0.0;
@@ -39,7 +39,7 @@ vec2 known_of(Receiver here, ivec2 at) {
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     predicted = vec4(0.0);
-#if RAYS
+#if TRACE
     correction = vec4(0.0);
     seen = vec2(0.0);
 #endif
@@ -50,7 +50,7 @@ void main() {
     vec2 known = known_of(here, at);
     float bright = luminance(light.radiance);
     predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? headroom(bright, known.x) : 0.0);
-#if RAYS
+#if TRACE
     correction.a = known.y > 0.0 ? full * abs(bright) : 0.0;
     float chance = own_chance > 0.0 ? own_chance : chance_of(light.radiance, here.albedo, full, known.x, known.y > 0.0);
     Turn turn = turn_of(at, shift.z, chance);

@@ -17,12 +17,12 @@ layout(location = 3) out float sum_headroom;
 float weight_at(float x) { return MARGIN == 0 ? 1.0 : blackman_harris(x, reach); }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * BLOCK, last = min(first + BLOCK - 1, last_pixel());
+    ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(own_block) * TILE_SIZE, last = min(first + TILE_SIZE - 1, last_pixel());
 #if WHOLE // all other blocks have a sample at the same place, so no block needs others to add to its pixels
     first = ivec2(0);
     last = last_pixel();
 #endif
-    float share = fetch(chances, at / BLOCK).y / fetch(chances, ivec2(own_block)).x;
+    float share = fetch(chances, at / TILE_SIZE).y / fetch(chances, ivec2(own_block)).x;
     sum = sum_correction = weights = vec4(0.0);
     sum_headroom = 0.0;
     vec2 texel = texel_size(color), filters[2 * MARGIN + 1];

@@ -92,7 +92,7 @@ class Accumulate(Pass):
     def draw_lines(self, frame: Frame, source: dict[str, Target], into: dict[str, Target]) -> None:
         """Filter along rows or, into the sums, along columns."""
         lines, reach = (
-            self.full_screen(part="lines", block=TILE_SIZE, columns=int(into is SUMS)),
+            self.full_screen(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS)),
             frame.view.filter_width,
         )
         narrower = math.sqrt(reach * reach - RELATIVE_VARIANCE)

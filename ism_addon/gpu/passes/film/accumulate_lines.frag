@@ -15,7 +15,7 @@ layout(location = 3) out float sum_headroom;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last_taken = last_pixel(), to_next = COLUMNS == 1 ? ivec2(0, 1) : ivec2(1, 0);
     int first = max(-margin, -at[COLUMNS]), last = min(margin, last_taken[COLUMNS] - at[COLUMNS]);
-    float share = COLUMNS == 1 ? fetch(chances, at / BLOCK).y : 1.0;
+    float share = COLUMNS == 1 ? fetch(chances, at / TILE_SIZE).y : 1.0;
     vec2 texel = texel_size(taken);
     sum = sum_correction = weights = vec4(0.0);
     sum_headroom = 0.0;

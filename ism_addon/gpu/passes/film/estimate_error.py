@@ -45,7 +45,7 @@ class EstimateError(Pass):
 
     @cached_property
     def blocks(self) -> moderngl.VertexArray:
-        return self.full_screen(block=TILE_SIZE)
+        return self.full_screen(tile_size=TILE_SIZE)
 
     def draw(self, frame: Frame) -> None:
         error, quality = frame.tables["error"], frame.settings.quality

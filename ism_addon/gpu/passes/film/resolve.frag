@@ -18,7 +18,7 @@ void main() {
     resolved = fetch(sum, at) / fetch(weights, at).y;
 #if CORRECTED
     // For those processors that walk through both sides of every "if", but skip empty loops.
-    bool corrected = fetch(counts, at / BLOCK).x > 1.0;
+    bool corrected = fetch(counts, at / TILE_SIZE).x > 1.0;
     int last_row = corrected ? 2 : -3;
     vec4 found = vec4(0.0);
     vec2 texel = texel_size(stand_out);

@@ -33,16 +33,19 @@ class Resolve(Pass):
     @cached_property
     def near(self) -> moderngl.VertexArray:
         return self.full_screen(
-            part="neighbours", block=TILE_SIZE, evenness=STRATIFICATION_EXPONENT, strictness=SIMILARITY_SHARPNESS
+            part="neighbours",
+            tile_size=TILE_SIZE,
+            stratification_exponent=STRATIFICATION_EXPONENT,
+            similarity_sharpness=SIMILARITY_SHARPNESS,
         )
 
     @cached_property
     def predicted(self) -> moderngl.VertexArray:
-        return self.full_screen(block=TILE_SIZE, corrected=0)
+        return self.full_screen(tile_size=TILE_SIZE, corrected=0)
 
     @cached_property
     def corrected(self) -> moderngl.VertexArray:
-        return self.full_screen(block=TILE_SIZE, corrected=1)
+        return self.full_screen(tile_size=TILE_SIZE, corrected=1)
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)

@@ -9,13 +9,13 @@ layout(location = 1) out vec4 stand_out; // squared luminance and variance of th
 
 // Of the corrections: all samples but the first have one.
 float corrected(ivec2 at, float weight, vec2 texel) {
-    float count = fetch(counts, at / BLOCK, texel).x;
+    float count = fetch(counts, at / TILE_SIZE, texel).x;
     return max(weight * (count - 1.0) / count, 1e-30);
 }
 
 // Of two luminances: 1 where they are one, little where one is twice the other.
 float alike(float a, float b) {
-    float apart = (a - b) / max(a + b, 1e-37), square = 1.0 + STRICTNESS * apart * apart;
+    float apart = (a - b) / max(a + b, 1e-37), square = 1.0 + SIMILARITY_SHARPNESS * apart * apart;
     return 1.0 / (square * square);
 }
 
@@ -41,7 +41,7 @@ void main() {
     vec4 correction = fetch(sum_correction, at) / own;
     float difference = luminance(correction.rgb - near.rgb), mean = luminance(near.rgb), variance = correction.a / own;
     // As many alike would have this size and these squares: one that stands for many samples is still one.
-    variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-37), 1.0), -EVENNESS);
+    variance *= pow(max(mine.z * mine.z / max(correction.a * own, 1e-37), 1.0), -STRATIFICATION_EXPONENT);
     near.a = own;
     stand_out = vec4(difference * difference, variance * (1.0 - own / all),
                      mean * mean, variance * squares / (all * all));

@@ -19,18 +19,18 @@ void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
 }
 
 void main() {
-    ivec2 first = block_here() * BLOCK, last = last_pixel();
+    ivec2 first = block_here() * TILE_SIZE, last = last_pixel();
     vec2 texel = texel_size(position), range = vec2(1e30, -1e30);
-    for (int k = 0; k < BLOCK * BLOCK; ++k) {
-        float z = fetch(depth, min(first + ivec2(k % BLOCK, k / BLOCK), last), texel).x;
-        if (z < FAR_AWAY) range = vec2(min(range.x, z), max(range.y, z));
+    for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
+        float z = fetch(depth, min(first + ivec2(k % TILE_SIZE, k / TILE_SIZE), last), texel).x;
+        if (z < BACKGROUND_DEPTH) range = vec2(min(range.x, z), max(range.y, z));
     }
-    float middle = range.y > SPLIT * range.x ? 0.5 * (range.x + range.y) : FAR_AWAY;
+    float middle = range.y > DEPTH_SPLIT_RATIO * range.x ? 0.5 * (range.x + range.y) : BACKGROUND_DEPTH;
     lowest = far_lowest = vec4(vec3(1e15), 0.0);
     highest = far_highest = vec4(-1e15);
     facing = far_facing = vec4(0.0, 0.0, 1.0, 1.0);
-    for (int k = 0; k < BLOCK * BLOCK; ++k) {
-        ivec2 at = min(first + ivec2(k % BLOCK, k / BLOCK), last);
+    for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
+        ivec2 at = min(first + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
         vec4 p = fetch(position, at, texel);
         if (p.w == 0.0) continue;
         vec3 n = direction_from_octahedron(octahedron_of(p.w));

@@ -107,7 +107,9 @@ class CullLights(Pass):
 
     @cached_property
     def surfaces(self) -> moderngl.VertexArray:
-        return self.full_screen(block=TILE_SIZE, far_away=BACKGROUND_DEPTH, split=DEPTH_SPLIT_RATIO)
+        return self.full_screen(
+            tile_size=TILE_SIZE, background_depth=BACKGROUND_DEPTH, depth_split_ratio=DEPTH_SPLIT_RATIO
+        )
 
     @cached_property
     def rays(self) -> moderngl.VertexArray:

@@ -34,7 +34,7 @@ class ProbeVisibility(Pass):
             into = gl.framebuffer([scouted[light]])
             into.clear()
             kind = LightVariant.of(frame.scene.lights, light)
-            program = self.in_blocks(*RECORDS, scouts_apart=PROBE_SPACING, **asdict(kind))
+            program = self.in_blocks(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(kind))
             bind(
                 program,
                 **frame.receivers,

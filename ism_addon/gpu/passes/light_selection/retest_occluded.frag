@@ -6,6 +6,6 @@ out vec4 found; // sums over rays that arrived: of the light's number, counted f
 
 void main() {
     float number = own_light + 1.0;
-    found = floor(look(int(own_light + 0.5), place, ivec2(gl_FragCoord.xy), SCOUTS_APART).x)
+    found = floor(look(int(own_light + 0.5), place, ivec2(gl_FragCoord.xy), PROBE_SPACING).x)
           * vec4(number, number * number, 1.0, 0.0);
 }

@@ -37,7 +37,7 @@ class RetestOccluded(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.Program:
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, scouts_apart=PROBE_SPACING)
+        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, probe_spacing=PROBE_SPACING)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample > 0

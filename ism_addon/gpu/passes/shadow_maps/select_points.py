@@ -71,7 +71,7 @@ def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
 def select(
     cloud: PointCloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
 ) -> list[np.ndarray]:
-    """TURNS subsets of about `count` points, as arrays of MAP_POINT. Before each it calls `look`."""
+    """SUBSETS_PER_LIGHT subsets of about `count` points, as arrays of MAP_POINT. Before each it calls `look`."""
     chance = selection_probabilities(weights, count)
     luck = rd_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
     found = []

@@ -62,7 +62,7 @@ void main() {
     uvec2 id = fetch(triangles_seen, clamp(at, ivec2(0), last)).xy;
     triangle_seen = id;
     if (id.x == 0u) {
-        depth = FAR_AWAY;
+        depth = BACKGROUND_DEPTH;
         position = normal = albedo = vec4(0.0);
         return;
     }

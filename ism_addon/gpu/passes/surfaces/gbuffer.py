@@ -70,7 +70,9 @@ class GBuffer(Pass):
         first, size = frame.grid.bounds(frame.view.width, frame.view.height)
         # Without images no shader is ready for them: many processors would walk through that too.
         images = len(frame.scene.images) > 0
-        surface = self.in_blocks(INSTANCE, MATERIAL, far_away=BACKGROUND_DEPTH, images=int(images), width=TEXTURE_WIDTH)
+        surface = self.in_blocks(
+            INSTANCE, MATERIAL, background_depth=BACKGROUND_DEPTH, images=int(images), width=TEXTURE_WIDTH
+        )
         bind(
             surface,
             triangles_seen=frame.targets["triangles"],

@@ -10,11 +10,11 @@ void main() {
     ivec2 block = block_here(), last = last_pixel();
     vec2 texel = texel_size(sum); // of all three
     noise = vec2(0.0);
-    for (int k = 0; k < BLOCK * BLOCK; ++k) {
-        ivec2 at = min(block * BLOCK + ivec2(k % BLOCK, k / BLOCK), last);
+    for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
+        ivec2 at = min(block * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
         vec2 weight = fetch(weights, at, texel).xy;
         float mean = luminance(fetch(sum, at, texel).rgb + fetch(sum_correction, at, texel).rgb) / weight.y;
         noise += vec2(max(weight.x / weight.y - mean * mean, 0.0), abs(mean));
     }
-    noise /= float(BLOCK * BLOCK);
+    noise /= float(TILE_SIZE * TILE_SIZE);
 }

@@ -51,7 +51,7 @@ class SelectTiles(Pass):
 
     @cached_property
     def means(self) -> moderngl.VertexArray:
-        return self.full_screen(block=TILE_SIZE)
+        return self.full_screen(tile_size=TILE_SIZE)
 
     def draw(self, frame: Frame) -> None:
         if frame.sample == 0:
@@ -90,7 +90,7 @@ class SelectTiles(Pass):
         self.chance = np.clip(chance, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
 
     def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
-        """Rows of BLOCKS. Each block goes through the places in a pixel at its own pace."""
+        """Rows of TILE. Each tile goes through the places in a pixel at its own pace."""
         blocks = tiles_where(takes_part)
         blocks["number"] = self.turns[takes_part]
         turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
