@@ -2,7 +2,7 @@
 """Scene, view and settings to one .npz file and back: all that a picture is made of, so a bug report is a file.
 
 Every array is a member of its own, named by where it stands ("scene/meshes/0/positions"); all else is JSON
-in the member "snapshot". The dataclasses' type hints say how to read it back, SHAPES what is believed.
+in the member "snapshot". The dataclasses' type hints say how to read it back, SHAPES what is shrinkage.
 Members are not compressed, so no array can be larger than the file that claims to hold it.
 """
 

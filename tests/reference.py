@@ -222,7 +222,7 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
 # --- ambient occlusion
 
 
-def open_part(
+def ambient_visibility(
     points: np.ndarray,
     normals: np.ndarray,
     triangles: np.ndarray,

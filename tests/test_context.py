@@ -11,7 +11,7 @@ from ism_addon.gpu.gl.shader_records import INSTANCE
 def test_other_threads_go_on_while_triangles_are_drawn(device):
     """Software drivers are at it until the call returns: the interpreter's lock is not held for so long."""
     names = "passes/surfaces/visibility_buffer.vert", "passes/surfaces/visibility_buffer.frag"
-    program = compile_program(device, *names, records=(INSTANCE,), by_nearness=1)
+    program = compile_program(device, *names, records=(INSTANCE,), reversed_depth=1)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()
     turns, done = [], Event()

@@ -28,7 +28,7 @@ def test_it_is_the_true_error_however_many_samples_there_were_and_are():
     random = np.random.default_rng(0)
     earlier = random.integers(1, 9, SHAPE).astype(np.float32)
     error, truth = after(earlier + random.integers(1, 20, SHAPE), earlier)
-    assert error.of_picture == pytest.approx(np.sqrt(truth.mean()), rel=0.05)
+    assert error.image_error == pytest.approx(np.sqrt(truth.mean()), rel=0.05)
     ratio = np.sqrt(error.variance / error.counts / truth)
     assert np.median(ratio) == pytest.approx(1.0, abs=0.05)
     assert ratio.min() > 0.5
@@ -37,16 +37,16 @@ def test_it_is_the_true_error_however_many_samples_there_were_and_are():
 
 def test_it_falls_as_samples_are_added():
     error, _ = after(np.full(SHAPE, 8), np.full(SHAPE, 4.0))
-    before = error.of_picture
+    before = error.image_error
     for _ in range(24):
         error.count(np.ones(SHAPE, bool))
-    assert error.of_picture == pytest.approx(before / 2.0)
+    assert error.image_error == pytest.approx(before / 2.0)
 
 
 def test_nothing_is_known_before_the_second_sample():
     error = Convergence(SHAPE)
     error.count(np.ones(SHAPE, bool))
-    assert error.of_picture == np.inf
+    assert error.image_error == np.inf
     error.settle(1.0)
     assert not error.settled.any()
 

@@ -34,7 +34,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     frame.tables["reaching"] = tuple(range(len(lights.shape)))
     for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
         renderer.run(kind, frame, Profile())
-    frame.targets.neutralise("triangle", GBuffer.writes["triangle"])
+    frame.targets.use_neutral("triangle", GBuffer.writes["triangle"])
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
     for name, rows in (("position", surface), ("normal", packed)):

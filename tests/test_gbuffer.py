@@ -274,13 +274,13 @@ def test_a_hurried_first_sample_is_drawn_for_itself_and_the_picture_is_the_same(
     """Else the first one shares a drawing of the triangles with those that follow."""
     scene, view = objects(), replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
     settings, drawn, pictures = with_quality(MAPS, samples=4), {}, {}
-    for hurried in (True, False):
-        renderer, drawn[hurried] = Renderer(device), []
+    for low_latency in (True, False):
+        renderer, drawn[low_latency] = Renderer(device), []
         for sample in range(4):
             profile = Profile()
-            list(renderer.sample(scene, view, settings, sample, profile, hurried))
-            drawn[hurried].append(profile.counts["triangles_drawn"])
-        pictures[hurried] = renderer.picture()
+            list(renderer.sample(scene, view, settings, sample, profile, low_latency))
+            drawn[low_latency].append(profile.counts["triangles_drawn"])
+        pictures[low_latency] = renderer.picture()
         renderer.release()
     every = scene.triangle_count
     assert drawn == {True: [every, every, 0, 0], False: [every, 0, 0, 0]}

@@ -62,9 +62,9 @@ def test_the_estimate_is_the_true_error(device, truth, name, samples):
     """Of the picture, and in the middle of its blocks, on either side of 1."""
     drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=samples))
     errors = true_errors(drawn.color, truth(name))
-    assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.of_picture < MOST
+    assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error < MOST
     estimated = np.sqrt(drawn.renderer.error.variance / drawn.renderer.error.counts)
-    noisy = errors > 0.3 * drawn.renderer.error.of_picture
+    noisy = errors > 0.3 * drawn.renderer.error.image_error
     assert LEAST < np.median(errors[noisy] / estimated[noisy]) < MOST
 
 
@@ -75,7 +75,7 @@ def test_it_is_not_above_one_on_average(device, truth, name):
     for samples in (4, 8, 16, 32, 64):
         drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=samples))
         errors = true_errors(drawn.color, truth(name))
-        ratios.append(np.sqrt((errors**2).mean()) / drawn.renderer.error.of_picture)
+        ratios.append(np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error)
     assert 0.7 < np.exp(np.log(ratios).mean()) < 1.1
 
 
@@ -84,7 +84,7 @@ def test_the_noise_of_shadow_maps_and_of_occlusion_is_estimated_too(device):
     settings, seen = replace(MAPS, ssao=SSAO()), small("sphere in corner")
     drawn = draw(device, *seen, with_quality(settings, samples=16))
     errors = true_errors(drawn.color, draw(device, *seen, with_quality(settings, samples=256)).color)
-    assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.of_picture < MOST
+    assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error < MOST
 
 
 @pytest.mark.parametrize(("samples", "looks"), [(1, 1), (4, 3), (15, 3), (16, 3), (64, 5)])
@@ -92,7 +92,7 @@ def test_the_picture_is_put_together_only_to_be_looked_at(device, samples, looks
     """After the first sample, and twice at least: for 16 samples after 8 and 16, for 64 after 32 and 64 too."""
     drawn = draw(device, *small("box over plane"), with_quality(SMALL_SETTINGS, samples=samples))
     assert drawn.profile.rows["Resolve"].drawn == looks
-    assert np.isfinite(drawn.renderer.error.of_picture) == (samples > 1)
+    assert np.isfinite(drawn.renderer.error.image_error) == (samples > 1)
 
 
 @pytest.mark.parametrize("name", SMALL)

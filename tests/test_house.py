@@ -21,7 +21,7 @@ PASSES = sorted(path for path in STAGES.glob("*/*.py") if path.stem != "__init__
 SHADERS = sorted(path for path in ADDON.rglob("*") if path.suffix in {".frag", ".vert", ".glsl"})
 OF_PASSES = [path for path in SHADERS if path.is_relative_to(STAGES)]
 #: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
-COMMON = {"full_screen.vert": "full_screen", "tiles.vert": "in_blocks"}
+COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_program"}
 #: Shaders that have the name of a step of their pass.
 STEPS = {"visibility_buffer": "gbuffer", "pull": "fill_holes", "push": "fill_holes"}
 #: Files of a folder, at most.

@@ -19,8 +19,8 @@ def test_told_it_looks_at_less_and_draws_the_same(device):
     renderer = draw(device, scene, view, settings).renderer
     tell(renderer)
     looks, scout = [], renderer.passes[ProbeVisibility]
-    draw_blocks = scout.draw_blocks
-    scout.draw_blocks = lambda *given, **more: (looks.append(len(given[3])), draw_blocks(*given, **more))
+    draw_tiles = scout.draw_tiles
+    scout.draw_tiles = lambda *given, **more: (looks.append(len(given[3])), draw_tiles(*given, **more))
     beside = replace(view, clip_from_view=(1.0 + 1e-6) * view.clip_from_view)  # or what is there would do
     for sample in range(16):
         for _ in renderer.sample(scene, beside, settings, sample, Profile()):

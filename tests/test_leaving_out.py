@@ -98,7 +98,7 @@ def test_no_point_about_what_is_seen_is_farther_on_the_screen_than_is_said(devic
     clip = clip_from_anchor(view, frame.anchor)
     before, after = (on_screen(clip, p) for p in (points[None], points[None] + around))
     farthest = (np.abs(after - before) * SIZE).max() / 2.0
-    said = frame.pixels_around(radius)
+    said = frame.projected_radius(radius)
     assert 0.2 * said < farthest <= said
 
 
@@ -110,7 +110,7 @@ def on_screen(clip, points):
 
 def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
     room = stage([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
-    assert draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last[0].pixels_around(1e-3) == np.inf
+    assert draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last[0].projected_radius(1e-3) == np.inf
 
 
 @pytest.mark.parametrize(("radius", "drawn"), [(0.03, 0), (0.07, 1)])

@@ -20,7 +20,7 @@ SIZE, REACH = 16, 1.5
 
 
 def order_of_pixels() -> np.ndarray:
-    """(SIZE,SIZE) each pixel's member of the sequence: the bits of its column and row in turn, see place_of_pixel."""
+    """(SIZE,SIZE) each pixel's member of the sequence: the bits of its column and row in turn, see pixel_sequence."""
     bits = (np.arange(SIZE)[:, None] >> np.arange(4)) & 1
     return (bits @ 4 ** np.arange(4))[None] + 2 * (bits @ 4 ** np.arange(4))[:, None]
 

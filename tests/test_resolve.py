@@ -91,8 +91,8 @@ def test_noise_about_nothing_is_hardly_believed(device):
     for count in (2, 4, 16):
         corrections, squares, sizes = noisy(count, 0.0)
         left = resolved(device, random_picture(), corrections, squares, count, sizes=sizes) - random_picture()
-        believed = 1.0 - count**-STRATIFICATION_EXPONENT
-        assert np.sqrt((left**2).mean()) < (believed + 0.15) * np.sqrt((corrections**2).mean())
+        shrinkage = 1.0 - count**-STRATIFICATION_EXPONENT
+        assert np.sqrt((left**2).mean()) < (shrinkage + 0.15) * np.sqrt((corrections**2).mean())
 
 
 def test_in_the_end_all_is_believed(device):

@@ -71,7 +71,7 @@ def test_a_box_on_a_floor_against_rays(device, ssao):
     inner[4:-4:2, 4:-4:2] = True
     chosen = rows[inner]
     triangles = reference.world_triangles(scene, scene.instances.visible)
-    truth = reference.open_part(
+    truth = reference.ambient_visibility(
         surface.position[chosen],
         surface.facet[chosen],
         triangles,

@@ -4,7 +4,7 @@
 The mean of all n samples and that of their first k differ by chance as s² (1/k - 1/n), s² being the variance of one
 sample; the mean itself is off by s² / n. So how far a block has moved while its samples doubled says how far it is from
 its end (compare Dammertz et al. 2010, who take every other sample). That is measured on the picture itself, with all
-that makes samples err less than chance would: even places, and corrections as far as they are believed. What no sample
+that makes samples err less than chance would: even places, and corrections as far as they are shrinkage. What no sample
 has met yet, and what stays wrong for ever (shadow maps), moves nothing and is not in it.
 """
 
@@ -38,7 +38,7 @@ class Convergence:
         self.settled |= np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2
 
     @property
-    def of_picture(self) -> float:
+    def image_error(self) -> float:
         """Infinite before anything is known."""
         return float(np.sqrt(self._squares.mean()))
 

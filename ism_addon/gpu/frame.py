@@ -129,9 +129,9 @@ class Frame:
         """Whether ambient occlusion can darken anything."""
         ssao = self.settings.ssao
         asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and self.scene.world.radiance.any()
-        return bool(asked and not (self.settings.shortcuts and self.pixels_around(ssao.radius) < SUBPIXEL_RADIUS))
+        return bool(asked and not (self.settings.shortcuts and self.projected_radius(ssao.radius) < SUBPIXEL_RADIUS))
 
-    def pixels_around(self, radius: float) -> float:
+    def projected_radius(self, radius: float) -> float:
         """How many pixels across or up, at most, anything seen is from points about it, `radius` m away or less."""
         placement, clip = self.tables["placement"], clip_from_anchor(self.view, self.anchor)
         across, up, ahead = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
@@ -205,12 +205,12 @@ class Pass:
         """Make what the pass writes, and what it makes as the last that it does: it may raise Cancelled."""
         raise NotImplementedError
 
-    def in_blocks(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
-        """The program of the file named like this pass, or like a part of it, for draw_blocks."""
+    def tile_program(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
+        """The program of the file named like this pass, or like a part of it, for draw_tiles."""
         stages = "glsl/tiles.vert", f"{self.name_of(part)}.frag"
         return compile_program(self.device, *stages, records=records, tile_size=TILE_SIZE, **constants)
 
-    def draw_blocks(
+    def draw_tiles(
         self,
         frame: Frame,
         target: moderngl.Framebuffer,
@@ -244,7 +244,7 @@ class Pass:
             if own != whole:
                 target.viewport = own
 
-    def draw_by_block(
+    def draw_per_tile(
         self, frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any
     ) -> None:
         """Draw a target that has a texel for each block, in strips, by a shader that asks for its block_here."""
@@ -268,7 +268,7 @@ class Pass:
             if part[2:] != size:
                 target.scissor = None
 
-    def full_screen(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
+    def full_screen_program(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
         """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""
         stages = "glsl/full_screen.vert", f"{self.name_of(part)}.frag"
         program = compile_program(self.device, *stages, records=records, **constants)

@@ -32,7 +32,7 @@ class Profile:
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
 
     def statistics(self, scene: Scene, samples: int, seconds: float, error: float, ended_by: str) -> dict:
-        """The same as plain values, for scripts; `error` as in error.py, `ended_by` as in studio.py."""
+        """The same as plain values, for scripts; `error` as in convergence.py, `ended_by` as in render_loop.py."""
         return {
             "passes": {name: asdict(row) for name, row in self.rows.items()},
             **self.counts,

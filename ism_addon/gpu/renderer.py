@@ -110,16 +110,16 @@ class Renderer:
         settings: Settings,
         sample: int,
         profile: Profile,
-        hurried: bool = False,
+        low_latency: bool = False,
         cancelled: Callable[[], bool] = never,
     ) -> Iterator[str]:
-        """Draw one sample, and yield the name of each pass when the GPU has been asked for it, see pace.py.
+        """Draw one sample, and yield the name of each pass when the GPU has been asked for it, see submission.py.
 
-        A `hurried` first sample comes the sooner, and all that follow come later. Raises Cancelled within a long pass
-        if that is so: then the picture is lost, and another may be begun.
+        With `low_latency` the first sample comes sooner, and all that follow come later. Raises Cancelled within a long
+        pass if that is so: then the picture is lost, and another may be begun.
         """
         self.pace.begin(sample, cancelled)
-        frame = self.frame(scene, view, settings, sample, profile, hurried)
+        frame = self.frame(scene, view, settings, sample, profile, low_latency)
         for kind in (*BEFORE, *FITTED, *CLASSIC):
             yield self.run(kind, frame, profile)
         points = sum(self.tables.get("points_per_light", {}).values())
@@ -137,7 +137,7 @@ class Renderer:
         self.device.collect()
 
     def frame(
-        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, hurried: bool = False
+        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
     ) -> Frame:
         """What the passes are told about this sample. Raises ValueError if there is no such target to show.
 
@@ -153,7 +153,8 @@ class Renderer:
         camera = camera_position(view.view_from_world)
         anchor = anchor_of(camera, scene.extent)
         # The first sample is at the pixels' centres in any case; drawn for itself, it comes sooner.
-        count = 1 if hurried and sample == 0 else samples_per_visibility_buffer(view, settings.quality.samples, limit)
+        alone, samples = low_latency and sample == 0, settings.quality.samples
+        count = 1 if alone else samples_per_visibility_buffer(view, samples, limit)
         narrow = filter_margin(view.filter_width) == 0
         fine = narrow_pixel_grid(sample, view.filter_width) if narrow else pixel_grid(sample // count, count)
         if sample == 0:
@@ -192,14 +193,14 @@ class Renderer:
         needed = step.needed(frame)
         key = self.key(kind, frame) if needed else {}
         done = not needed and frame.sample > 0  # what it made for the first sample is kept for the next picture's
-        may_keep = frame.settings.shortcuts or frame.sample > 0 or not needed
-        if may_keep and kind in self.keys and (done or self.keys[kind] == key):
+        may_reuse = frame.settings.shortcuts or frame.sample > 0 or not needed
+        if may_reuse and kind in self.keys and (done or self.keys[kind] == key):
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return kind.__name__
         start = time.perf_counter()
         for name, target in kind.writes.items():
             if not needed:
-                self.targets.neutralise(name, target)
+                self.targets.use_neutral(name, target)
             elif target.divisor:
                 self.targets.allocate(name, target, target.size(frame.view.width, frame.view.height))
         if needed:
@@ -262,7 +263,7 @@ class Renderer:
         return self.tables["error"]
 
     @staticmethod
-    def seconds_of_pixels(profile: Profile) -> float:
+    def pixel_pass_seconds(profile: Profile) -> float:
         """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
         return sum(profile.rows[kind.__name__].ms for kind in PASSES if kind.writes) / 1e3
 

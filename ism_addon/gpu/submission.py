@@ -53,12 +53,12 @@ class Submission:
         Raises Cancelled.
         """
         if self._waits and self._rays + rays > draw_limit.MAX_RAYS_PER_DRAW:
-            self.hand_over()
+            self.submit()
         self._rays += rays
 
-    def hand_over(self) -> None:
-        """See Device.hand_over. Raises Cancelled if that is so."""
-        self.device.hand_over()
+    def submit(self) -> None:
+        """See Device.submit. Raises Cancelled if that is so."""
+        self.device.submit()
         self._rays = 0.0
         self.look()
 
@@ -81,7 +81,7 @@ class Submission:
         if self._waits:
             self.finish()
         else:
-            self.device.hand_over()
+            self.device.submit()
             self._settle(1)
         self._is_short = time.perf_counter() - self._begun < SHORT_SAMPLE
 

@@ -88,6 +88,6 @@ def test_nothing_is_offered_in_other_engines(scene):
 
 def test_reloading_asks_the_worker(scene):
     """That files are read then is tested where the worker is, in test_reload."""
-    before = shared.edition
+    before = shared.shader_version
     assert bpy.ops.ism.reload_shaders() == {"FINISHED"}
-    assert shared.edition == before + 1
+    assert shared.shader_version == before + 1

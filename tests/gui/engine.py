@@ -45,7 +45,7 @@ def errors() -> list[str]:
 
 def milliseconds(*passes: str) -> float:
     """What each of these passes took on average in the viewports' last picture, summed up."""
-    rows = module("blender.render.render_statistics").of("viewport")["passes"]
+    rows = module("blender.render.render_statistics").for_use("viewport")["passes"]
     return sum(rows[name]["ms"] / max(rows[name]["drawn"], 1) for name in passes)
 
 

@@ -29,7 +29,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     try:
         scene = shares.read(depsgraph, _all_until_cancelled(engine))
     except _Cancelled:
-        shares.reader.distrust()  # what has changed is not told again
+        shares.reader.invalidate()  # what has changed is not told again
         for view_name in view_names:  # black: Blender would crash as it saves none at all
             engine.end_result(engine.begin_result(0, 0, 1, 1, layer=layer.name, view=view_name))
         return

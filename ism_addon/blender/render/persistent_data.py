@@ -28,7 +28,7 @@ class LayerCache:
         # Blender builds a depsgraph anew for each frame, but for Persistent Data. A new one names its scene as updated,
         # and does not say what is as it was before.
         if any(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
-            self.reader.distrust()
+            self.reader.invalidate()
         return self.reader.read(depsgraph, shown, whole=True)
 
 

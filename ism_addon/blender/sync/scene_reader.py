@@ -61,7 +61,7 @@ class Reader:
         `shown` says whether an object that stands for itself, or makes others stand, is wanted.
         """
         changed = depsgraph_updates.read(depsgraph, self._instancers)
-        self._geometry.distrust(changed.shapes)
+        self._geometry.invalidate(changed.shapes)
         recolored = self._scene is not None and self._scene.working_space != images.working_space()
         if changed.images or recolored:
             self._materials.forget_images()
@@ -75,9 +75,9 @@ class Reader:
         self._scene = self._tables(depsgraph)
         return self._scene
 
-    def distrust(self) -> None:
+    def invalidate(self) -> None:
         """Nothing that was read need hold any more; what turns out to do is the same object, all the same."""
-        self._geometry.distrust_all()
+        self._geometry.invalidate_all()
         self._materials.forget_images()
 
     def _walk(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> None:

@@ -87,7 +87,7 @@ class Viewport:
 
     def _ask(self, view: View, place: ViewportRect, scene: bpy.types.Scene) -> None:
         chosen = read_settings.read(scene, "viewport")
-        asked = (self._scene, _fingerprint(view), place, chosen, shared.edition)
+        asked = (self._scene, _fingerprint(view), place, chosen, shared.shader_version)
         self._late = asked != self._asked and self._nothing_to_show_yet
         if asked != self._asked and not self._late:
             if self._job is not None and self._job.first_seconds:

@@ -47,7 +47,7 @@ class Device:
     #: Lets the GPU begin with what was asked of it since the last time, and waits in the same way until it is done with
     #: what was asked before that: two portions are on their way at most. Software drivers have room for no more, and
     #: would wait for it in the middle of a draw.
-    hand_over: Callable[[], None]
+    submit: Callable[[], None]
     #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
     #: interpreter's lock either: software drivers are done with all vertices before they return.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
@@ -57,7 +57,7 @@ class Device:
     is_alive: Callable[[], bool]
     buffer_textures: BufferTextureApi
     #: Whether depth is nearness, see depth.py.
-    by_nearness: bool
+    reversed_depth: bool
     clock: GpuClock
     #: For the points that passes draw once.
     points: PointBatch
@@ -144,7 +144,7 @@ def open_device() -> Device:
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     arrays = BufferTextureApi(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
-    hand_over, is_alive = two_in_flight(load), fence_alive(load)
+    submit, is_alive = two_in_flight(load), fence_alive(load)
     clock, points = GpuClock(load), PointBatch(gl)
     return Device(
         *(
@@ -152,7 +152,7 @@ def open_device() -> Device:
             limit,
             name,
             finish,
-            hand_over,
+            submit,
             *draw_without_gil(load),
             is_alive,
             arrays,
@@ -164,14 +164,14 @@ def open_device() -> Device:
 
 
 def two_in_flight(load: Callable[[str], int]) -> Callable[[], None]:
-    """What Device.hand_over is; `load` gives the addresses of OpenGL's functions."""
+    """What Device.submit is; `load` gives the addresses of OpenGL's functions."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     wait = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint64)(load("glClientWaitSync"))
     delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
     flush = ctypes.CFUNCTYPE(None)(load("glFlush"))
     under_way: deque[int] = deque()
 
-    def hand_over() -> None:
+    def submit() -> None:
         under_way.append(fence(SYNC_GPU_COMMANDS_COMPLETE, 0))
         flush()
         if len(under_way) > 1:
@@ -179,7 +179,7 @@ def two_in_flight(load: Callable[[str], int]) -> Callable[[], None]:
             wait(earlier, 0, NO_TIMEOUT)
             delete(earlier)
 
-    return hand_over
+    return submit
 
 
 def draw_without_gil(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[..., None]]:

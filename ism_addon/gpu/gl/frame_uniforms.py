@@ -18,7 +18,7 @@ MEMBERS = {
     "ray_direction_x": "vec4",
     "ray_direction_y": "vec4",
     "luminance_weights": "vec4",  # of a colour's three numbers
-    "picture_size": "vec4",  # width and height, px; textures may be larger, see one_kind.py
+    "picture_size": "vec4",  # width and height, px; textures may be larger, see driver_variants.py
 }
 DTYPE = np.dtype([(name, "f4", (16 if kind == "mat4" else 4,)) for name, kind in MEMBERS.items()])
 NAME = "Frame"

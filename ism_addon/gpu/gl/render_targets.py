@@ -23,7 +23,7 @@ class Target:
 
     Where the pass is not needed, a few texels of `neutral` stand for it, so shaders need no variant without it.
 
-    Its texture may be a little larger, see one_kind.py: nobody looks at the rest.
+    Its texture may be a little larger, see driver_variants.py: nobody looks at the rest.
 
     Texels that are few and take long lie in strips, one row of the picture behind the other: drivers share targets out
     to cores by tiles of 64 by 64 texels or so, of which there would be too few.
@@ -52,7 +52,7 @@ class Target:
         driver_variants.never_filtered(texture)
         return texture
 
-    def neutralise(self, texture: moderngl.Texture) -> None:
+    def use_neutral(self, texture: moderngl.Texture) -> None:
         """Fill a texture of this kind."""
         if self.dtype != DEPTH:
             dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[self.dtype]
@@ -85,10 +85,10 @@ class Targets:
         if width < size[0] or height < size[1]:
             self.allocate(name, target, size)
 
-    def neutralise(self, name: str, target: Target) -> None:
+    def use_neutral(self, name: str, target: Target) -> None:
         """Let neutral texels stand for a target that nobody draws."""
         self.allocate(name, target, (1, 1))
-        target.neutralise(self.textures[name])
+        target.use_neutral(self.textures[name])
 
     def into(self, *names: str) -> moderngl.Framebuffer:
         """The framebuffer that draws into these targets; the depth buffer, if there is one, comes last."""

@@ -25,9 +25,9 @@ DISPLAY_TIME_FRACTION = 0.1
 class RenderLoop:
     """A renderer a client, and how far their jobs are."""
 
-    def __init__(self, device: Device, edition: int):
+    def __init__(self, device: Device, shader_version: int):
         self.device = device
-        self.edition = edition
+        self.shader_version = shader_version
         #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
         self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
         self.running: dict[Job, Iterator[None]] = {}
@@ -44,10 +44,10 @@ class RenderLoop:
         for renderer in self.renderers.pop(client, ()):
             renderer.release()
 
-    def reload(self, edition: int) -> None:
-        """Forget programs of an earlier edition, and renderers; a job that is running keeps its own to its end."""
-        if edition != self.edition:
-            self.edition = edition
+    def reload(self, shader_version: int) -> None:
+        """Forget programs of earlier shaders, and renderers; a job that is running keeps its own to its end."""
+        if shader_version != self.shader_version:
+            self.shader_version = shader_version
             self.device.forget_programs()
             self.renderers.clear()
             self.device.collect()
@@ -108,17 +108,17 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterato
 
     if request.coarse > 1:
         sample = request.scene, request.view.coarse(request.coarse), request.settings, 0, profile
-        for _ in coarse_renderer.sample(*sample, hurried=True, cancelled=cancelled):
+        for _ in coarse_renderer.sample(*sample, low_latency=True, cancelled=cancelled):
             coarse_renderer.device.check()
             yield
         job._picture = Picture(coarse_renderer.picture(), None, None, 0)
-        job.tell(first_seconds=coarse_renderer.seconds_of_pixels(profile))
+        job.tell(first_seconds=coarse_renderer.pixel_pass_seconds(profile))
         yield
     next_picture, ended_by = start, ""
     surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
     while not ended_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
-        for _ in renderer.sample(*sample, hurried=request.coarse > 0, cancelled=cancelled):
+        for _ in renderer.sample(*sample, low_latency=request.coarse > 0, cancelled=cancelled):
             if job.samples_done == 0:  # later ones do nothing new
                 renderer.device.check()
             yield
@@ -130,9 +130,9 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterato
         ended_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
         if ended_by:
             renderer.pace.finish()
-        job.first_seconds = job.first_seconds or renderer.seconds_of_pixels(profile)
+        job.first_seconds = job.first_seconds or renderer.pixel_pass_seconds(profile)
         job.statistics = profile.statistics(
-            request.scene, job.samples_done, now - start, renderer.error.of_picture, ended_by
+            request.scene, job.samples_done, now - start, renderer.error.image_error, ended_by
         )
         if ended_by or now >= next_picture:
             job._picture = Picture(renderer.picture(), *surfaces, job.samples_done)

@@ -34,8 +34,8 @@ class RenderThread:
         self._thread: threading.Thread | None = None
         self._rest_ends = 0.0  # monotonic s
         self._rests = False
-        #: Of the shaders: pictures of another edition may differ.
-        self.edition = 0
+        #: Counts how often shaders were read anew: pictures of another version may differ.
+        self.shader_version = 0
         _workers.add(self)
 
     def start(self, request: Request, client: Hashable) -> Job:
@@ -63,7 +63,7 @@ class RenderThread:
     def reload(self) -> None:
         """Read the shaders' files again for all jobs that are started from now on."""
         with self._news:
-            self.edition += 1
+            self.shader_version += 1
 
     def forget(self, client: Hashable) -> None:
         """Cancel the client's job and free what is kept for it."""
@@ -126,7 +126,7 @@ class RenderThread:
                 why = f"moderngl, which comes with the extension, could not be loaded ({reason}): "
                 why += "install the extension again"
                 return
-            with closing(RenderLoop(open_device(), self.edition)) as studio:
+            with closing(RenderLoop(open_device(), self.shader_version)) as studio:
                 self._draw(studio)
         except (NoOpenGL, ContextLost) as reason:
             why = str(reason)
@@ -142,9 +142,9 @@ class RenderThread:
                     return
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
                 forgotten, self._forgotten = self._forgotten, set()
-                edition = self.edition
+                shader_version = self.shader_version
             studio.tidy(jobs, forgotten)
-            studio.reload(edition)
+            studio.reload(shader_version)
             for client, job in jobs.items():
                 self._rest()
                 studio.step(client, job)

@@ -66,12 +66,12 @@ class InstanceReader:
         self._rows: list[_Row] = []
         self._own: dict[int, int] = {}  # the row of an object that stands for itself, by its session_uid
 
-    def distrust(self, changed: frozenset[int]) -> None:
+    def invalidate(self, changed: frozenset[int]) -> None:
         """What was read for the objects of these session_uids no longer holds."""
         self._changed = changed
         self._renewed.clear()
 
-    def distrust_all(self) -> None:
+    def invalidate_all(self) -> None:
         """Nothing that was read holds."""
         self._readings.clear()
         self._waiting.clear()

@@ -1,4 +1,4 @@
-// Which block the texel stands for, of a target with one for each, in strips, see targets.py.
+// Which block the texel stands for, of a target with one for each, in strips, see render_targets.py.
 uniform int strip;   // texels to a row
 uniform int columns; // blocks to a row
 

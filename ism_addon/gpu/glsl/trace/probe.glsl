@@ -11,7 +11,7 @@ vec2 look(int light_index, uvec2 place, ivec2 coarse, int apart) {
     if (!here.seen) return vec2(0.0);
     Light light = fetch_Light(lights, light_index);
     if (!receives(here, light)) return vec2(0.0, 1.0);
-    LightSample sampled = sample_light(light, here.position, here.normal, place_of_pixel(coarse, place));
+    LightSample sampled = sample_light(light, here.position, here.normal, pixel_sequence(coarse, place));
     if (sampled.irradiance > 0.0) return vec2(sees(here, sampled.point, light) ? 1.0 : 0.0, 1.0);
     return unshadowed_irradiance(light, here.position, here.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }

@@ -12,7 +12,7 @@ float headroom(float bright, float known) { return max(bright * (1.0 - known), -
 struct Turn { bool now; float number; float chance; }; // of the ray, counting those that the pixel had
 
 // `known` of a light that would bring `full` is thought to be seen; MIN_DOUBT is the doubt where all rays agree on that.
-float chance_of(vec3 radiance, vec3 albedo, float full, float known, bool doubtful) {
+float ray_probability(vec3 radiance, vec3 albedo, float full, float known, bool doubtful) {
     float bright = abs(luminance(radiance * albedo)) * full / 3.141592653589793;
     float worth = bright * (doubtful ? sqrt(max(known * (1.0 - known), 0.05)) : MIN_DOUBT) / enough;
     // A power of two: pixels close by have the same, and take turns together, as processors work on several at once.
@@ -20,7 +20,7 @@ float chance_of(vec3 radiance, vec3 albedo, float full, float known, bool doubtf
 }
 
 // Rays are numbered, so that they go through places that are spread evenly, however rare they are. `phase`: of the light.
-Turn turn_of(ivec2 at, uint phase, float chance) {
+Turn schedule_ray(ivec2 at, uint phase, float chance) {
     // After each round of the places in the pixel at another time, or rays would only ever start at some of them.
     uint rounds = uint(own_number) / uint(SUBPIXEL_OFFSETS);
     float start = float((phase + pixel_member(at / 4) * turn_steps.x + rounds * turn_steps.y) >> 8u) / 16777216.0;

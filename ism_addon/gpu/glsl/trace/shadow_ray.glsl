@@ -23,7 +23,7 @@ uint pixel_member(ivec2 at) {
 vec2 unit_square(uvec2 number) { return vec2(number >> 8u) / 16777216.0; }
 
 // The place on a light for one pixel.
-vec2 place_of_pixel(ivec2 at, uvec2 place) { return unit_square(place + pixel_member(at) * pixel_steps); }
+vec2 pixel_sequence(ivec2 at, uvec2 place) { return unit_square(place + pixel_member(at) * pixel_steps); }
 
 // Rounding may put a point off its surface by this, m: to what lies on the surface, it must not be on the other side.
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }

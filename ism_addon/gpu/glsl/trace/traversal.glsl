@@ -17,7 +17,7 @@ uniform vec3 casters_scale;
 // latest eight levels in x. Node 0: nowhere.
 struct Place { int node; uvec2 trail; };
 
-Place next_place(Place here) {
+Place pop(Place here) {
     if (here.trail.x == 0u) here = Place(here.node >> 16, uvec2(here.trail.y, 0u));
     int waiting = findLSB(here.trail.x), up = waiting & ~3;
     uvec2 trail = uvec2(here.trail.x >> up | here.trail.y << 1 << (31 - up), here.trail.y >> up);
@@ -25,7 +25,7 @@ Place next_place(Place here) {
     return here.trail.x == 0u ? Place(0, uvec2(0u)) : Place(node, uvec2(trail.x & (trail.x - 1u), trail.y));
 }
 
-vec3 without_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
+vec3 avoid_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
 
 vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
@@ -46,10 +46,10 @@ Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec
     uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
     uint all = met.x | met.y | met.z | met.w;
     uvec2 trail = uvec2(here.trail.x << 4 | (all & (all - 1u)), here.trail.y << 4 | here.trail.x >> 28);
-    return all > 0u ? Place(4 * here.node + findLSB(all), trail) : next_place(here);
+    return all > 0u ? Place(4 * here.node + findLSB(all), trail) : pop(here);
 }
 
-bool crosses(int triangle, vec3 origin, vec3 ray) {
+bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     Corners corners = corners_of(triangle);
     vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
@@ -59,7 +59,7 @@ bool crosses(int triangle, vec3 origin, vec3 ray) {
 
 // By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
 bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
-    vec3 whole_ray = without_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
+    vec3 whole_ray = avoid_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
     vec3 whole_origin = (from - casters_middle) * casters_scale;
     Place outside = Place(1, uvec2(0u));
     bool hit = false;
@@ -69,7 +69,7 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
         if (outside.node == 0) break;
         Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
-        vec3 origin = inside * vec4(from, 1.0), ray = without_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
+        vec3 origin = inside * vec4(from, 1.0), ray = avoid_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
         int own = caster.instance == instance ? triangle : -1;
         Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
         while (here.node > 0) {
@@ -78,10 +78,10 @@ bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
             int start = caster.first_start + here.node - caster.leaves;
             int first = caster.first_triangle + int(texelFetch(tree_starts, start).x);
             int last = here.node > 0 ? first + caster.per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || (crosses(k, origin, ray) && k != own);
-            here = hit ? Place(0, uvec2(0u)) : next_place(here);
+            for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != own);
+            here = hit ? Place(0, uvec2(0u)) : pop(here);
         }
-        outside = hit ? Place(0, uvec2(0u)) : next_place(outside);
+        outside = hit ? Place(0, uvec2(0u)) : pop(outside);
     }
     return hit;
 }

@@ -48,15 +48,15 @@ class PredictVisibility(Pass):
 
     @cached_property
     def scouts(self) -> moderngl.Program:
-        return self.in_blocks(part="probes", probe_spacing=PROBE_SPACING)
+        return self.tile_program(part="probes", probe_spacing=PROBE_SPACING)
 
     @cached_property
     def pixels(self) -> moderngl.Program:
-        return self.in_blocks(probe_spacing=PROBE_SPACING)
+        return self.tile_program(probe_spacing=PROBE_SPACING)
 
     @cached_property
     def blocks(self) -> moderngl.VertexArray:
-        return self.full_screen(part="tiles", tile_size=TILE_SIZE)
+        return self.full_screen_program(part="tiles", tile_size=TILE_SIZE)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces
@@ -76,7 +76,7 @@ class PredictVisibility(Pass):
             tables["looks"] = dict(
                 tables["scouted"]
             )  # some are added; what ProbeVisibility made may serve the next picture too
-            tables["seen"] = self.of_each_light(frame, "seen", RAY_COUNTS)
+            tables["seen"] = self.textures_per_light(frame, "seen", RAY_COUNTS)
             for texture in tables["seen"].values():
                 self.device.gl.framebuffer([texture]).clear()
         else:
@@ -84,11 +84,11 @@ class PredictVisibility(Pass):
                 tables["found"][light] |= found
             self.add(frame, tables["spotted"])
         self.device.gl.copy_framebuffer(frame.targets.into("foreseen"), frame.targets.into("position"))
-        tables["predictions"] = self.of_each_light(frame, "predictions", PREDICTION)
+        tables["predictions"] = self.textures_per_light(frame, "predictions", PREDICTION)
         for light, prediction in tables["predictions"].items():
             self.predict(frame, light, prediction, not first)
 
-    def of_each_light(self, frame: Frame, table: str, target: Target) -> dict[int, moderngl.Texture]:
+    def textures_per_light(self, frame: Frame, table: str, target: Target) -> dict[int, moderngl.Texture]:
         """A texture of the picture's size; that which the table has, if it fits."""
         size, kept = (frame.view.width, frame.view.height), frame.tables.get(table, {})
         fits = {light: texture for light, texture in kept.items() if texture.size == driver_variants.sides(size)}
@@ -115,7 +115,7 @@ class PredictVisibility(Pass):
         found = {light: TILE_VISIBILITY.create(gl, size) for light in rays}
         for light, texture in found.items():
             target = gl.framebuffer([texture])
-            self.draw_by_block(frame, target, self.blocks, rays=rays[light], apart=apart)
+            self.draw_per_tile(frame, target, self.blocks, rays=rays[light], apart=apart)
         self.device.wait()
         return {light: from_tile_layout(pixels(texture), frame.blocks) > 0.0 for light, texture in found.items()}
 
@@ -128,10 +128,10 @@ class PredictVisibility(Pass):
         gl, around, doubtful = self.device.gl, targets.into("around"), tiles_where(found.all(2))
         write_tiles(targets["around"], targets.sizes["around"], found[..., 0], PROBES_PER_TILE_SIDE)
         bind(self.scouts, **surfaces, **rays)
-        self.draw_blocks(frame, around, self.scouts, doubtful, block=PROBES_PER_TILE_SIDE)
+        self.draw_tiles(frame, around, self.scouts, doubtful, block=PROBES_PER_TILE_SIDE)
         write_tiles(prediction, (frame.view.width, frame.view.height), found[..., 0], TILE_SIZE)
         bind(self.pixels, **surfaces, around=targets["around"])
-        self.draw_blocks(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
+        self.draw_tiles(frame, gl.framebuffer([prediction]), self.pixels, doubtful)
 
 
 def write_tiles(prediction: moderngl.Texture, size: tuple[int, int], arrived: np.ndarray, block: int) -> None:

@@ -24,10 +24,10 @@ void main() {
     if (light.casts_shadow == 0 || full <= 0.0) return;
     correction.a = all * abs(bright);
     uvec3 own = (uint(own_light + 0.5) + 1u) * light_steps;
-    float chance = chance_of(light.radiance, here.albedo, all, known, known < 1.0);
-    Turn turn = turn_of(at, own.z, max(chance, MIN_PROBABILITY / own_chance)); // as many rays as if it were always its turn
+    float chance = ray_probability(light.radiance, here.albedo, all, known, known < 1.0);
+    Turn turn = schedule_ray(at, own.z, max(chance, MIN_PROBABILITY / own_chance)); // as many rays as if it were always its turn
     if (!turn.now) return;
-    vec2 place = place_of_pixel(at, own.xy + uint(turn.number) * ray_steps);
+    vec2 place = pixel_sequence(at, own.xy + uint(turn.number) * ray_steps);
     LightSample sampled = sample_light(light, here.position, here.normal, place);
     if (sampled.irradiance <= 0.0) return;
     float seen = sees(here, sampled.point, light) ? 1.0 : 0.0;

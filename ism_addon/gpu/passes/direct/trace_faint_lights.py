@@ -54,7 +54,7 @@ class TraceFaintLights(Pass):
         frame.counts["pixels_refined"] += rays * len(blocks) * TILE_SIZE**2
         kind_of = {light: LightVariant.of(lights, light) for light in np.unique(blocks["light"]).astype(int)}
         for kind in dict.fromkeys(kind_of.values()):
-            program = self.in_blocks(
+            program = self.tile_program(
                 *RECORDS, **shader_constants(kind, rays, len(frame.grid.places), MIN_FAINT_RAY_PROBABILITY)
             )
             bind(
@@ -68,7 +68,7 @@ class TraceFaintLights(Pass):
                 **frame.tables.get("casters", {}),
             )
             alike = [light for light, own in kind_of.items() if own == kind]
-            self.draw_blocks(frame, target, program, blocks[np.isin(blocks["light"], alike)])
+            self.draw_tiles(frame, target, program, blocks[np.isin(blocks["light"], alike)])
         frame.tables["used"].update(kind_of)
         count_lights(frame, frame.tables["used"])
 

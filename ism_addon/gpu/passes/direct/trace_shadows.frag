@@ -17,7 +17,7 @@ layout(location = 2) out vec2 seen; // rays that arrived, and rays
 #endif
 
 // A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
-vec2 known_of(Receiver here, ivec2 at) {
+vec2 predicted_visibility_at(Receiver here, ivec2 at) {
 #if TRACE
     ivec2 last = last_pixel();
     vec2 known = vec2(0.0, 1.0), texel = texel_size(foreseen);
@@ -47,15 +47,15 @@ void main() {
     if (!here.seen) return;
     Light light = fetch_Light(lights, light_index);
     float full = receives(here, light) ? unshadowed_irradiance(light, here.position, here.normal) : 0.0;
-    vec2 known = known_of(here, at);
+    vec2 known = predicted_visibility_at(here, at);
     float bright = luminance(light.radiance);
     predicted = full * vec4(light.radiance * known.x, known.y > 0.0 ? headroom(bright, known.x) : 0.0);
 #if TRACE
     correction.a = known.y > 0.0 ? full * abs(bright) : 0.0;
-    float chance = own_chance > 0.0 ? own_chance : chance_of(light.radiance, here.albedo, full, known.x, known.y > 0.0);
-    Turn turn = turn_of(at, shift.z, chance);
+    float chance = own_chance > 0.0 ? own_chance : ray_probability(light.radiance, here.albedo, full, known.x, known.y > 0.0);
+    Turn turn = schedule_ray(at, shift.z, chance);
     if (full <= 0.0 || !(turn.now || own_chance > 0.0)) return;
-    vec2 place = place_of_pixel(at, shift.xy + uint(turn.number) * ray_steps);
+    vec2 place = pixel_sequence(at, shift.xy + uint(turn.number) * ray_steps);
     LightSample sampled = sample_light(light, here.position, here.normal, place);
     if (sampled.irradiance <= 0.0) return;
     seen = vec2(sees(here, sampled.point, light) ? 1.0 : 0.0, 1.0);

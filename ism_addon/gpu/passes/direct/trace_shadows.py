@@ -45,7 +45,7 @@ class TraceShadows(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         self.all_seen = PREDICTION.create(device.gl, (1, 1))
-        PREDICTION.neutralise(self.all_seen)
+        PREDICTION.use_neutral(self.all_seen)
         self.framebuffers: dict[int, moderngl.Framebuffer] = {}
 
     def needed(self, frame: Frame) -> bool:
@@ -58,7 +58,10 @@ class TraceShadows(Pass):
         gl.blend_func = moderngl.ONE, moderngl.ONE
         shifts = members(LIGHT_INCREMENTS, 0, len(lights.shape))
         frame.tables["used"] = used = set()
-        predicted, with_rays = frame.targets.into("predicted"), []  # all of one target first: to change it takes time
+        predicted, traced_draws = (
+            frame.targets.into("predicted"),
+            [],
+        )  # all of one target first: to change it takes time
         for light, shift in enumerate(shifts):
             traced, shown = self.chosen(frame, light, shift[3])
             if not len(traced) + len(shown):
@@ -74,17 +77,19 @@ class TraceShadows(Pass):
                 "foreseen": frame.targets["foreseen"],
                 "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
             }
-            program = self.in_blocks(*RECORDS, **shader_constants(kind, 0, 1, MIN_RAY_PROBABILITY))
+            program = self.tile_program(*RECORDS, **shader_constants(kind, 0, 1, MIN_RAY_PROBABILITY))
             bind(program, **shared)
-            self.draw_blocks(frame, predicted, program, shown)
+            self.draw_tiles(frame, predicted, program, shown)
             frame.counts["pixels_refined"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 places = {"shift": fixed_point(shift[:3]), **ray_sequence()}
-                with_rays.append((light, kind, shared | places, traced))
-        for light, kind, uniforms, traced in with_rays:
-            program = self.in_blocks(*RECORDS, **shader_constants(kind, 1, len(frame.grid.places), MIN_RAY_PROBABILITY))
+                traced_draws.append((light, kind, shared | places, traced))
+        for light, kind, uniforms, traced in traced_draws:
+            program = self.tile_program(
+                *RECORDS, **shader_constants(kind, 1, len(frame.grid.places), MIN_RAY_PROBABILITY)
+            )
             bind(program, **uniforms, enough=ray_threshold(frame), **frame.tables["casters"])
-            self.draw_blocks(frame, self.into(frame, light), program, traced)
+            self.draw_tiles(frame, self.into(frame, light), program, traced)
         count_lights(frame, used)
 
     def into(self, frame: Frame, light: int) -> moderngl.Framebuffer:

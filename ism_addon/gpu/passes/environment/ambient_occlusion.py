@@ -36,7 +36,7 @@ class AmbientOcclusion(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
-        pixels = self.full_screen(points=SAMPLES, tile=NOISE_SIZE)
+        pixels = self.full_screen_program(points=SAMPLES, tile=NOISE_SIZE)
         pixels.program["cone_points"].write(rd_sequence(0, SAMPLES, 3).astype("f4"))
         return pixels
 

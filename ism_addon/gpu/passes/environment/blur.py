@@ -25,7 +25,7 @@ class BlurOcclusion(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
-        return self.full_screen()
+        return self.full_screen_program()
 
     def needed(self, frame: Frame) -> bool:
         return frame.occludes

@@ -71,20 +71,20 @@ class Accumulate(Pass):
         }
         if filter_margin(reach) < WIDE_MARGIN:
             gl.enable_only(adding)
-            program = self.in_blocks(margin=filter_margin(reach), corrected=corrected, whole=int(first))
+            program = self.tile_program(margin=filter_margin(reach), corrected=corrected, whole=int(first))
             bind(program, **samples, reach=reach)
             rays = rays_for((2 * filter_margin(reach) + 1) ** 2)
             around = 0 if first else filter_margin(reach)
-            self.draw_blocks(frame, frame.targets.into(*SUMS), program, margin=around, rays=rays)
+            self.draw_tiles(frame, frame.targets.into(*SUMS), program, margin=around, rays=rays)
             return
         gl.enable_only(moderngl.NOTHING)
         for name, target in (*TAKEN.items(), *ROWS.items()):
             frame.targets.allocate(name, target, frame.targets.sizes["sum"])
         taken = frame.targets.into(*TAKEN)
         taken.clear()
-        program = self.in_blocks(part="taken", corrected=corrected)
+        program = self.tile_program(part="taken", corrected=corrected)
         bind(program, **samples)
-        self.draw_blocks(frame, taken, program, rays=rays_for(1))
+        self.draw_tiles(frame, taken, program, rays=rays_for(1))
         self.draw_lines(frame, TAKEN, ROWS)
         gl.enable_only(adding)
         self.draw_lines(frame, ROWS, SUMS)
@@ -92,7 +92,7 @@ class Accumulate(Pass):
     def draw_lines(self, frame: Frame, source: dict[str, Target], into: dict[str, Target]) -> None:
         """Filter along rows or, into the sums, along columns."""
         lines, reach = (
-            self.full_screen(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS)),
+            self.full_screen_program(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS)),
             frame.view.filter_width,
         )
         narrower = math.sqrt(reach * reach - RELATIVE_VARIANCE)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The picture beside what it was at half as many samples: how far it moved says how far it is from its end.
 
-See error.py for why. Blocks that are near enough take part in no further sample.
+See convergence.py for why. Blocks that are near enough take part in no further sample.
 """
 
 from functools import cached_property
@@ -45,7 +45,7 @@ class EstimateError(Pass):
 
     @cached_property
     def blocks(self) -> moderngl.VertexArray:
-        return self.full_screen(tile_size=TILE_SIZE)
+        return self.full_screen_program(tile_size=TILE_SIZE)
 
     def draw(self, frame: Frame) -> None:
         error, quality = frame.tables["error"], frame.settings.quality
@@ -60,7 +60,7 @@ class EstimateError(Pass):
     def moved(self, frame: Frame) -> np.ndarray:
         """(H,W) mean squares of the blocks' differences, over the picture's squared mean brightness."""
         pictures = {name: frame.targets[name] for name in ("resolved", "earlier")}
-        self.draw_by_block(frame, frame.targets.into("moved"), self.blocks, **pictures)
+        self.draw_per_tile(frame, frame.targets.into("moved"), self.blocks, **pictures)
         self.device.wait()
         square, bright = np.moveaxis(from_tile_layout(frame.targets.read("moved"), frame.blocks), -1, 0)
         return square / max(float(bright.mean()) ** 2, FLOAT32_TINY)

@@ -11,7 +11,7 @@ uniform sampler2D stand_out;
 out vec4 resolved;
 
 // What is left of squares when their noise is taken out.
-float believed(float square, float noise) { return square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0; }
+float shrinkage(float square, float noise) { return square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0; }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
@@ -28,7 +28,7 @@ void main() {
     }
     vec4 mean = fetch(near, at);
     vec3 difference = fetch(sum_correction, at).rgb / mean.a - mean.rgb;
-    vec3 change = believed(found.z, found.w) * mean.rgb + believed(found.x, found.y) * difference;
+    vec3 change = shrinkage(found.z, found.w) * mean.rgb + shrinkage(found.x, found.y) * difference;
     // No correction adds light beyond what would arrive if nothing hid it, takes more than is in doubt, or than there is.
     float amount = luminance(change), all = fetch(weights, at).y;
     float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(weights, at).w / mean.a;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of all samples so far: the mean of what was predicted, and of the corrections what stands out of noise.
 
-A correction is believed by the part that is left when the noise of its neighbourhood is taken from their mean square
+A correction is shrinkage by the part that is left when the noise of its neighbourhood is taken from their mean square
 (James & Stein 1961): nothing of one ray a pixel, all of it in the end, so nothing of the prediction's error remains.
 """
 
@@ -32,7 +32,7 @@ class Resolve(Pass):
 
     @cached_property
     def near(self) -> moderngl.VertexArray:
-        return self.full_screen(
+        return self.full_screen_program(
             part="neighbours",
             tile_size=TILE_SIZE,
             stratification_exponent=STRATIFICATION_EXPONENT,
@@ -41,16 +41,16 @@ class Resolve(Pass):
 
     @cached_property
     def predicted(self) -> moderngl.VertexArray:
-        return self.full_screen(tile_size=TILE_SIZE, corrected=0)
+        return self.full_screen_program(tile_size=TILE_SIZE, corrected=0)
 
     @cached_property
     def corrected(self) -> moderngl.VertexArray:
-        return self.full_screen(tile_size=TILE_SIZE, corrected=1)
+        return self.full_screen_program(tile_size=TILE_SIZE, corrected=1)
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
         if frame.sample > 0:  # the first one has no corrections
-            self.look_around(frame)
+            self.neighbour_statistics(frame)
         pixels = self.corrected if frame.sample > 0 else self.predicted
         bind(
             pixels.program,
@@ -65,7 +65,7 @@ class Resolve(Pass):
         )
         self.draw_pixels(frame, frame.targets.into("resolved"), pixels)
 
-    def look_around(self, frame: Frame) -> None:
+    def neighbour_statistics(self, frame: Frame) -> None:
         """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
         bind(
             self.near.program,

@@ -13,7 +13,7 @@ layout(location = 1) out vec4 color_correction; // in alpha, the luminance that 
 layout(location = 2) out float headroom;        // and that by which the picture would rise without doubt
 
 // Of the world's light. Occlusion is at half resolution.
-float open_part(ivec2 at, Surface here) {
+float ambient_visibility(ivec2 at, Surface here) {
 #if OCCLUDED
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
@@ -28,7 +28,7 @@ float open_part(ivec2 at, Surface here) {
 }
 
 // Of a target that is a few texels, all alike, where nobody draws it.
-vec4 at_pixel(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
+vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -42,8 +42,8 @@ void main() {
     // A Lambertian surface sends its albedo's part of what arrives, spread over pi; from a world of one radiance
     // arrives pi times that.
     vec3 part = fetch(albedo, at).rgb, sent = part / 3.141592653589793;
-    vec4 expected = at_pixel(predicted, at);
-    color = vec4(sent * (at_pixel(irradiance, at).rgb + expected.rgb) + part * world * open_part(at, here), 1.0);
-    color_correction = vec4(sent, luminance(sent)) * at_pixel(correction, at);
+    vec4 expected = fetch_clamped(predicted, at);
+    color = vec4(sent * (fetch_clamped(irradiance, at).rgb + expected.rgb) + part * world * ambient_visibility(at, here), 1.0);
+    color_correction = vec4(sent, luminance(sent)) * fetch_clamped(correction, at);
     headroom = luminance(sent) * expected.a;
 }

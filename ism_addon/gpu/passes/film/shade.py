@@ -26,7 +26,7 @@ class Shade(Pass):
 
     def draw(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        pixels = self.in_blocks(occluded=int(frame.occludes))
+        pixels = self.tile_program(occluded=int(frame.occludes))
         bind(
             pixels,
             position=frame.targets["position"],
@@ -40,4 +40,4 @@ class Shade(Pass):
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        self.draw_blocks(frame, frame.targets.into(*self.writes), pixels)
+        self.draw_tiles(frame, frame.targets.into(*self.writes), pixels)

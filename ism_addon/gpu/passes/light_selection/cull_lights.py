@@ -107,13 +107,13 @@ class CullLights(Pass):
 
     @cached_property
     def surfaces(self) -> moderngl.VertexArray:
-        return self.full_screen(
+        return self.full_screen_program(
             tile_size=TILE_SIZE, background_depth=BACKGROUND_DEPTH, depth_split_ratio=DEPTH_SPLIT_RATIO
         )
 
     @cached_property
     def rays(self) -> moderngl.VertexArray:
-        return self.full_screen(LIGHT, CASTER, MEMBERSHIP, part="rays")
+        return self.full_screen_program(LIGHT, CASTER, MEMBERSHIP, part="rays")
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -130,12 +130,12 @@ class CullLights(Pass):
         if frame.sample == 0:
             self.bounds = seen
             self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
-            self.arrives = self.from_afar(frame)
+            self.arrives = self.probe_coarsely(frame)
             there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
             self.light = neighbourhood(there).mean((2, 3))
         else:
             spotted = frame.tables["spotted"] if frame.traces else {}
-            for light, rays in self.rays_from(frame, np.array(list(spotted), int), FINE_TILE_SPACING).items():
+            for light, rays in self.probe_rays(frame, np.array(list(spotted), int), FINE_TILE_SPACING).items():
                 part = neighbourhood_visibility(rays, frame.scene.lights.spread[light] < np.pi)
                 self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, part))
             new = np.flatnonzero(~self.bounds.hold(seen))
@@ -144,7 +144,7 @@ class CullLights(Pass):
         return self.weighed()
 
     def light_on(self, frame: Frame, bounds: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """See bounds.py: two arrays (lights, rows, columns) of the most on some of what the blocks show, by number."""
+        """Arrays (lights, rows, columns) of bounds, and of estimates, on some of what the tiles show, see surface_bounds.py."""
         some, all_lamps = (
             bounds.some(which),
             LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space),
@@ -165,13 +165,13 @@ class CullLights(Pass):
     def look(self, frame: Frame) -> SurfaceBounds:
         """What the blocks show, each nearby and far off."""
         shown = {name: frame.targets[name] for name in ("position", "depth")}
-        self.draw_by_block(frame, frame.targets.into(*self.writes), self.surfaces, **shown)
+        self.draw_per_tile(frame, frame.targets.into(*self.writes), self.surfaces, **shown)
         self.device.wait()
         found = [from_tile_layout(frame.targets.read(name), frame.blocks) for name in self.writes]
         near_and_far = np.array(found).reshape(2, 3, -1, 4)
         return SurfaceBounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
-    def from_afar(self, frame: Frame) -> dict[int, np.ndarray]:
+    def probe_coarsely(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
         casts, narrow = frame.scene.lights.casts_shadow & frame.traces, frame.scene.lights.spread < np.pi
         reaching = np.flatnonzero(self.most.any((1, 2)))
@@ -180,10 +180,10 @@ class CullLights(Pass):
             len(asked) > FEW_LIGHTS
             and np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.blocks]) >= MANY_LIGHTS
         ):
-            arrived = self.rays_from(frame, asked, COARSE_TILE_SPACING)
+            arrived = self.probe_rays(frame, asked, COARSE_TILE_SPACING)
             sent = {light: rays.any() for light, rays in arrived.items()}
             asked = np.array([k for k in asked if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
-        rays = self.rays_from(frame, asked, FINE_TILE_SPACING)
+        rays = self.probe_rays(frame, asked, FINE_TILE_SPACING)
         certain = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
         return certain | {k: self.by_blocks(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
@@ -193,7 +193,7 @@ class CullLights(Pass):
         columns, rows = frame.blocks
         return found.repeat(FINE_TILE_SPACING, 0).repeat(FINE_TILE_SPACING, 1)[:rows, :columns]
 
-    def rays_from(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
+    def probe_rays(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
         gl, (columns, rows) = self.device.gl, (-(-count // apart) for count in frame.blocks)
         gl.enable_only(moderngl.NOTHING)

@@ -34,7 +34,7 @@ class ProbeVisibility(Pass):
             into = gl.framebuffer([scouted[light]])
             into.clear()
             kind = LightVariant.of(frame.scene.lights, light)
-            program = self.in_blocks(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(kind))
+            program = self.tile_program(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(kind))
             bind(
                 program,
                 **frame.receivers,
@@ -46,5 +46,5 @@ class ProbeVisibility(Pass):
                 **frame.tables["casters"],
             )
             blocks = tiles_where(frame.tables["reach"][light].scouted)
-            self.draw_blocks(frame, into, program, blocks, block=PROBES_PER_TILE_SIDE)
+            self.draw_tiles(frame, into, program, blocks, block=PROBES_PER_TILE_SIDE)
         frame.tables["scouted"] = scouted

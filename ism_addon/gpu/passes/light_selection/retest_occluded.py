@@ -37,7 +37,7 @@ class RetestOccluded(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.Program:
-        return self.in_blocks(LIGHT, CASTER, MEMBERSHIP, probe_spacing=PROBE_SPACING)
+        return self.tile_program(LIGHT, CASTER, MEMBERSHIP, probe_spacing=PROBE_SPACING)
 
     def needed(self, frame: Frame) -> bool:
         return frame.traces and frame.sample > 0
@@ -63,7 +63,7 @@ class RetestOccluded(Pass):
             place=fixed_point(sequence(Dimension.RETEST_POINT, frame.sample, 1)[0]),
             **frame.tables["casters"],
         )
-        self.draw_blocks(frame, target, self.pixels, blocks, block=PROBES_PER_TILE_SIDE)
+        self.draw_tiles(frame, target, self.pixels, blocks, block=PROBES_PER_TILE_SIDE)
 
     def chosen(self, frame: Frame) -> np.ndarray:
         """Rows of TILE: each pair of a light and a block as often as it has a chance (systematic sampling)."""

@@ -32,7 +32,7 @@ class GatherLight(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
-        return self.full_screen(LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE, empty=NO_OCCLUDER)
+        return self.full_screen_program(LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE, empty=NO_OCCLUDER)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0 and not frame.fitted

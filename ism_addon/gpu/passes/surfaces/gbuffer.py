@@ -50,7 +50,9 @@ class GBuffer(Pass):
     def __init__(self, device: Device):
         super().__init__(device)
         stages = (f"passes/surfaces/visibility_buffer.{stage}" for stage in ("vert", "frag"))
-        self.triangles = compile_program(device, *stages, records=(INSTANCE,), by_nearness=int(device.by_nearness))
+        self.triangles = compile_program(
+            device, *stages, records=(INSTANCE,), reversed_depth=int(device.reversed_depth)
+        )
         self.drawn: tuple = ()
 
     def draw(self, frame: Frame) -> None:
@@ -70,7 +72,7 @@ class GBuffer(Pass):
         first, size = frame.grid.bounds(frame.view.width, frame.view.height)
         # Without images no shader is ready for them: many processors would walk through that too.
         images = len(frame.scene.images) > 0
-        surface = self.in_blocks(
+        surface = self.tile_program(
             INSTANCE, MATERIAL, background_depth=BACKGROUND_DEPTH, images=int(images), width=TEXTURE_WIDTH
         )
         bind(
@@ -86,7 +88,7 @@ class GBuffer(Pass):
             **({"uvs": frame.tables["coordinates"].uvs.array} if images else {}),
         )
         target = frame.targets.into("depth", "position", "normal", "albedo", "triangle")
-        self.draw_blocks(frame, target, surface)
+        self.draw_tiles(frame, target, surface)
 
     def draw_triangles(self, frame: Frame) -> None:
         """Which triangle of which instance is nearest; 0 where there is none."""
@@ -108,7 +110,7 @@ class GBuffer(Pass):
             self.triangles,
             turn=tuple((part[:, None] * turn).T.ravel()),
             shift=tuple(part * shift),
-            depth=(nearness if self.device.by_nearness else logarithm)(frame.view.clip_from_view),
+            depth=(nearness if self.device.reversed_depth else logarithm)(frame.view.clip_from_view),
             corners=frame.tables["geometry"].arrays["corners"],
             instances=placement.table,
             owners=placement.owners.array,
@@ -133,5 +135,5 @@ class GBuffer(Pass):
             frame.counts["triangles_drawn"] += count
             waiting += count
             if waiting >= TRIANGLES_AT_A_TIME:
-                frame.pace.hand_over()
+                frame.pace.submit()
                 waiting = 0

@@ -51,7 +51,7 @@ class SelectTiles(Pass):
 
     @cached_property
     def means(self) -> moderngl.VertexArray:
-        return self.full_screen(tile_size=TILE_SIZE)
+        return self.full_screen_program(tile_size=TILE_SIZE)
 
     def draw(self, frame: Frame) -> None:
         if frame.sample == 0:
@@ -60,7 +60,7 @@ class SelectTiles(Pass):
             noise, frame.tables["brightness"] = self.so_far(frame)
             unsettled = ~frame.tables["error"].settled
             if frame.fitted and frame.settings.shortcuts and frame.sample >= UNIFORM_SAMPLES and unsettled.any():
-                self.share_out(noise, frame.tables["brightness"], unsettled)
+                self.allocate(noise, frame.tables["brightness"], unsettled)
         error, turn = frame.tables["error"], sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
         takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & neighbourhood_max(~error.settled)
         frame.tables["blocks"] = self.blocks(frame, takes_part)
@@ -81,7 +81,7 @@ class SelectTiles(Pass):
         for name, components in (("counts", 1), ("chances", 2)):
             frame.tables[name] = Target(components, "f4").create(gl, frame.blocks)
 
-    def share_out(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
+    def allocate(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
         """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
         rounding = SUM_ROUNDING * brightness / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
         enough = max(float(np.quantile(noise[unsettled], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
@@ -100,7 +100,7 @@ class SelectTiles(Pass):
     def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
         """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""
         sums = {name: frame.targets[name] for name in ("sum", "sum_correction", "weights")}
-        self.draw_by_block(frame, frame.targets.into("noise"), self.means, **sums)
+        self.draw_per_tile(frame, frame.targets.into("noise"), self.means, **sums)
         self.device.wait()
         square, bright = np.moveaxis(from_tile_layout(frame.targets.read("noise"), frame.blocks), -1, 0)
         return np.sqrt(square), float(bright.mean())

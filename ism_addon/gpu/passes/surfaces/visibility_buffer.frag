@@ -5,7 +5,7 @@ out uvec2 id;
 
 void main() {
     id = numbers;
-#if !BY_NEARNESS
+#if !REVERSED_DEPTH
     gl_FragDepth = depth.y < 0.0 ? depth.x - depth.y * log2(gl_FragCoord.w) : 1.0 - gl_FragCoord.z;
 #endif
 }

@@ -18,7 +18,7 @@ void main() {
     Corners corners_here = corners_of(triangle);
     vec4 p = vec4(corners_here.first + (corner == 0 ? vec3(0.0) : corner == 1 ? corners_here.u : corners_here.v), 1.0);
     gl_Position = clip_from_anchor * vec4(dot(here.row0, p), dot(here.row1, p), dot(here.row2, p), 1.0);
-#if BY_NEARNESS
+#if REVERSED_DEPTH
     gl_Position.z = depth.x > 0.0 ? depth.x + depth.y * gl_Position.w : 0.5 * (gl_Position.w - gl_Position.z);
 #endif
     gl_Position.xy = turn * gl_Position.xy + shift * gl_Position.w;
