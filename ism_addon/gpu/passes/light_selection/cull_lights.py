@@ -144,7 +144,7 @@ class CullLights(Pass):
         return self.weighed()
 
     def light_on(self, frame: Frame, bounds: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """Arrays (lights, rows, columns) of bounds, and of estimates, on some of what the tiles show, see surface_bounds.py."""
+        """Arrays (lights, rows, columns) of bounds and of estimates, for some surfaces: see surface_bounds.py."""
         some, all_lamps = (
             bounds.some(which),
             LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space),
