@@ -37,7 +37,7 @@ class LightVariant:
 
 
 def shader_constants(kind: LightVariant, rays: int, places: int, min_probability: float) -> dict[str, int | float]:
-    """Of a shader for one kind of light: with as many rays, 0 or 1, and places in a pixel; and a ray's least chance."""
+    """Constants of the shader for one type of light: `rays` is 0 or 1, `places` are the subpixel offsets of a grid."""
     return {
         "trace": rays,
         "subpixel_offsets": places,

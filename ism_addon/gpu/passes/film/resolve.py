@@ -15,7 +15,8 @@ from ...frame import TILE_SIZE, Frame, Pass
 from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
-#: Places that are spread evenly make less noise than chance would, by this power of the number of rays; as measured.
+#: Stratified samples have less variance than independent ones, by this power of the number of rays. Chosen by the error
+#: of the scenes objects, lamps, atrium and thin of `bench error` at 4 to 16 samples.
 STRATIFICATION_EXPONENT = 0.4
 
 #: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where
