@@ -214,4 +214,5 @@ class Change(Enum):
     LIGHTS = "lights"
     WORLD = "world"
     VIEW = "view"
+    PIXEL_GRID = "grid of samples' places in the pixels"
     SAMPLE = "sample"
