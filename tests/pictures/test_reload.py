@@ -10,8 +10,8 @@ import pytest
 
 from ism_addon.gpu.gl import shader_compiler
 from tests.scenes.small import pillar_field
+from tests.support.jobs import LONG, begun, ended, request
 from tests.support.small_scenes import SMALL_SETTINGS
-from tests.unit.jobs.test_render_thread import LONG, begun, ended, request
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.setting_limits import beyond_limits, within_limits
 from ism_addon.settings import SECTIONS, Quality, Settings, setting_fields
 from tests.scenes.small import box_over_plane
+from tests.support.jobs import begun, ended
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw
-from tests.unit.jobs.test_render_thread import begun, ended
 
 NUMBERS = [
     pytest.param(name, member, control, id=member.name)

@@ -16,8 +16,8 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Lights
 from ism_addon.settings import SSAO
 from tests.scenes.small import box_over_plane
+from tests.support.jobs import ended, request
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
-from tests.unit.jobs.test_render_thread import ended, request
 
 LARGE_MAPS = with_quality(MAPS, virtual_lights=40, map_size=256)
 

@@ -16,7 +16,7 @@ from ism_addon.gpu import renderer
 from ism_addon.gpu.jobs.job import Request
 from tests.scenes.small import box_over_plane
 from tests.support import exr
-from tests.unit.jobs.test_render_thread import LONG, begun
+from tests.support.jobs import LONG, begun
 
 pytestmark = pytest.mark.alone
 

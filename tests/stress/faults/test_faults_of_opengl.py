@@ -17,9 +17,9 @@ from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.setting_limits import beyond_limits
 from tests.pictures.test_reload import edit, shaders  # noqa: F401 (a fixture)
+from tests.support.jobs import LONG, begun, ended, request
 from tests.support.small_scenes import MAPS
 from tests.tools import project
-from tests.unit.jobs.test_render_thread import LONG, begun, ended, request
 
 pytestmark = pytest.mark.alone
 

@@ -16,8 +16,8 @@ from ism_addon import snapshot
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.setting_limits import view_beyond_limits
 from tests.scenes.small import box_over_plane, pillar_field
+from tests.support.jobs import ended
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS
-from tests.unit.jobs.test_render_thread import ended
 from tests.unit.test_snapshot import rewritten
 
 

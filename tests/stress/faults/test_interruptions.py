@@ -70,7 +70,7 @@ def test_exit_while_a_viewport_is_drawn(tmp_path):
         "from ism_addon.gpu.jobs.job import Request",
         "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
-        "from tests.unit.jobs.test_render_thread import LONG, begun",
+        "from tests.support.jobs import LONG, begun",
         "assert begun(shared.start(Request(*box_over_plane(320, 200), LONG), 'viewport'))",
         "print('drawing')",
     )
@@ -139,7 +139,7 @@ def test_a_render_beside_a_viewport(tmp_path, alone):
         "from ism_addon.gpu.jobs.job import Request",
         "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
-        "from tests.unit.jobs.test_render_thread import LONG, begun",
+        "from tests.support.jobs import LONG, begun",
         "job = shared.start(Request(*box_over_plane(64, 40), LONG), 'viewport')",
         "assert begun(job)",
         "render('picture')",

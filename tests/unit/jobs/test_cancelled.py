@@ -19,9 +19,9 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View, World
 from ism_addon.settings import SSAO, Settings
 from tests.scenes.small import box_over_plane
+from tests.support.jobs import ended
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
 from tests.unit.gl.test_draw_limit import FEW, lit_by_many
-from tests.unit.jobs.test_render_thread import ended
 
 RAYS = replace(with_quality(SMALL_SETTINGS, samples=3), ssao=SSAO(enabled=True))
 BY_MAPS = with_quality(MAPS, samples=3, map_size=64, virtual_lights=12)

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system can
 SCRIPT = """
 import os, signal
 from ism_addon.gpu.jobs.render_thread import shared
-from tests.unit.jobs.test_render_thread import LONG, begun, ended, request
+from tests.support.jobs import LONG, begun, ended, request
 def drawn():
     job = shared.start(request(), "client")
     assert ended(job)

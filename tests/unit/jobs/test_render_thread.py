@@ -2,44 +2,22 @@
 """The worker's promises: every job comes to an end, and one client never spoils another's picture."""
 
 import threading
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ism_addon.gpu.gl import context
-from ism_addon.gpu.jobs.job import Job, Request
+from ism_addon.gpu.jobs.job import Job
 from ism_addon.gpu.jobs.render_loop import draw_job as steps
 from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadMaterials
 from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene
-from tests.scenes.small import box_over_plane, pillar_field
+from tests.scenes.small import pillar_field
+from tests.support.jobs import LONG, begun, ended, request
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
-
-LONG = with_quality(SMALL_SETTINGS, samples=60_000)
-
-
-def request(settings=SMALL_SETTINGS, make=box_over_plane, size=(24, 16)) -> Request:
-    return Request(*make(*size), settings)
-
-
-def ended(job: Job, limit: float = 30.0) -> bool:
-    """Wait for the job's end, up to `limit` s."""
-    until = time.monotonic() + limit
-    while not job.finished and time.monotonic() < until:
-        job.wait(0.5)
-    return job.finished
-
-
-def begun(job: Job) -> bool:
-    """Wait for the job's first picture."""
-    until = time.monotonic() + 30.0
-    while job.picture() is None and not job.finished and time.monotonic() < until:
-        job.wait(0.5)
-    return job.picture() is not None
 
 
 def test_a_job_gives_a_picture(worker, device):

@@ -9,8 +9,8 @@ import pytest
 
 from ism_addon.gpu.jobs.render_thread import PATIENCE
 from ism_addon.gpu.passes.film.shade import Shade
+from tests.support.jobs import LONG, begun, ended, request
 from tests.tools.memory import resident
-from tests.unit.jobs.test_render_thread import LONG, begun, ended, request
 
 pytestmark = pytest.mark.alone
 
