@@ -112,7 +112,7 @@ class Viewport:
 
     def _news(self) -> tuple:
         """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
-        return self._job, self._job.picture(), self._job.finished
+        return self._job, self._job.picture(), self._job.finished, self._job.programs_shown
 
 
 def next_preview_size(pixel: int, seconds: float) -> int:

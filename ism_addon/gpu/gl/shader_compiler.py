@@ -62,6 +62,8 @@ def compile_program(
     """The program of the files `names` in the shader folder, one a stage; compiled once. Raises ShaderError."""
     key = (names, tuple(record.name for record in records), tuple(constants.items()))
     if key not in device.programs:
+        for begins in device.on_compile:
+            begins()
         device.programs[key] = compile_stages(device.gl, names, records, constants)
     return device.programs[key]
 
