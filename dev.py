@@ -125,11 +125,10 @@ def main() -> int:
     if arguments.verb == "bench":
         machine.prepare()
         return bench(arguments.name, arguments.output, further)
+    if arguments.verb in ("test", "stress"):
+        machine.prepare("git", "glslangValidator")
+        return test(further) if arguments.verb == "test" else stress(further)
     machine.prepare("git")
-    if arguments.verb == "test":
-        return test(further)
-    if arguments.verb == "stress":
-        return stress(further)
     if arguments.verb == "gui-test":
         return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output, arguments.any_pace)
     return pack(arguments.output, arguments.platform)
