@@ -43,6 +43,12 @@ def test_a_user_who_may_not_install_gets_the_command(monkeypatch):
     assert f"\n    sudo sh -c '{command}'\n" in exit.value.code
 
 
+@pytest.mark.parametrize(("program", "package"), [("glslangValidator", "glslang-tools"), ("git", "git")])
+def test_a_program_that_is_missing_is_looked_for_in_its_package(monkeypatch, tmp_path, program, package):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert package in machine.missing_packages(program)
+
+
 @pytest.mark.parametrize(
     ("blender", "sentence"),
     [(None, "there is no blender on the PATH"), ("echo versions 3 6 5 3 10", "too old"), ("false", "does not start")],
