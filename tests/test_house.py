@@ -32,6 +32,7 @@ PURE = (
     "quoting",
     "color",
     "settings",
+    "render_passes",
     "setting_limits",
     "scene",
     "spaces",
@@ -65,7 +66,9 @@ FLOORS = {
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
     "ui": Floor(
-        ("choices", "settings", "ui"), BLENDER_PACKAGES, "panels must show, and tests of them run, without OpenGL"
+        ("choices", "settings", "render_passes", "ui"),
+        BLENDER_PACKAGES,
+        "panels must show, and tests of them run, without OpenGL",
     ),
     "presets": Floor((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
     "addon": Floor(("blender", "ui"), ("bpy",), "it is the order of registration, and how that is undone"),

@@ -7,22 +7,22 @@ Beck-Norén & Valter, "Soft shadows in real time by imperfect shadow maps and sc
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 
+from ..render_passes import COMBINED, RenderPass
 from ..sampling import PIXEL_GRIDS, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import Method, Settings
 from ..spaces import anchor_of, camera_position
 from .atlas import batches
 from .convergence import Convergence
-from .frame import BACKGROUND_DEPTH, Frame, Pass
+from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .gl.errors import Cancelled
 from .gl.render_targets import DEPTH, Targets
-from .gl.shader_records import directions_from_octahedron
 from .memory_estimate import check, needed
 from .passes.direct.predict_visibility import PredictVisibility
 from .passes.direct.trace_faint_lights import TraceFaintLights
@@ -51,6 +51,7 @@ from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
 from .passes.upload.upload_scene import UploadInstances, UploadMaterials, UploadMeshes, UploadUVs
 from .profile import Profile
+from .read_back import image
 from .submission import Submission, never
 
 #: The scene, in the order that suits shadow rays;
@@ -251,11 +252,18 @@ class Renderer:
 
     def picture(self) -> np.ndarray:
         """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first. Raises as Device.check."""
-        self.run(AT_LAST, *self.last)
-        self.pace.finish()
-        color = self.targets.read("resolved")
-        self.device.check()  # else it might be whatever was in memory
-        return color
+        return self.images([COMBINED])[COMBINED.name]
+
+    def images(self, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
+        """Render passes (H,W,channels) by name, bottom row first: filtered ones of all samples so far, others of the
+        newest. Raises as Device.check."""
+        frame, profile = self.last
+        if any(each.filtered for each in wanted):
+            self.run(AT_LAST, frame, profile)
+            self.pace.finish()
+        found = {each.name: image(self.targets, each, frame.anchor) for each in wanted}
+        self.device.check()  # else they might be whatever was in memory
+        return found
 
     @property
     def error(self) -> Convergence:
@@ -266,14 +274,6 @@ class Renderer:
     def pixel_pass_seconds(profile: Profile) -> float:
         """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
         return sum(profile.rows[kind.__name__].ms for kind in PASSES if kind.writes) / 1e3
-
-    def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
-        """Depth (H,W) m and world-space shading normals (H,W,3) of the newest sample, bottom row first. Raises too."""
-        depth, packed = self.targets.read("depth")[..., 0], self.targets.read("normal")
-        self.device.check()
-        normal = directions_from_octahedron(packed[..., :2])
-        normal[depth >= BACKGROUND_DEPTH] = 0.0
-        return depth, normal
 
     def release(self) -> None:
         """Free the GPU's memory."""
