@@ -34,6 +34,7 @@ class LightShape(IntEnum):
     ELLIPSE = 1
 
 
+@dataclass(frozen=True, eq=False)
 class Arrays:
     """Base of the frozen dataclasses below: locks every array on construction. Compared by identity, but see equals."""
 

@@ -21,8 +21,8 @@ from ism_addon.blender.render import persistent_data
 from tests.benchmark.error import cycles
 from tests.demo.figure6 import quiet_stdout
 from tests.scenes import scenery
+from tests.scenes.parts.shapes import box
 from tests.scenes.scenery import Lamp, large_mesh
-from tests.scenes.shapes import box
 
 #: m, half of the side of the square that the boxes stand on.
 REACH = 4.0

@@ -87,7 +87,9 @@ class LightReader:
         rows = [row for row, _ in self._rows if row is not None]
         columns = {}
         for member in fields(_Row):
-            column = np.array([getattr(row, member.name) for row in rows], DTYPES.get(member.name, np.float32))
+            column: np.ndarray = np.array(
+                [getattr(row, member.name) for row in rows], DTYPES.get(member.name, np.float32)
+            )
             vector = member.type is np.ndarray
             columns[member.name] = column.reshape(-1, 3) if vector else column
         return Lights(**columns)

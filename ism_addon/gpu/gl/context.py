@@ -70,12 +70,16 @@ class Device:
         """For rows that shaders fetch by number. Raises ValueError if they are more than it can have."""
         most = self.buffer_textures.most
         if count > most:
-            raise ValueError(f"{count:,} rows are more than the {most:,} that this OpenGL can fetch from")
+            raise ValueError(
+                f"{count:,} rows are more than the {most:,} that this OpenGL can fetch from; "
+                "a scene of fewer triangles, instances and lights takes fewer"
+            )
         return BufferTexture(self.gl, self.buffer_textures, count, components, dtype)
 
     def array(self, rows: np.ndarray) -> BufferTexture:
         """The same with rows (count, components) in it."""
-        made = self.room(*rows.shape, rows.dtype.str[1:])
+        count, components = rows.shape
+        made = self.room(count, components, rows.dtype.str[1:])
         made.write(rows)
         return made
 
@@ -128,10 +132,8 @@ def open_device() -> Device:
         )
     _openers.add(os.getpid())
     try:
-        if ON_EGL:
-            gl = moderngl.create_context(standalone=True, backend="egl", require=MIN_GL_VERSION)
-        else:
-            gl = moderngl.create_context(standalone=True, require=MIN_GL_VERSION)
+        backend: dict[str, Any] = {"backend": "egl"} if ON_EGL else {}
+        gl = moderngl.create_context(standalone=True, require=MIN_GL_VERSION, **backend)
     except Exception as reason:  # glcontext and moderngl raise bare Exceptions here
         raise NoOpenGL(
             f"OpenGL {MIN_GL_VERSION // 100}.{MIN_GL_VERSION // 10 % 10} could not be opened ({reason}): "

@@ -127,6 +127,6 @@ def draw_into(target: moderngl.Framebuffer) -> None:
 def pixels(texture: moderngl.Texture) -> np.ndarray:
     """(H,W,components) float32 of a texture of floats or of bytes, these as parts of 255."""
     bytes_ = texture.dtype == "f1"
-    whole = np.empty((*texture.size[::-1], texture.components), np.uint8 if bytes_ else np.float32)
+    whole: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if bytes_ else np.float32)
     texture.read_into(whole, alignment=1)
     return whole / np.float32(255) if bytes_ else whole

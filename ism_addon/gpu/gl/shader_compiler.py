@@ -8,6 +8,7 @@ knows.
 
 import re
 from pathlib import Path
+from typing import Any, cast
 
 import moderngl
 
@@ -71,12 +72,13 @@ def compile_stages(
     begin = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
-        stages = {stage: begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True)}
+        texts = (begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True))
+        stages: dict[str, Any] = dict(zip(files, texts, strict=True))
         program = gl.program(**stages)
     except (moderngl.Error, OSError) as error:
         raise ShaderError(f"the shader {' + '.join(names)} does not compile: {first_error(error, files)}") from error
     if frame_uniforms.NAME in program:
-        program[frame_uniforms.NAME].binding = frame_uniforms.BINDING
+        cast(moderngl.UniformBlock, program[frame_uniforms.NAME]).binding = frame_uniforms.BINDING
     return program
 
 
@@ -86,7 +88,7 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
     found = FIRST_ERROR.search(said)
     stage = next((stage for stage in files if stage in said), None)
     number, line = divmod(int(found[1]), LINES_PER_FILE) if found else (0, 0)
-    if not number or stage is None:  # in what stands before the files, or as the program is linked
+    if found is None or not number or stage is None:  # in what stands before the files, or as the program is linked
         return " ".join(said.split())
     return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
 
@@ -95,7 +97,7 @@ def bind(program: moderngl.Program, **values: object) -> None:
     """Give uniforms their values, and samplers their textures; what the compiler left out is passed over."""
     held = program.ctx.extra
     for name, value in values.items():
-        uniform = program.get(name, None)
+        uniform: Any = program.get(name, None)
         if uniform is None:
             continue
         if isinstance(value, BufferTexture):

@@ -79,7 +79,7 @@ def _made(raws: list[Raw]) -> list[Reading]:
     triangles, reached = triangulate.triangles(raw), is_within(raw.positions)
     reachable = np.ones(len(triangles.vertices), np.bool_)
     if not reached.all():
-        reachable = reached.all(1)[triangles.vertices].all(1)
+        reachable &= reached.all(1).take(triangles.vertices).all(1)
     kept = reachable & triangles.has_area
     positions, vertices, corners = raw.positions, triangles.vertices, triangles.corners
     materials, normals = _materials(raw), _normals(raw, vertices, corners)
