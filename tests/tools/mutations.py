@@ -112,7 +112,7 @@ MUTATIONS = (
         "lights stand in world space among surfaces in anchor space",
         "= lights.position - anchor, normals",
         "= lights.position, normals",
-        ("test_trace_shadows", "test_picture", "test_reuse"),
+        ("test_odd_pictures", "test_picture"),
     ),
     Mutation(
         "normals are turned as positions are",
