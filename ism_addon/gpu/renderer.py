@@ -18,7 +18,6 @@ from ..sampling import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
-from .atlas import batches
 from .convergence import Convergence
 from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
@@ -32,6 +31,7 @@ from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
 from .passes.film.shade import Shade
 from .passes.light_selection.cull_lights import CullLights
+from .passes.shadow_maps.atlas import batches
 from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
 from .passes.surfaces.visibility_buffer import VisibilityBuffer

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon.gpu.gl import driver_variants
-from ism_addon.resources import SUM_COLOR
 from ism_addon.render_passes import RENDER_PASSES
+from ism_addon.resources import SUM_COLOR
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
 from tests.tools import project
