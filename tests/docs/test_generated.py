@@ -14,7 +14,7 @@ from . import generated, plot, record
 LINES, CHARACTERS = 150, 9000
 
 
-@pytest.mark.parametrize(("path", "content"), generated.current(), ids=lambda value: getattr(value, "name", ""))
+@pytest.mark.parametrize(("path", "content"), list(generated.current()), ids=lambda value: getattr(value, "name", ""))
 def test_generated_parts_are_current(path, content):
     assert path.read_text("utf-8") == content, "run python3 dev.py docs"
 
