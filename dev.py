@@ -12,9 +12,11 @@ if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python dese
 from tests.gui import outside
 from tests.gui.scenario import scenarios
 from tests.tools import blender_root, extension, machine, project
-from tests.tools.environments import environments
+from tests.tools.environments import Environment, environments
 
 BUILD = project.ROOT / "build"
+BLENDER_ROOT = BUILD / "blender-trixie"
+GUI_RECORD = BUILD / "gui-test"
 BENCHMARKS = sorted(
     path.stem
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
@@ -22,6 +24,8 @@ BENCHMARKS = sorted(
 )
 #: Random pictures, frames of animations, and renders in a row, of the whole stress test; dev.py test draws fewer.
 STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
+#: What is checked of the files alone: names to Python modules and their arguments.
+STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", "--check"), "mypy": ("mypy",)}
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
 #: As many tests at a time as there are cores, each with one thread for Mesa's pixels; further ones would want memory.
@@ -29,6 +33,7 @@ SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
 ONE_THREAD = {"LP_NUM_THREADS": "1"}
 #: Our exit status where something cannot be tried here, as others have it too.
 SKIPPED = 77
+ANY_PACE = "do not fail for what takes longer in the window than it must"
 
 
 def demo(output: Path, further: list[str]) -> int:
@@ -36,23 +41,44 @@ def demo(output: Path, further: list[str]) -> int:
     return next(environments()).run("tests.demo.figure6", "--output", str(output.resolve()), *further)
 
 
-def test(chosen: list[str]) -> int:
-    """Run all checks, or with arguments for pytest the tests that they choose."""
-    default, *others = environments()
-    results = {} if chosen else {"ruff": default.run("ruff", "check")}
-    for environment in (default, *others):
-        which = () if environment is default else ("--override-ini=testpaths=tests/blender",)
-        if chosen or not environment.has_processes:
-            results[environment.name] = environment.run("pytest", *which, *chosen)
-        else:
-            beside = environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **ONE_THREAD)
-            alone = environment.run("pytest", *which, "-m=alone")
-            results |= {environment.name: beside, f"{environment.name}, one by one": alone}
+def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
+    """Run all checks, or with arguments for pytest the tests that they choose.
+
+    `everything`: with all releases of bpy, and where no tests are chosen, in a Blender with a window, at `any_pace`.
+    """
+    every = environments()
+    default = next(every)
+    results = {} if chosen else {name: default.run(*command) for name, command in STATIC_CHECKS.items()}
+    results |= run_tests(default, chosen)
+    if everything:
+        for other in every:
+            results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender")
+        if not chosen:
+            results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
+    return report(results)
+
+
+def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[str, int]:
+    """Run pytest there, several tests at a time where that can be: names of the runs to their exit statuses."""
+    if chosen or not environment.has_processes:
+        return {environment.name: environment.run("pytest", *which, *chosen)}
+    return {
+        environment.name: environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **ONE_THREAD),
+        f"{environment.name}, one by one": environment.run("pytest", *which, "-m=alone"),
+    }
+
+
+def report(results: dict[str, int]) -> int:
+    """Print which checks passed, failed and could not be tried: the exit status of all of them together."""
     idle = [name for name, result in results.items() if result == NO_TEST_WAS_CHOSEN]
-    failed = [name for name, result in results.items() if result not in (0, NO_TEST_WAS_CHOSEN)]
+    skipped = [name for name, result in results.items() if result == SKIPPED]
+    failed = [name for name, result in results.items() if result not in (0, NO_TEST_WAS_CHOSEN, SKIPPED)]
     if len(idle) == len(results):
         failed = idle
-    print(f"failed: {', '.join(failed)}" if failed else f"passed: {', '.join(results)}")
+    passed = [name for name in results if name not in (*failed, *skipped)]
+    for word, names in (("passed", passed), ("not tried", skipped), ("failed", failed)):
+        if names:
+            print(f"{word}: {', '.join(names)}")
     return int(bool(failed))
 
 
@@ -107,14 +133,17 @@ def main() -> int:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
-    verbs.add_parser("test", help="run all checks; further arguments go to pytest, such as -k name")
+    about = "run all checks with one bpy; further arguments go to pytest, such as -k name"
+    verb = verbs.add_parser("test", help=about, allow_abbrev=False)
+    verb.add_argument("--all", action="store_true", help="with all releases of bpy, and in a Blender with a window")
+    verb.add_argument("--any-pace", action="store_true", help=ANY_PACE)
     verbs.add_parser("stress", help="run the stress tests, with more random pictures; further arguments go to pytest")
     verb = verbs.add_parser("gui-test", help="play scenarios in a Blender with a window")
     verb.add_argument("name", nargs="*", help="of a scenario; all, where there is none")
     verb.add_argument("--blender", metavar="PATH", help="a Blender of this machine, instead of one in a root folder")
-    verb.add_argument("--root", type=Path, default=BUILD / "blender-trixie", help="folder of that root (%(default)s)")
-    verb.add_argument("--output", type=Path, default=BUILD / "gui-test", help="folder of the record (%(default)s)")
-    verb.add_argument("--any-pace", action="store_true", help="do not fail for what takes longer than it must")
+    verb.add_argument("--root", type=Path, default=BLENDER_ROOT, help="folder of that root (%(default)s)")
+    verb.add_argument("--output", type=Path, default=GUI_RECORD, help="folder of the record (%(default)s)")
+    verb.add_argument("--any-pace", action="store_true", help=ANY_PACE)
     verb = verbs.add_parser("bench", help="measure; further arguments go to the benchmark")
     verb.add_argument("name", choices=BENCHMARKS)
     verb.add_argument("--output", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
@@ -133,13 +162,14 @@ def main() -> int:
     if arguments.verb == "bench":
         machine.prepare()
         return bench(arguments.name, arguments.output, further)
+    if arguments.verb in ("test", "stress"):
+        machine.prepare("git", "glslangValidator")
+        if arguments.verb == "stress":
+            return stress(further)
+        return test(further, arguments.all, arguments.any_pace)
     machine.prepare("git")
     if arguments.verb == "docs":
         return docs(arguments.name, arguments.records)
-    if arguments.verb == "test":
-        return test(further)
-    if arguments.verb == "stress":
-        return stress(further)
     if arguments.verb == "gui-test":
         return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output, arguments.any_pace)
     return pack(arguments.output, arguments.platform)

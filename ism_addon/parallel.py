@@ -8,7 +8,8 @@ from typing import TypeVar
 #: Work on fewer things than this is done sooner than threads are started.
 LARGE = 1 << 14
 
-Part, Made = TypeVar("Part"), TypeVar("Made")
+Part = TypeVar("Part")
+Made = TypeVar("Made")
 
 
 def parallel_map(work: Callable[[Part], Made], parts: Iterable[Part], size: int) -> list[Made]:

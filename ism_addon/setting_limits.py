@@ -81,12 +81,12 @@ def images_beyond_limits(images: Sequence[Image]) -> tuple[str, ...]:
     return (f"{sentence}{more}.",) if some else ()
 
 
-def level(size: tuple[int, int], halved: int) -> tuple[int, int]:
+def level(size: tuple[int, ...], halved: int) -> tuple[int, int]:
     """Of an image (H,W), after it was halved so often."""
     return max(size[0] >> halved, 1), max(size[1] >> halved, 1)
 
 
-def lines_for(size: tuple[int, int], halved: int) -> int:
+def lines_for(size: tuple[int, ...], halved: int) -> int:
     """That an image (H,W) takes, from its copy that was halved so often on."""
     texels = 0
     for times in range(halved, max(size).bit_length()):

@@ -5,6 +5,8 @@ import threading
 
 import pytest
 
+from tests.tools.glslang import ReferenceCompiler
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -12,6 +14,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     parser.addoption("--examples", type=int, default=100, help="random pictures that are drawn (%(default)s)")
     parser.addoption("--frames", type=int, default=6, help="of animations beside Cycles (%(default)s)")
+
+
+@pytest.fixture(scope="session")
+def watching_compiler():
+    compiler = ReferenceCompiler()
+    with compiler.watching():
+        yield compiler
+
+
+@pytest.fixture(autouse=True)
+def reference_compiler(watching_compiler):
+    """A test has failed if it compiled a shader that the Khronos reference compiler refuses, whatever drivers take."""
+    yield watching_compiler
+    watching_compiler.check()
 
 
 @pytest.fixture(scope="session")

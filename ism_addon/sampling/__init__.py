@@ -169,7 +169,8 @@ PIXEL_GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 #: Steps of a ray's place on its light, from a pixel's ray to its next one, and from pixel to pixel in the order of
 #: pixel_member in shadow_ray.glsl. Close to those of the additive sequence, but even together with the places in the
 #: pixel, which say how much a ray counts, and over neighbours, and for thousands of rays: found by search among
-#: half-seen lights, see tests/test_ray_places.py, and by the error of penumbrae, see tests/stress/test_closed_forms.py.
+#: half-seen lights, see tests/unit/direct/test_ray_sampling.py, and by the error of penumbrae, see
+#: tests/stress/pictures/test_closed_forms.py.
 RAY_INCREMENTS = (0.72359394, 0.59242966)
 PIXEL_INCREMENTS = (0.56283799, 0.75252225)
 

@@ -24,6 +24,7 @@ class ISMPanel:
 class SectionPanel(ISMPanel):
     """The settings of one section that count for the scene's method, greyed out while what they rest on is off."""
 
+    layout: bpy.types.UILayout
     section: type
     name: str  # under scene.ism
     rests_on: dict[str, str] = {}

@@ -2,6 +2,8 @@
 # ruff: noqa: N801 (Blender's rule for the names of panels)
 """The panel that says what the latest picture took, as the engine tells."""
 
+from collections.abc import Sequence
+
 import bpy
 
 from .developer import ISM_RENDER_PT_developer
@@ -65,7 +67,7 @@ class ISM_RENDER_PT_statistics(ISMPanel, bpy.types.Panel):
         self.table(counts(statistics), columns=2)
         self.table([COLUMNS, *passes(statistics)], columns=len(COLUMNS))
 
-    def table(self, rows: list[tuple[str, ...]], columns: int) -> None:
+    def table(self, rows: Sequence[tuple[str, ...]], columns: int) -> None:
         """Texts in columns, the first to the left and numbers to the right."""
         grid = self.layout.grid_flow(row_major=True, columns=columns, align=True)
         for row in rows:

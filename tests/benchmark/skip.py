@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is saved by leaving out what does not change a picture, and by keeping what did not change: `dev.py bench skip`.
 
-Every case of tests/scenes/sparing.py is drawn twice, as always and with nothing left out (`--no-shortcuts`): the ratio
-of the times, how far the pictures are apart, and the counts. Then the atrium, by the times that both take to the same
-error, against Cycles' picture; and beside it how much sooner it would be there if nothing had to be found, see known.
+Every case of tests/scenes/shortcuts.py is drawn twice, as always and with nothing left out (`--no-shortcuts`): the
+ratio of the times, how far the pictures are apart, and the counts. Then the atrium, by the times that both take to the
+same error, against Cycles' picture; and beside it how much sooner it would be there if nothing had to be found, see
+known.
 """
 
 import argparse
@@ -19,7 +20,7 @@ from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import COUNTS, Profile
 from ism_addon.gpu.renderer import Renderer
 from tests.docs import record
-from tests.scenes.sparing import Case, Picture, cases
+from tests.scenes.shortcuts import Case, Picture, cases
 
 from .error.curve import time_to
 from .error.ism import ALL_SAMPLES, Ism

@@ -22,8 +22,8 @@ from tests.benchmark.error import cycles
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
 from tests.scenes import scenery
+from tests.scenes.parts.shapes import box
 from tests.scenes.scenery import Lamp, large_mesh
-from tests.scenes.shapes import box
 
 #: m, half of the side of the square that the boxes stand on.
 REACH = 4.0

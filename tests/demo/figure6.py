@@ -68,7 +68,7 @@ def main() -> int:
 
 def saved_atrium(path: Path) -> Path:
     """The atrium's .blend, built unless it is there and newer than the scripts that build it."""
-    scripts = Path(atrium.__file__).parent.glob("*.py")
+    scripts = Path(atrium.__file__).parent.rglob("*.py")
     if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
         print("building the atrium")
         atrium.build(path)

@@ -25,10 +25,10 @@ from .figure6 import quiet_stdout, saved_atrium
 SIZE = 640, 360
 #: Views by the sample that they are of. The first one has no rays that correct.
 SAMPLES = {
-    DebugView.TRIANGLE: 1,
-    DebugView.AROUND: 1,
-    DebugView.PREDICTED: 1,
-    DebugView.CORRECTION: 2,
+    DebugView.PRIMITIVE: 1,
+    DebugView.PROBE_PREDICTION: 1,
+    DebugView.DIRECT_PREDICTION: 1,
+    DebugView.DIRECT_RESIDUAL: 2,
 }
 
 

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from tests.tools import blender_root, project
 
@@ -94,7 +95,7 @@ def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> 
         wrong.append(f"Blender was still busy after {seconds:.0f} s and has been ended")
     elif status:
         wrong.append("\n".join([f"Blender's exit status is {status}", *said.strip().splitlines()[-12:]]))
-    result = {"failure": "", "slow": "", "figures": {}}
+    result: dict[str, Any] = {"failure": "", "slow": "", "figures": {}}
     if (folder / "result.json").is_file():
         result = json.loads((folder / "result.json").read_text())
     elif not wrong:

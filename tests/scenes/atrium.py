@@ -13,13 +13,14 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import architecture, cloth
-from .architecture import wall_over_arches
+from tests.scenes.parts import architecture, cloth
+from tests.scenes.parts.architecture import wall_over_arches
+from tests.scenes.parts.materials import Materials
+from tests.scenes.parts.meshes import mesh_of
+from tests.scenes.parts.shapes import Shape, box, ring
+from tests.scenes.parts.statue import statue_mesh
+
 from .atrium_light import light, look
-from .materials import Materials
-from .meshes import mesh_of
-from .shapes import Shape, box, ring
-from .statue import statue_mesh
 
 HALF_X, HALF_Y, DEPTH = 12.0, 4.0, 3.3  # m: arcade axes, depth of the galleries
 FLOOR, SPRINGING, STOREY = 0.15, 2.95, 4.6  # m: gallery floor, springing of its arches, upper floor

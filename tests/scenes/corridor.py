@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 from mathutils import Matrix
 
+from tests.scenes.parts.architecture import groin_vault, pier, pillar, urn
+from tests.scenes.parts.shapes import box
+from tests.scenes.parts.solids import ball
+
 from . import scenery
-from .architecture import groin_vault, pier, pillar, urn
 from .atrium import Mason
 from .scenery import COOL, WARM, WHITE, Lamp
-from .shapes import box
-from .solids import ball
 
 HALF, HEIGHT, BAY, BAYS = 1.25, 2.9, 1.8, 7  # m: to the walls, to the vaults, from pillar to pillar; and bays
 INSET = 0.27  # m, from a wall to its pillars' axes

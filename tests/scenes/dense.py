@@ -6,11 +6,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from tests.scenes.parts.shapes import Shape
+from tests.scenes.parts.solids import ball
+
 from . import scenery
 from .atrium import Mason
 from .scenery import COOL, WARM, Lamp, large_mesh
-from .shapes import Shape
-from .solids import ball
 
 SIDE, REACH = 620, 6.0  # quads along the ground's side, and half of the side in m
 BOULDER = 72  # quads along a boulder's side

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 from mathutils import Matrix
 
+from tests.scenes.parts.architecture import urn
+from tests.scenes.parts.shapes import Shape, box, grid, join
+from tests.scenes.parts.solids import ball, tube
+
 from . import scenery
-from .architecture import urn
 from .atrium import Mason
 from .scenery import COOL, WARM, WHITE, Lamp, Point
-from .shapes import Shape, box, grid, join
-from .solids import ball, tube
 
 STALLS = ((-2.1, 1.2, 0.25), (0.3, 2.0, -0.1), (2.5, 1.1, -0.4))  # x and y m, turned by rad
 SHAPES = ("SQUARE", "DISK", "RECTANGLE", "ELLIPSE")

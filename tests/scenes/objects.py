@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 from mathutils import Matrix
 
+from tests.scenes.parts.architecture import urn
+from tests.scenes.parts.shapes import Shape, grid, lathe
+from tests.scenes.parts.solids import ball, knot, lowest
+
 from . import scenery
-from .architecture import urn
 from .atrium import Mason
 from .scenery import COOL, WARM, Lamp
-from .shapes import Shape, grid, lathe
-from .solids import ball, knot, lowest
 
 COUNT, REACH = 190, 3.2  # objects, and m that they are strewn about
 

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 from mathutils import Matrix
 
+from tests.scenes.parts.shapes import Shape, box, grid, join
+from tests.scenes.parts.solids import tube
+
 from . import scenery
 from .atrium import Mason
 from .scenery import COOL, WARM, Lamp
-from .shapes import Shape, box, grid, join
-from .solids import tube
 
 TUFTS, BLADES = 330, 45  # of grass, and blades in each
 LAMPS = (

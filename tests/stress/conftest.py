@@ -50,9 +50,9 @@ def rounds(request: pytest.FixtureRequest) -> int:
 def path(tmp_path) -> Path:
     """A snapshot's file."""
     from ism_addon import snapshot
+    from tests.support.small_scenes import SMALL_SETTINGS
 
     from ..scenes.small import box_over_plane
-    from ..studio import SMALL_SETTINGS
 
     path = tmp_path / "scene.npz"
     snapshot.save(path, *box_over_plane(24, 16), SMALL_SETTINGS)

@@ -33,7 +33,7 @@ def _wheels(python: Path, platform: str) -> list[Path]:
     """What the platform's zip carries, downloaded once."""
     carried = project.WHEELS[platform]
     folder = WHEELS / platform
-    wheels = []
+    wheels: list[Path] = []
     for version, package in itertools.product(carried["python"], carried["packages"]):
         name = f"{package.replace('==', '-')}-cp{version.replace('.', '')}-*.whl"
         if not any(folder.glob(name)):

@@ -22,6 +22,8 @@ LIBRARIES = {
     "libgomp.so.1": "libgomp1",
     "libxkbcommon.so.0": "libxkbcommon0",
 }
+#: Debian's packages of programs that are not called like them.
+PROGRAMS = {"glslangValidator": "glslang-tools"}
 
 
 def prepare(*programs: str) -> None:
@@ -49,7 +51,7 @@ def missing_packages(*programs: str) -> list[str]:
     missing = {package for library, package in LIBRARIES.items() if not _loads(library)}
     if importlib.util.find_spec("ensurepip") is None:
         missing.add(f"python{sys.version_info.major}.{sys.version_info.minor}-venv")
-    missing |= {program for program in programs if shutil.which(program) is None}
+    missing |= {PROGRAMS.get(program, program) for program in programs if shutil.which(program) is None}
     return sorted(missing)
 
 

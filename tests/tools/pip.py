@@ -15,7 +15,7 @@ PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 
 def renew(python: Path) -> None:
     """Give that interpreter the pip that `run` knows to read."""
-    command = [python, "-m", "pip", "--disable-pip-version-check", "install", f"pip=={project.PIP}"]
+    command = [str(python), "-m", "pip", "--disable-pip-version-check", "install", f"pip=={project.PIP}"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"pip {project.PIP} could not be installed:\n{done.stderr}")

@@ -82,13 +82,14 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     """Follow a job until it is done, cancelled or failed, and keep the best picture there is. True when done."""
     result = engine.begin_result(0, 0, view.width, view.height, layer=layer, view=view_name)
     passes = result.layers[0].passes
-    shown, shown_at = None, time.monotonic()
+    shown: Picture | None = None
+    shown_at = time.monotonic()
     try:
         while not job.finished and not engine.test_break():
             if job.wait(WAIT):
                 _tell_progress(engine, job, view_name)
             picture = job.picture()
-            if picture is not shown and time.monotonic() - shown_at > SHOW_EVERY:
+            if picture is not None and picture is not shown and time.monotonic() - shown_at > SHOW_EVERY:
                 _fill(passes, view_name, picture)
                 engine.update_result(result)
                 shown, shown_at = picture, time.monotonic()

@@ -19,7 +19,9 @@ def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
 def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
     """The settings for a use, "render" or "viewport": one look, two qualities."""
     group = scene.ism
-    debug_view = settings.DebugView(group.debug_view) if use == "viewport" else settings.Settings.debug_view
+    debug_view = settings.Settings.debug_view
+    if use == "viewport":
+        debug_view = settings.DebugView(group.debug_view)  # type: ignore[call-arg] # looks up, and makes none
     return settings.Settings(
         shadow=_section(settings.Shadow, group.shadow),
         ssao=_section(settings.SSAO, group.ssao),

@@ -10,6 +10,7 @@ from ...gpu.jobs.job import Job, Picture, Request
 from ...gpu.jobs.render_thread import shared
 from ...scene import Scene, View
 from ...setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
+from ...settings import Settings
 from ..render import read_settings
 from ..sync import camera, scene_reader
 from . import redraw_timer
@@ -46,29 +47,31 @@ class Viewport:
         # It dies with its engine, in whose own __del__ Blender has already taken everything away.
         finalize(self, shared.forget, self._client).atexit = False
 
-    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> Scene:
         """The scene has changed, or what the viewport shows of it."""
         space = context.space_data
         shows = _shows(space)
         whole, self._shows = shows != self._shows, shows
         self._scene = self._reader.read(depsgraph, shown_by(space), whole)
+        return self._scene
 
     def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Show the latest picture, and ask for others if what it should show has changed."""
-        if self._scene is None or self._shows != _shows(context.space_data):
-            self.update(context, depsgraph)
+        scene = self._scene
+        if scene is None or self._shows != _shows(context.space_data):
+            scene = self.update(context, depsgraph)
         try:
             view, place = seen(context, depsgraph)
         except camera.CameraError as error:
             engine.update_stats("", str(error))
             return
-        self._ask(view, place, context.scene)
+        job = self._ask(scene, view, place, read_settings.read(context.scene, "viewport"))
         self._told = self._news()
         self._look_at_job()
         if self._shown is not None:
             picture, place = self._shown
             self._presenter.draw(engine, context.scene, picture.color, place)
-        engine.update_stats("", self._job.error or " ".join([self._job.status, *self._warnings]))
+        engine.update_stats("", job.error or " ".join([job.status, *self._warnings]))
         if self.is_waiting or self.has_news:
             redraw_timer.start_timer()
 
@@ -79,40 +82,47 @@ class Viewport:
 
     @property
     def statistics(self) -> dict:
-        return self._job.statistics
+        return self._job.statistics if self._job is not None else {}
 
     @property
     def is_waiting(self) -> bool:
         return self._job is not None and not self._job.finished
 
-    def _ask(self, view: View, place: ViewportRect, scene: bpy.types.Scene) -> None:
-        chosen = read_settings.read(scene, "viewport")
-        asked = (self._scene, _fingerprint(view), place, chosen, shared.shader_version)
+    def _ask(self, scene: Scene, view: View, place: ViewportRect, chosen: Settings) -> Job:
+        """The job whose pictures are to be shown now."""
+        asked = (scene, _fingerprint(view), place, chosen, shared.shader_version)
         self._late = asked != self._asked and self._nothing_to_show_yet
-        if asked != self._asked and not self._late:
+        if self._job is None or (asked != self._asked and not self._late):
             if self._job is not None and self._job.first_seconds:
                 self._coarse = next_preview_size(self._coarse, self._job.first_seconds)
                 self._look_at_job()
-            request = Request(self._scene, view, chosen, surfaces=False, coarse=self._coarse)
+            request = Request(scene, view, chosen, surfaces=False, coarse=self._coarse)
             self._job = shared.start(request, self._client)
             self._asked, self._place = asked, place
-            of_images = images_beyond_limits(self._scene.images)
+            of_images = images_beyond_limits(scene.images)
             self._warnings = *of_images, *beyond_limits(chosen), *view_beyond_limits(view)
+        return self._job
 
     def _look_at_job(self) -> None:
         """Show its picture, if it has one by now."""
-        picture = self._job.picture()
+        picture = self._picture
         if picture is not None:
             self._shown = picture, self._place
 
     @property
+    def _picture(self) -> Picture | None:
+        """The job's latest."""
+        return self._job.picture() if self._job is not None else None
+
+    @property
     def _nothing_to_show_yet(self) -> bool:
         """Whether the job has to go on to its first picture, though outdated: a view that turns would have none."""
-        return self.is_waiting and self._job.picture() is None
+        return self.is_waiting and self._picture is None
 
     def _news(self) -> tuple:
         """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
-        return self._job, self._job.picture(), self._job.finished, self._job.programs_shown
+        programs = None if self._job is None else self._job.programs_shown
+        return self._job, self._picture, self.is_waiting, programs
 
 
 def next_preview_size(pixel: int, seconds: float) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...parallel import parallel_map
 from ...scene import Mesh
-from .bvh import QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
+from .bvh import ENDS, QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
 from .quantization import Quantization
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
@@ -68,7 +68,7 @@ class DeferredBLAS:
 
     def __init__(self, lattice: Quantization, count: int):
         self.lattice, self.count, self.run = lattice, count, run_of(count)
-        self.boxes: np.ndarray | None = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
+        self.boxes = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
         self.making: Future[BLAS] | None = None
 
     def end_of(self, triangle: int) -> int:
@@ -81,30 +81,30 @@ class DeferredBLAS:
             return
         begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
         found = np.empty((2, 3, begun.stop - begun.start), np.float32)
-        for side, either in enumerate((np.minimum, np.maximum)):
+        for side, either in enumerate(ENDS):
             for axis in range(3):
                 along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
                 found[side, axis] = reduce(either, along.T)
         self.boxes[:, :, begun] = quantize_boxes(found)
 
-    def begin(self) -> None:
+    def begin(self) -> "Future[BLAS]":
         """Make the tree, beside whatever else is done."""
         if self.making is None:
             core = ThreadPoolExecutor(1)
             self.making = core.submit(blas_of_runs, self.boxes, self.count)
             core.shutdown(wait=False)
+        return self.making
 
     @property
     def tree(self) -> BLAS:
         """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
-        self.begin()
         try:
-            made = self.making.result()
+            made = self.begin().result()
         except BaseException:
             self.making = None
             raise
-        self.boxes = None
+        self.boxes = self.boxes[:, :, :0].copy()
         return made
 
 

@@ -26,7 +26,10 @@ TINY_ROW = 1 << 5
 BOXES_AT_A_TIME = 1 << 13
 
 #: The box (2,3,1) around nothing: it begins after its end.
-NOTHING = np.repeat(np.int16([[[32767]], [[-32768]]]), 3, 1)
+NOTHING = np.repeat(np.array([[[32767]], [[-32768]]], np.int16), 3, 1)
+
+#: What boxes around several have of the boxes' low ends, and of their high ends.
+ENDS: tuple[np.ufunc, np.ufunc] = np.minimum, np.maximum
 
 #: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
 QUANTA_PER_PLANE = 512
@@ -74,7 +77,7 @@ def build(boxes: np.ndarray, most_per_leaf: int) -> BVH:
     leaves = leaves_for(boxes.shape[2], most_per_leaf)
     order = assign_leaves(boxes, leaves)
     boxes, in_leaf = np.append(boxes, NOTHING, 2), order.reshape(leaves, -1).T
-    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate((np.minimum, np.maximum)))
+    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate(ENDS))
     return BVH(order, leaves, node_boxes(np.stack([low, high]), np.arange(leaves)))
 
 
@@ -151,7 +154,7 @@ def packed_nodes_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarra
         chosen = members[grandchildren(part)]
         inside = boxes.take(chosen, 2, mode="clip")
         np.copyto(inside, NOTHING, where=chosen == boxes.shape[2])
-        for side, either in enumerate((np.minimum, np.maximum)):
+        for side, either in enumerate(ENDS):
             around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
         pack(inside, around[:, :, part], rows[above:][part])
 

@@ -32,7 +32,7 @@ class Quantization:
 
     def steps(self, positions: np.ndarray, dtype: type = np.int32) -> np.ndarray:
         """(3,V) whole numbers, which float32 holds too, of positions (V,3)."""
-        found = np.empty((3, len(positions)), dtype)
+        found: np.ndarray = np.empty((3, len(positions)), dtype)
         for first in range(0, len(positions), VERTICES_AT_A_TIME):
             part = slice(first, first + VERTICES_AT_A_TIME)
             found[:, part] = quantize(positions[part], self.centre, self.scale)

@@ -14,7 +14,7 @@ from ...parallel import parallel_map
 from ...scene import Mesh
 from ..buffers.small_meshes import JoinedMeshes, in_groups
 from .blas import BLAS, BOXES_PER_MESH, TRIANGLES_PER_LEAF, DeferredBLAS, boxes_of, build_blas
-from .bvh import BVH_NODE, NOTHING, QUANTA_PER_PLANE, leaves_for, pack, sort
+from .bvh import BVH_NODE, ENDS, NOTHING, QUANTA_PER_PLANE, leaves_for, pack, sort
 
 
 def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
@@ -23,7 +23,7 @@ def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
     order = sorted(range(len(meshes)), key=counts.__getitem__)  # neighbours are alike
     groups = [order[group] for group in in_groups([counts[number] for number in order])]
 
-    def made(group: list[int]) -> list[BLAS | DeferredBLAS]:
+    def made(group: list[int]) -> Sequence[BLAS | DeferredBLAS]:
         some = [meshes[number] for number in group]
         return blas_of_small_meshes(some) if len(some) > 1 else [build_blas(some[0])]
 
@@ -73,7 +73,7 @@ def node_boxes(inside: np.ndarray) -> np.ndarray:
     _, _, number, leaves, per_leaf = inside.shape
     nodes = np.empty((2, 3, number, 2 * leaves), np.int16)
     nodes[..., 0] = NOTHING
-    for along, either, of_side in zip(nodes, (np.minimum, np.maximum), inside, strict=True):
+    for along, either, of_side in zip(nodes, ENDS, inside, strict=True):
         along[..., leaves:] = reduce(either, (of_side[..., k] for k in range(per_leaf)))
         level = leaves
         while level > 1:

@@ -43,6 +43,10 @@ class QuantizedVertices:
     octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
 
 
+#: In place of those that nobody asks for.
+NO_VERTICES = QuantizedVertices(np.empty((3, 0), np.int32), None)
+
+
 @dataclass(frozen=True)
 class Source:
     """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
@@ -62,7 +66,9 @@ class Source:
         together = JoinedMeshes(meshes)
         order = None
         if trees[0] is not None:
-            order = np.concatenate([tree.order for tree in trees]) + together.first.repeat(together.counts)
+            order = np.concatenate([tree.order for tree in trees if tree is not None]) + together.first.repeat(
+                together.counts
+            )
         return cls(together, partial(together.steps, np.int32), order, None)
 
     def vertices(self) -> QuantizedVertices:
@@ -77,7 +83,7 @@ class TriangleRange:
 
     source: Source
     chosen: np.ndarray | slice
-    vertices: QuantizedVertices | None
+    vertices: QuantizedVertices  # of the source
 
     @property
     def triangles(self) -> np.ndarray:
@@ -87,7 +93,7 @@ class TriangleRange:
     def places(self) -> list[np.ndarray]:
         """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
         runs, triangles = self.source.runs, self.triangles
-        if runs is None:
+        if runs is None or not isinstance(self.chosen, slice):
             return vertex_positions(triangles, self.vertices)
         first, count = self.chosen.start, len(triangles)
         places = vertex_positions(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
@@ -112,15 +118,15 @@ class TriangleOrder:
 
     def portions(self, with_vertices: bool) -> Iterator[list[TriangleRange]]:
         """All triangles, TRIANGLES_AT_A_TIME. Vertices are kept as long as ranges of their source are."""
-        latest, source, vertices = -1, None, None
+        latest, source, vertices = -1, None, NO_VERTICES
         ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
         for pieces in portions(np.diff(ends), TRIANGLES_AT_A_TIME):
             portion = []
             for number, part in pieces:
-                if number != latest:
+                if source is None or number != latest:
                     group = self.groups[number]
                     latest, source = number, Source.of(self.meshes[group], self.trees[group])
-                    vertices = source.vertices() if with_vertices else None
+                    vertices = source.vertices() if with_vertices else NO_VERTICES
                 portion.append(TriangleRange(source, part if source.order is None else source.order[part], vertices))
             yield portion
 
@@ -163,7 +169,7 @@ class MeshBuffers:
     @property
     def arrays(self) -> dict[str, BufferTexture]:
         """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
-        return {"corners": self.corners.array, "normals": self.normals.array}
+        return {"corners": self.corners.array, "corner_normal_buffer": self.normals.array}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""

@@ -8,6 +8,7 @@ import ctypes
 import weakref
 from collections import deque
 from collections.abc import Callable
+from typing import cast
 
 import moderngl
 import numpy as np
@@ -61,7 +62,7 @@ class BufferTextureApi:
 
     def tell(self, program: moderngl.Program, name: str, unit: int) -> None:
         """Where a sampler of a program finds its texture."""
-        self._tell(program.glo, program[name].location, unit)
+        self._tell(program.glo, cast(moderngl.Uniform, program[name]).location, unit)
 
     def collect(self) -> None:
         """Free those whose owner is gone."""

@@ -77,7 +77,8 @@ class Device:
 
     def array(self, rows: np.ndarray) -> BufferTexture:
         """The same with rows (count, components) in it."""
-        made = self.room(*rows.shape, rows.dtype.str[1:])
+        count, components = rows.shape
+        made = self.room(count, components, rows.dtype.str[1:])
         made.write(rows)
         return made
 
@@ -130,10 +131,8 @@ def open_device() -> Device:
         )
     _openers.add(os.getpid())
     try:
-        if ON_EGL:
-            gl = moderngl.create_context(standalone=True, backend="egl", require=MIN_GL_VERSION)
-        else:
-            gl = moderngl.create_context(standalone=True, require=MIN_GL_VERSION)
+        backend: dict[str, Any] = {"backend": "egl"} if ON_EGL else {}
+        gl = moderngl.create_context(standalone=True, require=MIN_GL_VERSION, **backend)
     except Exception as reason:  # glcontext and moderngl raise bare Exceptions here
         raise NoOpenGL(
             f"OpenGL {MIN_GL_VERSION // 100}.{MIN_GL_VERSION // 10 % 10} could not be opened ({reason}): "

@@ -42,7 +42,7 @@ def rows(count: int, each: int) -> int:
 def use_all_samplers(gl: moderngl.Context) -> None:
     """Give each sampler of the fragment stage the state that all textures of ours have."""
     program = gl.program(f"#version 410 core\n{VERTICES}", fragment_shader=f"#version 410 core\n{PIXELS}")
-    program["all_of_them"].value = [0] * SAMPLERS
+    program["all_of_them"] = [0] * SAMPLERS
     texel, target = gl.texture((1, 1), 4), gl.framebuffer([gl.texture((1, 1), 4)])
     never_filtered(texel)
     target.use()

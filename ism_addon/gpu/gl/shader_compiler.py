@@ -8,6 +8,7 @@ knows.
 
 import re
 from pathlib import Path
+from typing import Any, cast
 
 import moderngl
 
@@ -22,6 +23,8 @@ STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
 #: Lines of the k-th file of a shader are counted from k times this: Mesa forgets the file that #line names.
 LINES_PER_FILE = 10_000
+#: A uniform's declaration: its name.
+UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.M)
 #: The first error that a compiler tells of: its line, and what is wrong.
 #: Mesa and Intel write 0:33(2): error: …, NVIDIA 0(33) : error C1503: …, AMD and Apple ERROR: 0:33: …
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
@@ -73,12 +76,14 @@ def compile_stages(
     begin = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
-        stages = {stage: begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True)}
+        texts = (begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True))
+        stages: dict[str, Any] = dict(zip(files, texts, strict=True))
         program = gl.program(**stages)
     except (moderngl.Error, OSError) as error:
         raise ShaderError(f"the shader {' + '.join(names)} does not compile: {first_error(error, files)}") from error
+    program.extra = frozenset(name for source in stages.values() for name in UNIFORM.findall(source))
     if frame_uniforms.NAME in program:
-        program[frame_uniforms.NAME].binding = frame_uniforms.BINDING
+        cast(moderngl.UniformBlock, program[frame_uniforms.NAME]).binding = frame_uniforms.BINDING
     return program
 
 
@@ -88,17 +93,26 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
     found = FIRST_ERROR.search(said)
     stage = next((stage for stage in files if stage in said), None)
     number, line = divmod(int(found[1]), LINES_PER_FILE) if found else (0, 0)
-    if not number or stage is None:  # in what stands before the files, or as the program is linked
+    if found is None or not number or stage is None:  # in what stands before the files, or as the program is linked
         return " ".join(said.split())
     return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
 
 
+class UndeclaredUniformError(RuntimeError):
+    """A pass sets a uniform that no source of its program declares. A fault of the pass, which no scene can cause."""
+
+
 def bind(program: moderngl.Program, **values: object) -> None:
-    """Give uniforms their values, and samplers their textures; what the compiler left out is passed over."""
+    """Give uniforms their values, and samplers their textures; what the compiler left out is passed over.
+
+    Raises UndeclaredUniformError for a name that the program's sources do not have.
+    """
     held = program.ctx.extra
     for name, value in values.items():
-        uniform = program.get(name, None)
+        uniform: Any = program.get(name, None)
         if uniform is None:
+            if name not in program.extra:
+                raise UndeclaredUniformError(f"no source of the program declares the uniform {name}")
             continue
         if isinstance(value, BufferTexture):
             unit = held.unit_with(name, value)

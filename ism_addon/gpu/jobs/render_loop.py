@@ -3,7 +3,7 @@
 
 import logging
 import time
-from collections.abc import Hashable, Iterator
+from collections.abc import Generator, Hashable
 from itertools import chain
 
 import numpy as np
@@ -30,7 +30,7 @@ class RenderLoop:
         self.shader_version = shader_version
         #: Of each client: one for its pictures, and one for the coarse first ones. They share what they can.
         self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
-        self.running: dict[Job, Iterator[None]] = {}
+        self.running: dict[Job, Generator[None, None, None]] = {}
 
     def tidy(self, jobs: dict[Hashable, Job], forgotten: set[Hashable]) -> None:
         """Drop jobs that were replaced, and the renderers of clients that are gone."""
@@ -101,7 +101,7 @@ class RenderLoop:
         self.device.close()
 
 
-def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Iterator[None]:
+def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generator[None, None, None]:
     """Draw all samples of a job, a pass at each step, and hand over pictures on the way."""
     request, profile, start = job.request, Profile(), time.perf_counter()
 

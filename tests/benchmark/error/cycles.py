@@ -15,8 +15,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from tests.blender import exr
 from tests.demo.figure6 import quiet_stdout
+from tests.support import exr
 
 from .engines import Shot
 from .stage import SCENES, Stage

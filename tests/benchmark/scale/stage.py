@@ -8,8 +8,8 @@ import numpy as np
 
 from tests.scenes import scenery
 from tests.scenes.atrium_light import aim
+from tests.scenes.parts.solids import ball
 from tests.scenes.scenery import Lamp, large_mesh
-from tests.scenes.solids import ball
 
 REACH = 4.0  # m, half of the ground's side
 HEIGHT = 5.0  # m, of the lamps

@@ -106,7 +106,7 @@ class InstanceReader:
         matrices = np.fromiter(numbers_of, np.float64, 16 * len(rows)).reshape(-1, 4, 4)  # 7 times as fast as array()
         matrices[:, 3] = 0.0, 0.0, 0.0, 1.0  # as it is in Blender's but for rounding, after parents were inverted
         in_reach = is_within(matrices).all((1, 2))
-        upright = in_reach & is_invertible(np.where(in_reach[:, None, None], matrices[:, :3, :3], 0.0))
+        upright = in_reach & is_invertible(np.where(in_reach.reshape(-1, 1, 1), matrices[:, :3, :3], 0.0))
         for found in dict.fromkeys(found for row in self._rows for found in (row.reading.findings, row.unlike)):
             findings.include(found)
         for index in np.flatnonzero(~upright):
@@ -114,14 +114,15 @@ class InstanceReader:
             findings.note(kind, rows[index].name)
         placed = [row for row, kept in zip(rows, upright.tolist(), strict=True) if kept]
         numbers: dict[Mesh, int] = {}
-        of_row = [numbers.setdefault(row.reading.mesh, len(numbers)) for row in placed]
+        meshes = (row.reading.mesh for row in placed)
+        of_row = [numbers.setdefault(mesh, len(numbers)) for mesh in meshes if mesh is not None]
         groups = {owner: self._links.of(owner) for owner in {row.linked_by for row in placed}}
-        instances = Instances(
-            mesh=np.array(of_row, np.int32),
+        instances = Instances.of(
+            mesh=of_row,
             world_from_object=matrices[upright],
-            visible=np.array([row.visible for row in placed], np.bool_),
-            casts_shadow=np.array([row.casts_shadow for row in placed], np.bool_),
-            groups=np.array([groups[row.linked_by] for row in placed], np.uint32),
+            visible=[row.visible for row in placed],
+            casts_shadow=[row.casts_shadow for row in placed],
+            groups=[groups[row.linked_by] for row in placed],
         )
         return tuple(numbers), instances
 

@@ -15,7 +15,7 @@ from .raw_meshes import Raw
 FACES_AT_A_TIME = 1 << 15
 
 #: Corners of the two triangles of a quad, and of those that do not overlap where these would.
-HALVES, OTHER_HALVES = np.int32([0, 1, 2, 0, 2, 3]), np.int32([0, 1, 3, 1, 2, 3])
+HALVES, OTHER_HALVES = np.array([[0, 1, 2, 0, 2, 3], [0, 1, 3, 1, 2, 3]], np.int32)
 
 #: Arrays (N,) of x, y and z: numpy is slow along short axes.
 Vectors = list[np.ndarray]
@@ -45,7 +45,9 @@ def triangles(raw: Raw) -> Triangles:
     if raw.sides == 4:
         firsts = np.arange(0, len(vertices), 4, dtype=np.int32)
         return in_portions(firsts, 2, lambda given: of_quads(given, vertices, axes))
-    corners = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3) if raw.sides == 3 else raw.triangles
+    corners = raw.triangles
+    if corners is None:
+        corners = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
     return in_portions(corners, 1, lambda given: of_corners(given, vertices, axes))
 
 
@@ -63,7 +65,7 @@ def corners_of_every_face(source: bpy.types.Mesh) -> int:
         return 3
     if corners != 4 * count:
         return 0
-    uneven = read(source.polygons, "loop_start", count, np.int32) != np.arange(0, corners, 4, np.int32)
+    uneven = read(source.polygons, "loop_start", count, np.int32) != np.arange(0, corners, 4, dtype=np.int32)
     return 0 if uneven.any() else 4
 
 

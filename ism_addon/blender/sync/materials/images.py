@@ -47,7 +47,7 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     count = len(image.pixels)
     if count == 0 or width * height == 0:
         return None
-    pixels = np.empty(count, np.float32)
+    pixels: np.ndarray = np.empty(count, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(width * height, -1)
     stored = np.empty((height, width, 4), np.uint8)

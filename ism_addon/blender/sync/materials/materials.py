@@ -61,7 +61,7 @@ class MaterialReader:
 
     def uv_layer(self, index: int) -> str | None:
         """The UV layer that a material's image lies on; "": the one that renders; None where it has no image."""
-        return self._rows[index].layer
+        return (self._rows[index] or GREY_ROW).layer
 
     def renew(self, material: bpy.types.Material) -> bool:
         """A material has changed; one that was never met is still none of ours. Whether it has another UV layer now."""
@@ -69,8 +69,8 @@ class MaterialReader:
         if index is None:
             return False
         last, self._rows[index] = self._rows[index], None
-        self._rows[index] = self._row(material)
-        return last is not None and last.layer != self._rows[index].layer
+        row = self._rows[index] = self._row(material)
+        return last is not None and last.layer != row.layer
 
     def forget_images(self) -> None:
         """Some image has changed: all materials are to be read anew when they are next met."""
@@ -85,10 +85,7 @@ class MaterialReader:
         rows = [row or GREY_ROW for row in self._rows]
         for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
             findings.include(found)
-        return Materials(
-            base_color=np.array([row.base_color for row in rows], np.float32).reshape(-1, 3),
-            image=np.array([row.image for row in rows], np.int32),
-        )
+        return Materials.of(base_color=[row.base_color for row in rows], image=[row.image for row in rows])
 
     def images(self) -> tuple[Image, ...]:
         """What Materials.image leads into."""
@@ -119,7 +116,8 @@ class MaterialReader:
         plain, node = nodes.rgb(socket, GREY)
         if node is None:
             return _Row(plain, -1, None, (findings,))
-        if node.bl_idname == "ShaderNodeTexImage" and nodes.source(socket).identifier == "Color":
+        source = nodes.source(socket)
+        if node.bl_idname == "ShaderNodeTexImage" and source is not None and source.identifier == "Color":
             index, of_image = self._image(material, node, findings)
             layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else None
             return _Row(plain, index, layer, (findings, of_image))
@@ -178,7 +176,9 @@ class MaterialReader:
             texels = images.texels_of_frame(image, of_frame, on_black) if of_frame else images.texels(image, on_black)
             if texels is None:
                 return None
-            kept = origin, Image(texels, repeat)
+            found = Image(texels, repeat)
+        else:
+            found = kept[1]
         if origin is not None:
-            self._of_origin[key] = kept
-        return kept[1]
+            self._of_origin[key] = origin, found
+        return found

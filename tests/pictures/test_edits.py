@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each of an artist's edits has drawn again: exactly the passes that depend on it, after one sample or many."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
+from ism_addon.settings import SSAO, Method
+from tests.scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
+from tests.scenes.small import box_over_plane
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
+
+SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
+SIZE = 24, 16
+SEVERAL = 6
+
+
+@pytest.fixture(params=Method, ids=[method.label for method in Method])
+def method(request):
+    return request.param
+
+
+def drawn_again(device, edit, settings, last=None):
+    """The passes that an edit has drawn again up to sample `last`. The picture must be that of a new renderer."""
+    scene, view = box_over_plane(*SIZE)
+    first = draw(device, scene, view, settings)
+    assert first.color.any()
+    edited = edit(scene, view)
+    again = draw(device, *edited, settings, first.renderer, last)
+    fresh = draw(device, *edited, settings, last=last)
+    assert np.array_equal(again.color, fresh.color), "what was used again was out of date"
+    return {name for name, row in again.profile.rows.items() if row.drawn}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_after_one_sample(device, method, edit):
+    assert drawn_again(device, edit, SETTINGS[method]) == SHARED[method][edit] | FIRST[method][edit]
+
+
+@pytest.mark.parametrize("last", [0, SEVERAL - 1])
+@pytest.mark.parametrize("edit", EDITS)
+def test_after_several_samples(device, method, edit, last):
+    settings = with_quality(SETTINGS[method], samples=SEVERAL)
+    later = {"RetestOccluded"} if last and method == Method.RAY_TRACED else set()
+    assert drawn_again(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
+
+
+def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, monkeypatch):
+    """Samples add to what the first look found, which the next picture may use again."""
+    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {0: np.ones(frame.blocks[::-1], bool)})
+    lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
+    lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
+    scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
+    settings, view = with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
+    first = draw(device, scene, view, settings)
+    assert set(first.renderer.tables["found"]) == {0, 1}
+    again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
+    assert set(again.renderer.tables["found"]) == {1}
+    assert not again.profile.rows["ProbeVisibility"].drawn
+
+
+def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, method, monkeypatch):
+    """The next one has fewer lights, and may be of the other method."""
+    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
+    floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
+    before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
+    renderer = draw(device, before, view, with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL)).renderer
+    assert renderer.tables["spotted"]
+    monkeypatch.undo()
+    after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)
+    expected = draw(device, after, view, settings).color
+    assert np.array_equal(draw(device, after, view, settings, renderer).color, expected)
+
+
+def test_after_many_edits_the_picture_is_that_of_a_new_renderer(device, method):
+    """Back and forth, and of some pictures only a few passes."""
+    from ism_addon.gpu.profile import Profile
+
+    random = np.random.default_rng(1)
+    scene, view = box_over_plane(*SIZE)
+    states = [edit(scene, view) for edit in EDITS]
+    expected: dict = {}
+    renderer = draw(device, scene, view, SETTINGS[method]).renderer
+    for _ in range(24):
+        state, samples = random.integers(len(states)), int(random.integers(1, 4))
+        settings = with_quality(SETTINGS[method], samples=samples)
+        interrupted = renderer.sample(*states[random.integers(len(states))], settings, 0, Profile())
+        for _ in range(random.integers(16)):
+            next(interrupted, None)
+        interrupted.close()
+        if (state, samples) not in expected:
+            expected[state, samples] = draw(device, *states[state], settings).color
+        found = draw(device, *states[state], settings, renderer).color
+        assert np.array_equal(found, expected[state, samples])

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights that are linked to some objects: those alone are lit, and those alone are in the way."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes.light_selection import cull_lights
+from ism_addon.settings import Method
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+
+SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.SHADOW_MAPS: MAPS}
+LEFT, RIGHT = quad((-2, -2, 0), (2, 0, 0), (0, 4, 0)), quad((0, -2, 0), (2, 0, 0), (0, 4, 0))
+LIDS = [quad((x, -2, 1.0), (2, 0, 0), (0, 4, 0)) for x in (-2, 0)]
+VIEW = from_above(3.0, (64, 48), height=0.8)
+GROUPS = np.array([0b01, 0b10, 0b100, 0b1000], np.uint32)
+
+
+def halves(device, settings, lamps) -> tuple[float, float]:
+    """The mean brightness of the floor's left and right, whose lids are as large; each of the four is a group."""
+    scene = stage([LEFT, RIGHT, *LIDS], lamps)
+    scene = replace(scene, instances=replace(scene.instances, groups=GROUPS))
+    picture = draw(device, scene, VIEW, settings).color[..., 0]
+    return picture[:, :30].mean(), picture[:, 34:].mean()
+
+
+@pytest.fixture(params=Method, ids=[method.label for method in Method])
+def settings(request):
+    return SETTINGS[request.param]
+
+
+def lamp(height: float, **links: int):
+    """Small, so that where its light ends there is no penumbra."""
+    return light(position=(0, 0, height), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1e4, **links)
+
+
+def test_only_the_linked_are_lit(device, settings):
+    for group, lit in ((-1, (True, True)), (0, (True, False)), (1, (False, True)), (2, (False, False))):
+        assert tuple(half > 0.0 for half in halves(device, settings, lamp(0.9, receivers=group))) == lit
+
+
+def test_only_the_linked_cast_shadows(device, settings):
+    for group, lit in ((-1, (False, False)), (2, (False, True)), (3, (True, False)), (0, (True, True))):
+        found = halves(device, settings, lamp(1.5, blockers=group))
+        bright = max(halves(device, settings, lamp(1.5, casts_shadow=False)))
+        assert tuple(half > 0.5 * bright for half in found) == lit
+
+
+def test_of_lights_that_are_dim_too(device, monkeypatch):
+    monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
+    for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
+        found = halves(device, SETTINGS[Method.RAY_TRACED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
+        assert tuple(half > 0.0 for half in found) == lit

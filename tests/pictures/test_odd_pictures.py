@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of scenes in which something is missing, degenerate, far away or switched off, by both methods."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.settings import SSAO
+from tests.scenes.small import SMALL, mesh
+from tests.support import reference
+from tests.support.small_scenes import (
+    MAPS,
+    SMALL_SETTINGS,
+    both,
+    draw,
+    light,
+    look,
+    placed,
+    quad,
+    rubble,
+    stage,
+    with_quality,
+)
+
+BOTH = pytest.mark.parametrize("base", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+
+
+@pytest.mark.parametrize("offset", [1e4, 1e6])
+@BOTH
+def test_far_from_the_worlds_origin_the_picture_is_the_same(device, base, offset):
+    """Camera, lights and meshes moved together."""
+    far = np.array([offset, -offset, offset])
+    lamp = light(position=(0.3, 0.0, 2.0))
+    here = draw(device, stage([rubble(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], lamp), look((3, -3, 2)), base)
+    moved = replace(lamp, position=lamp.position + far)
+    scene = stage([rubble(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], moved, matrices=[placed(offset=far)] * 2)
+    there = draw(device, scene, look(far + (3, -3, 2), far), base)
+    assert reference.nrmse(there.color, here.color) < 0.05
+
+
+@BOTH
+def test_no_meshes(device, base):
+    drawn = draw(device, stage([], light(), world=0.2), look((3, -3, 2)), base)
+    assert drawn.color == pytest.approx(np.broadcast_to([0.2, 0.2, 0.2, 1.0], (24, 32, 4)))
+
+
+@BOTH
+def test_no_lights(device, base):
+    drawn = draw(device, stage([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0))], world=0.5), look((3, -3, 6)), base)
+    assert drawn.color[..., :3] == pytest.approx(0.3, abs=1e-3)
+    assert drawn.profile.rows["SplatMaps"].drawn == drawn.profile.rows["GatherLight"].drawn == 0
+
+
+@BOTH
+def test_neither_lights_nor_meshes_nor_a_world(device, base):
+    assert not draw(device, stage([]), look((3, -3, 2)), base).color[..., :3].any()
+
+
+def floor_and_plate():
+    return [quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))]
+
+
+@BOTH
+def test_an_unshadowed_light_among_others(device, base):
+    """Each light is as it would be alone, with its shadow or without."""
+    one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0))
+    settings = with_quality(base, virtual_lights=32)
+    together = draw(device, stage(floor_and_plate(), both(one, other)), look((3, -3, 3)), settings).color
+    apart = [draw(device, stage(floor_and_plate(), lamp), look((3, -3, 3)), settings).color for lamp in (one, other)]
+    assert reference.nrmse(together[..., :3], apart[0][..., :3] + apart[1][..., :3]) < 0.15
+    bright = draw(
+        device, stage(floor_and_plate(), replace(one, casts_shadow=np.array([True]))), look((3, -3, 3)), settings
+    ).color
+    assert (apart[0] - bright)[..., :3].max() > 0.01
+
+
+@BOTH
+def test_what_casts_no_shadow_is_seen_and_throws_none(device, base):
+    scene = stage(floor_and_plate(), light())
+    ghost = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True, False])))
+    open_floor = stage(floor_and_plate()[:1], light())
+    view = look((0.0, -6.0, 0.5), (0.0, 0.0, 0.5))
+    ours, bare = draw(device, ghost, view, base), draw(device, open_floor, view, base)
+    floor = (ours.target("triangle")[..., 0] <= 2) & (ours.target("triangle")[..., 0] > 0)
+    assert np.abs(ours.color - bare.color)[floor].max() < 0.01
+    assert np.abs(ours.color - draw(device, scene, view, base).color)[floor].max() > 0.012
+
+
+@BOTH
+def test_what_is_unseen_may_throw_a_shadow(device, base):
+    scene = stage(floor_and_plate(), light())
+    hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
+    drawn = draw(device, hidden, look((0.0, -3.0, 4.0)), base)
+    assert set(np.unique(drawn.target("triangle")[..., 0])) <= {0, 1, 2}
+    bare = draw(device, stage(floor_and_plate()[:1], light()), look((0.0, -3.0, 4.0)), base)
+    assert (bare.color - drawn.color).max() > 0.03
+
+
+def points_only():
+    """A mesh whose triangles have no area."""
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (20, 3, 3))
+    return mesh(np.random.default_rng(0).normal(size=(20, 3)), np.arange(20)[:, None].repeat(3, 1), up)
+
+
+DEGENERATE = {
+    "a mesh of points": lambda: stage([points_only()], light(), world=0.1),
+    "a flat instance": lambda: stage([rubble(20)], light(), matrices=[placed(np.diag([1.0, 1.0, 0.0]))], world=0.1),
+    "a light in the floor": lambda: stage(floor_and_plate(), light(position=(0.0, 0.0, 0.0)), world=0.1),
+    "a light of no size": lambda: stage(floor_and_plate(), light(axis_u=(1e-9, 0, 0), axis_v=(0, -1e-9, 0)), world=0.1),
+    "a light of no power": lambda: stage(floor_and_plate(), light(radiance=0.0), world=0.1),
+    "a huge light": lambda: stage(floor_and_plate(), light(axis_u=(1e5, 0, 0), axis_v=(0, -1e5, 0)), world=0.1),
+    "a very bright light": lambda: stage(floor_and_plate(), light(radiance=1e30), world=0.1),
+    "a narrow spread": lambda: stage(floor_and_plate(), light(spread=0.0), world=0.1),
+    "a tiny scene": lambda: stage([rubble(50)], light(), matrices=[placed(1e-6 * np.eye(3))], world=0.1),
+    "a vast scene": lambda: stage([rubble(50)], light(), matrices=[placed(1e7 * np.eye(3))], world=0.1),
+}
+
+
+@pytest.mark.parametrize("name", DEGENERATE)
+@BOTH
+def test_no_pixel_is_nan_or_negative(device, base, name):
+    settings = replace(base, ssao=SSAO(), quality=replace(base.quality, samples=2))
+    color = draw(device, DEGENERATE[name](), look((0.0, -4.0, 3.0)), settings).color
+    assert np.isfinite(color).all()
+    assert color.min() >= 0.0
+
+
+@pytest.mark.parametrize(
+    "quality", [{"virtual_lights": 1}, {"map_points": 1}, {"map_size": 8}, {"virtual_lights": 3, "map_size": 1000}]
+)
+def test_the_least_quality_still_gives_a_picture(device, quality):
+    scene, view = SMALL["sphere in corner"](24, 16)
+    color = draw(device, scene, view, with_quality(MAPS, **quality)).color
+    assert np.isfinite(color).all()
+    assert color[..., :3].mean() > 0.05
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 40), (37, 1)])
+@BOTH
+def test_pictures_of_few_pixels(device, base, size):
+    scene, view = SMALL["box over plane"](*size)
+    settings = replace(base, ssao=SSAO())
+    color = draw(device, scene, view, settings).color
+    assert color.shape == (size[1], size[0], 4)
+    assert np.isfinite(color).all()

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curved solids of quads: balls, rounded blocks, tubes along any path, knots. Metres, around the origin."""
+
+import numpy as np
+
+from tests.scenes.parts.shapes import Shape, grid, join, path_length
+
+
+def ball(radius: float, steps: int, power: float = 2.0) -> Shape:
+    """A sphere of 6 × steps² quads without poles; a larger power makes it a block with round edges."""
+    line = np.tan(np.linspace(-0.25 * np.pi, 0.25 * np.pi, steps + 1))
+    u, v = np.meshgrid(line, line, indexing="ij")
+    sides = []
+    for axis in range(3):
+        for sign in (-1.0, 1.0):
+            cube = np.roll(np.stack([np.full_like(u, sign), u, sign * v], axis=-1), axis, axis=-1)
+            norm = (np.abs(cube) ** power).sum(-1, keepdims=True) ** (1.0 / power)
+            sides.append(grid(radius * cube / norm, radius * np.stack([u, v], axis=-1)))
+    return join(sides)
+
+
+def tube(path: np.ndarray, radius: float | np.ndarray, sides: int, closed: bool = False) -> Shape:
+    """A tube of `radius` (N,) around a path (N,3); its ends are open, or meet where it is closed."""
+    points = np.concatenate([path, path[:1]]) if closed else path
+    along = np.gradient(points, axis=0)
+    if closed:
+        along[0] = along[-1] = points[1] - points[-2]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = carried(along)
+    if closed:  # spread the twist that a journey around leaves over all of it
+        end = across[-1]
+        twist = np.arctan2(np.cross(end, across[0]) @ along[0], end @ across[0])
+        across = turned(across, along, np.linspace(0.0, twist, len(points)))
+    angles = np.linspace(0.0, 2.0 * np.pi, sides + 1)[None, :, None]
+    around = np.cos(angles) * across[:, None] + np.sin(angles) * np.cross(along, across)[:, None]
+    thick = np.broadcast_to(np.asarray(radius, float), len(path))
+    thick = np.append(thick, thick[0]) if closed else thick
+    uvs = np.stack(np.broadcast_arrays(path_length(points)[:, None], angles[..., 0] * thick.max()), axis=-1)
+    return grid(points[:, None] + thick[:, None, None] * around, uvs)
+
+
+def carried(along: np.ndarray) -> np.ndarray:
+    """Unit vectors (N,3) across the directions (N,3), each the one before without its part along the path."""
+    across = np.empty_like(along)
+    across[0] = np.cross(along[0], np.eye(3)[np.abs(along[0]).argmin()])
+    for index in range(len(along)):
+        vector = across[max(index - 1, 0)]
+        vector = vector - (vector @ along[index]) * along[index]
+        across[index] = vector / np.linalg.norm(vector)
+    return across
+
+
+def turned(across: np.ndarray, along: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Vectors (N,3) turned about unit axes (N,3) that are square to them."""
+    return np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(along, across)
+
+
+def knot(p: int, q: int, radius: float, thickness: float, steps: int, sides: int) -> Shape:
+    """A torus knot that winds p times around the axis and q times through the hole; p = 1, q = 0 is a ring."""
+    t = np.linspace(0.0, 2.0 * np.pi, steps, endpoint=False)
+    reach = radius * (1.0 + (0.45 * np.cos(q * t) if q else 0.0))
+    path = np.stack([reach * np.cos(p * t), reach * np.sin(p * t), -0.45 * radius * np.sin(q * t)], axis=-1)
+    return tube(path, thickness, sides, closed=True)
+
+
+def lowest(shape: Shape, rotation: np.ndarray) -> float:
+    """Height of a turned shape's lowest point."""
+    return float((shape.positions @ rotation[2]).min())

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of anything: what Hypothesis draws them from, smaller and plainer as it shrinks."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+
+from ism_addon.scene import Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from tests.scenes.small import mesh, perspective
+from tests.stress.pictures.moves import Picture
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def powers(low: float, high: float) -> st.SearchStrategy[float]:
+    """Ten to the power of something; 1 is the plainest."""
+    return st.floats(low, high, width=16).map(lambda power: 10.0**power)
+
+
+@st.composite
+def meshes(draw: st.DrawFn) -> Mesh:
+    """A few triangles: slivers, in one plane, with corners in common, or any; with normals of their own, or any."""
+    random, count = generator(draw), draw(st.integers(1, 40))
+    size = draw(powers(-2, 0.5))
+    corners = random.uniform(-1.0, 1.0, (count, 1, 3)) + size * random.uniform(-1.0, 1.0, (count, 3, 3))
+    kind = draw(st.sampled_from(["any", "plane", "slivers", "grid"]))
+    if kind == "plane":
+        corners[..., 2] = 0.0
+    if kind == "slivers":
+        corners[:, 2] = corners[:, 1] + draw(powers(-7, -2)) * random.uniform(-1.0, 1.0, (count, 3))
+    if kind == "grid":
+        corners = np.round(2.0 * corners) / 2.0
+    corners = corners.astype(np.float32)
+    edges = corners[:, 1:] - corners[:, :1]
+    corners = corners[(np.cross(edges[:, 0], edges[:, 1]) ** 2).sum(1) > 0.0]  # as they come from Blender
+    if not len(corners):
+        corners = np.eye(3, dtype=np.float32)[None]
+    flat = mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+    if not draw(st.booleans()):
+        return flat
+    normals = random.normal(size=(len(corners), 3, 3))
+    return replace(flat, normals=(normals / np.linalg.norm(normals, axis=2, keepdims=True)).astype(np.float32))
+
+
+def generator(draw: st.DrawFn) -> np.random.Generator:
+    """What need not shrink is drawn from here."""
+    return np.random.default_rng(draw(SEEDS))
+
+
+def turned(random: np.random.Generator) -> np.ndarray:
+    """(3,3): any turn, now and then by right angles."""
+    if random.random() < 0.3:
+        return np.eye(3)[random.permutation(3)]
+    return np.linalg.qr(random.normal(size=(3, 3)))[0]
+
+
+@st.composite
+def instances(draw: st.DrawFn, count_of_meshes: int) -> Instances:
+    """Turned, mirrored, sheared, of any size, one on the other."""
+    random, count = generator(draw), draw(st.integers(1, 5))
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    for matrix in matrices:
+        stretch = random.choice([1.0, -1.0, 0.5, 3.0, 1e-3, 0.0], 3, p=[0.7, 0.1, 0.1, 0.06, 0.02, 0.02])
+        shear = np.eye(3)
+        shear[0, 2] = random.choice([0.0, 0.7, -4.0], p=[0.8, 0.1, 0.1])
+        matrix[:3, :3], matrix[:3, 3] = turned(random) @ shear * stretch, np.round(random.normal(size=3), 1)
+    visible, casts = random.random((2, count)) < 0.85
+    ids = random.integers(0, count_of_meshes, count).astype(np.int32)
+    return Instances(ids, matrices, visible, casts, np.zeros(count, np.uint32))
+
+
+def basis_towards(random: np.random.Generator, place: np.ndarray) -> np.ndarray:
+    """(3,3): right, up and forward of what looks from a place (3,) about where things are."""
+    forward = random.normal(size=3) * 0.3 - place
+    right = np.cross(forward, random.normal(size=3))
+    rows = np.array([right, np.cross(right, forward), forward])
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+@st.composite
+def lights(draw: st.DrawFn) -> Lights:
+    """From none to four, in and out of things, of any size, power and spread."""
+    random, count = generator(draw), draw(st.integers(0, 4))
+    place = random.normal(size=(count, 3)) * random.choice([0.5, 2.0, 10.0], (count, 1))
+    axes = np.array([basis_towards(random, at) for at in place]).reshape(-1, 3, 3)
+    sizes = 10.0 ** random.uniform(-4.0, 1.5, (count, 2))
+    colors = random.choice([0.0, 0.5, 1.0], (count, 3)) if draw(st.booleans()) else np.ones((count, 3))
+    power = 10.0 ** random.uniform(-3.0, 3.0, (count, 1)) * colors
+    none = np.full(count, -1, np.int32)
+    return Lights(
+        shape=random.choice([int(shape) for shape in LightShape], count).astype(np.int32),
+        position=place,
+        axis_u=axes[:, 0] * sizes[:, :1],
+        axis_v=axes[:, 1] * sizes[:, 1:],
+        normal=axes[:, 2],
+        radiance=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
+        spread=random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05]).astype(np.float32),
+        casts_shadow=random.random(count) < 0.9,
+        receivers=none,
+        blockers=none.copy(),
+    )
+
+
+@st.composite
+def views(draw: st.DrawFn) -> View:
+    """From anywhere, within things too, of few pixels."""
+    random = generator(draw)
+    width, height = draw(st.sampled_from([16, 24, 9, 1])), draw(st.sampled_from([12, 17, 8, 1]))
+    place = random.normal(size=3) * random.choice([0.3, 2.0, 20.0], p=[0.2, 0.7, 0.1])
+    right, up, forward = basis_towards(random, place)
+    matrix = np.eye(4)
+    matrix[:3, :3] = right, up, -forward
+    matrix[:3, 3] = -matrix[:3, :3] @ place
+    if random.random() < 0.25:
+        clip = np.diag([0.5, 0.5 * width / height, -0.01, 1.0])
+        clip[2, 3] = -1.0
+    else:
+        clip = perspective(random.choice([0.9, 0.3, 2.5]), width / height, random.choice([0.1, 1e-3]), 1e3)
+    reach = draw(st.sampled_from([1.5, 0.01, 3.0]))
+    return View(clip, matrix, width, height, filter_width=reach, transparent=draw(st.booleans()))
+
+
+@st.composite
+def all_settings(draw: st.DrawFn) -> Settings:
+    """Both methods, with few points and samples."""
+    method = draw(st.sampled_from(Method))
+    ssao = SSAO(
+        enabled=draw(st.booleans()),
+        radius=draw(powers(-4, 3)),
+        cone_angle=draw(st.sampled_from([2.8, 0.02, math.pi])),
+        intensity=draw(st.sampled_from([1.0, 10.0])),
+        attenuation=draw(st.sampled_from([1.0, 0.0, 100.0])),
+    )
+    quality = Quality(
+        samples=draw(st.sampled_from([1, 2, 5])),
+        error_threshold=0.0,
+        virtual_lights=draw(st.sampled_from([4, 1])),
+        map_size=draw(st.sampled_from([16, 8, 33])),
+        map_points=draw(st.sampled_from([256, 1])),
+    )
+    return Settings(Shadow(method=method), ssao, quality, shortcuts=not draw(st.booleans()))
+
+
+@st.composite
+def pictures(draw: st.DrawFn) -> Picture:
+    """A scene, its view and settings."""
+    things = tuple(draw(st.lists(meshes(), min_size=1, max_size=3)))
+    scene = Scene(
+        meshes=things,
+        instances=draw(instances(len(things))),
+        materials=Materials(np.array([[0.6, 0.3, 0.9]], np.float32), np.full(1, -1, np.int32)),
+        images=(),
+        lights=draw(lights()),
+        world=World(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),
+    )
+    return scene, draw(views()), draw(all_settings())

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Requests to the render thread, and how tests wait for what it makes of them."""
+
+import time
+
+from ism_addon.gpu.jobs.job import Job, Request
+from tests.scenes.small import box_over_plane
+from tests.support.small_scenes import SMALL_SETTINGS, with_quality
+
+#: Samples without an end, as far as tests go.
+LONG = with_quality(SMALL_SETTINGS, samples=60_000)
+
+
+def request(settings=SMALL_SETTINGS, make=box_over_plane, size=(24, 16)) -> Request:
+    return Request(*make(*size), settings)
+
+
+def ended(job: Job, limit: float = 30.0) -> bool:
+    """Wait for the job's end, up to `limit` s."""
+    until = time.monotonic() + limit
+    while not job.finished and time.monotonic() < until:
+        job.wait(0.5)
+    return job.finished
+
+
+def begun(job: Job) -> bool:
+    """Wait for the job's first picture."""
+    until = time.monotonic() + 30.0
+    while job.picture() is None and not job.finished and time.monotonic() < until:
+        job.wait(0.5)
+    return job.picture() is not None

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Irradiance by one light of radiance 1 that nothing hides, in float64: slow, and right from touching to far away.
+
+Without a spread Lambert's edge sum (1760), over many edges where the light is an ellipse. With one an integral in
+polar coordinates about the receiver's foot on the light's plane: midpoints in angle, Gauss points along the radius.
+"""
+
+import numpy as np
+
+from ism_addon.scene import Lights, LightShape
+from tests.support.reference import orthonormal, spread_factor
+
+#: Edges that stand for an ellipse: the rim is off by 1e-7 of its radius.
+EDGES = 4096
+
+
+def outline(lights: Lights) -> np.ndarray:
+    """(K,3) corners of the only light, relative to its position; an ellipse has its area."""
+    at = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    if lights.shape[0] == LightShape.ELLIPSE:
+        angle = 2.0 * np.pi * np.arange(EDGES) / EDGES
+        radius = 0.5 * np.sqrt(2.0 * np.pi / (EDGES * np.sin(2.0 * np.pi / EDGES)))
+        at = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    return at @ np.stack([lights.axis_u[0], lights.axis_v[0]])
+
+
+def edge_sum(polygon: np.ndarray, normal: np.ndarray) -> float:
+    """Irradiance by what of a convex polygon (K,3), seen from the origin, is above the horizon of a normal."""
+    heights = polygon @ normal
+    ends, end_heights = np.roll(polygon, -1, 0), np.roll(heights, -1)
+    seen, whole = (heights > 0.0) | (end_heights > 0.0), (heights > 0.0) & (end_heights > 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossings = polygon + np.where(whole, 0.0, heights / (heights - end_heights))[:, None] * (ends - polygon)
+    first = np.where(heights[:, None] > 0.0, polygon, crossings)[seen]
+    last = np.where(end_heights[:, None] > 0.0, ends, crossings)[seen]
+    if seen.any() and not whole.all():  # along the horizon
+        leaves, enters = crossings[seen & (end_heights <= 0.0)], crossings[seen & (heights <= 0.0)]
+        first, last = np.concatenate([first, leaves]), np.concatenate([last, enters])
+    across = np.cross(first, last - first)
+    sine = np.linalg.norm(across, axis=1)
+    angle = np.arctan2(sine, (first * last).sum(1))
+    return float(0.5 * abs(((across @ normal) * angle / np.maximum(sine, 1e-300)).sum()))
+
+
+def chords(foot: np.ndarray, directions: np.ndarray, ellipse: bool) -> np.ndarray:
+    """(2,…) distances at which lines from `foot` (2,) along directions (…,2) enter and leave the light.
+
+    In units of the light's axes: a unit square, or the disk of diameter 1. Where it is missed both are 0.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if ellipse:
+            square, along = (directions**2).sum(-1), directions @ foot
+            root = np.sqrt(np.maximum(along**2 - square * (foot @ foot - 0.25), 0.0))
+            ends = np.stack([-along - root, -along + root]) / square
+        else:
+            sides = np.sort(np.stack([-0.5 - foot, 0.5 - foot])[:, None] / directions, 0)
+            ends = np.stack([sides[0].max(-1), sides[1].min(-1)])
+    ends = np.maximum(ends, 0.0)
+    return np.where(ends[1] > ends[0], ends, 0.0)
+
+
+def spread_integral(point: np.ndarray, normal: np.ndarray, lights: Lights, angles: int = 2000) -> float:
+    """The light's spread weighs each direction that it sends in."""
+    plane = np.cross(lights.axis_u[0], lights.axis_v[0])
+    plane *= np.sign(plane @ lights.normal[0]) / np.linalg.norm(plane)
+    height = (point - lights.position[0]) @ plane
+    if height <= 0.0:
+        return 0.0
+    x, y = orthonormal(plane)
+    axes = np.stack([lights.axis_u[0], lights.axis_v[0]])
+    world_from_plane = np.stack([x, y])
+    light_from_plane = world_from_plane @ np.linalg.pinv(axes)
+    foot = (point - height * plane - lights.position[0]) @ np.linalg.pinv(axes)
+    ellipse = lights.shape[0] == LightShape.ELLIPSE
+
+    rim = (outline(lights) - point + lights.position[0]) @ world_from_plane.T
+    centre = world_from_plane @ (lights.position[0] - point)
+    off = np.arctan2(centre[0] * rim[:, 1] - centre[1] * rim[:, 0], rim @ centre)
+    inside = np.ptp(chords(foot, np.array([[1.0, 0.0], [-1.0, 0.0]]), ellipse), 0).all()
+    first, last = (0.0, 2.0 * np.pi) if inside else np.arctan2(centre[1], centre[0]) + np.array([off.min(), off.max()])
+    part = (np.arange(angles) + 0.5) / angles * np.pi  # denser where an ellipse's chords vanish
+    angle = first + (last - first) * (part / np.pi if inside else 0.5 - 0.5 * np.cos(part))
+    step = (last - first) / angles * (1.0 if inside else 0.5 * np.pi * np.sin(part))
+    direction = np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = chords(foot, direction @ light_from_plane, ellipse) / height
+    slope, level = direction @ (world_from_plane @ normal), -(normal @ plane)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        horizon = -level / slope  # n·p = level + r slope, in units of the height
+    reach = np.tan(lights.spread[0] / 2.0)
+    low = np.where((slope > 0.0) & (level < 0.0), np.maximum(ends[0], horizon), ends[0])
+    high = np.where(slope < 0.0, np.minimum(ends[1], np.maximum(horizon, 0.0)), ends[1])
+    high = np.minimum(np.where((slope <= 0.0) & (level <= 0.0), 0.0, high), reach)
+    low = np.minimum(low, high)
+    node, weight = np.polynomial.legendre.leggauss(48)
+    tilt = np.arctan(low) + (np.arctan(high) - np.arctan(low)) * (0.5 + 0.5 * node[:, None])
+    r = np.tan(tilt)
+    share = (np.arctan(high) - np.arctan(low)) * 0.5 * weight[:, None] * (1.0 + r**2) * r / (1.0 + r**2) ** 2
+    factor = spread_factor(float(lights.spread[0]), np.cos(tilt))
+    return float((share * (level + slope * r) * factor * step).sum())
+
+
+def irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights) -> float:
+    """W/m² at one receiver (3,), (3,), the light's spread left out."""
+    plane = np.cross(lights.axis_u[0], lights.axis_v[0])
+    if (point - lights.position[0]) @ (plane * np.sign(plane @ lights.normal[0])) <= 0.0:
+        return 0.0
+    return edge_sum(lights.position[0] - point + outline(lights), normal)

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes by a few words, and pictures of them without a worker: what the tests of the passes share."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from tests.scenes.small import basis, mesh, perspective
+
+#: One sample, few points: for tests that ask about something else. All samples, if there are more.
+SMALL_SETTINGS = Settings(
+    quality=Quality(samples=1, error_threshold=0.0, virtual_lights=8, map_size=32, map_points=2048),
+    ssao=SSAO(enabled=False),
+)
+
+#: The same by imperfect shadow maps.
+MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS))
+
+
+@dataclass
+class Drawn:
+    """A renderer after it has drawn, and the profile of what it did."""
+
+    renderer: object
+    profile: object
+    samples: int
+
+    @property
+    def color(self) -> np.ndarray:
+        """(H,W,4), bottom row first."""
+        return self.renderer.picture()
+
+    def target(self, name: str) -> np.ndarray:
+        """(H,W,components) of any target, bottom row first."""
+        found = texels(self.renderer.targets[name], self.renderer.targets.sizes[name])
+        return found if found.dtype == np.uint32 else found.astype(float)
+
+    @property
+    def part(self) -> np.ndarray:
+        """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
+        blocks = self.renderer.tables["blocks"]
+        found = np.zeros(self.renderer.last[0].blocks[::-1], bool)
+        column, row = blocks["block"].astype(int).T
+        found[row, column] = True
+        return found
+
+
+def texels(texture, size: tuple[int, int]) -> np.ndarray:
+    """(H,W,components) of a texture, which may be larger."""
+    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+    whole = np.frombuffer(texture.read(alignment=1), dtype).reshape(*texture.size[::-1], texture.components)
+    return whole[: size[1], : size[0]]
+
+
+def put(texture, rows: np.ndarray) -> None:
+    """Write (H,W) or (H,W,components) into a texture, which may be larger."""
+    texture.write(np.ascontiguousarray(rows), (0, 0, rows.shape[1], rows.shape[0]), alignment=1)
+
+
+def draw(
+    device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None, last: int | None = None
+) -> Drawn:
+    """All samples of a picture, or up to sample `last`, here and now."""
+    from ism_addon.gpu.profile import Profile
+    from ism_addon.gpu.renderer import Renderer
+
+    renderer, profile = renderer or Renderer(device), Profile()
+    samples = settings.quality.samples if last is None else last + 1
+    for sample in range(samples):
+        for _ in renderer.sample(scene, view, settings, sample, profile):
+            pass
+    return Drawn(renderer, profile, samples)
+
+
+def with_quality(settings: Settings, **changes: float) -> Settings:
+    """The settings with another quality."""
+    return replace(settings, quality=replace(settings.quality, **changes))
+
+
+def quad(corner: Sequence[float], u: Sequence[float], v: Sequence[float], uv: float = 1.0) -> Mesh:
+    """A parallelogram from `corner` along u and v, facing u × v, with texture coordinates from 0 to `uv`."""
+    corner, u, v = (np.asarray(vector, float) for vector in (corner, u, v))
+    flat = mesh(np.array([corner, corner + u, corner + u + v, corner + v]), np.array([[0, 1, 2], [0, 2, 3]]))
+    uvs = uv * np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], np.float32)
+    return replace(flat, uvs=uvs)
+
+
+def stage(
+    meshes: Sequence[Mesh],
+    lights: Lights | None = None,
+    matrices: np.ndarray | None = None,
+    mesh_ids: Sequence[int] | None = None,
+    world: float = 0.0,
+    base_color: Sequence[float] = (0.6, 0.6, 0.6),
+    image: Image | None = None,
+) -> Scene:
+    """A scene of one material; each mesh once, or an instance of `mesh_ids` for each of `matrices` (I,4,4)."""
+    ids = np.arange(len(meshes)) if mesh_ids is None else np.array(mesh_ids)
+    everywhere = np.ones(len(ids), bool)
+    return Scene(
+        meshes=tuple(meshes),
+        instances=Instances(
+            ids.astype(np.int32),
+            np.tile(np.eye(4), (len(ids), 1, 1)) if matrices is None else np.array(matrices, np.float64),
+            everywhere,
+            everywhere.copy(),
+            np.zeros(len(ids), np.uint32),
+        ),
+        materials=Materials(np.array([base_color], np.float32), np.full(1, -1 if image is None else 0, np.int32)),
+        images=() if image is None else (image,),
+        lights=no_lights() if lights is None else lights,
+        world=World(np.full(3, world, np.float32)),
+    )
+
+
+def light(
+    shape: LightShape = LightShape.RECTANGLE,
+    position: Sequence[float] = (0.0, 0.0, 2.0),
+    axis_u: Sequence[float] = (1.0, 0.0, 0.0),
+    axis_v: Sequence[float] = (0.0, -1.0, 0.0),
+    radiance: float = 1.0,
+    spread: float = math.pi,
+    casts_shadow: bool = True,
+    receivers: int = -1,
+    blockers: int = -1,
+) -> Lights:
+    """One light that shines along axis_u × axis_v."""
+    normal = np.cross(axis_u, axis_v)
+    return Lights(
+        shape=np.array([shape], np.int32),
+        position=np.array([position], np.float64),
+        axis_u=np.array([axis_u], np.float64),
+        axis_v=np.array([axis_v], np.float64),
+        normal=np.array([normal / np.linalg.norm(normal)]),
+        radiance=np.full((1, 3), radiance, np.float32),
+        spread=np.array([spread], np.float32),
+        casts_shadow=np.array([casts_shadow]),
+        receivers=np.array([receivers], np.int32),
+        blockers=np.array([blockers], np.int32),
+    )
+
+
+def no_lights() -> Lights:
+    """A table without a row."""
+    one = light()
+    return Lights(**{name: value[:0].copy() for name, value in vars(one).items()})
+
+
+def both(first: Lights, second: Lights) -> Lights:
+    """The lights of two tables."""
+    return Lights(**{name: np.concatenate([value, getattr(second, name)]) for name, value in vars(first).items()})
+
+
+def look(
+    position: Sequence[float],
+    target: Sequence[float] = (0.0, 0.0, 0.0),
+    size: tuple[int, int] = (32, 24),
+    across: float = math.radians(50.0),
+    **more: object,
+) -> View:
+    """A perspective camera; looks from `position` to `target`, not straight up or down."""
+    right, up, forward = basis(np.subtract(target, position))
+    view_from_world = np.eye(4)
+    view_from_world[:3, :3] = right, up, -forward
+    view_from_world[:3, 3] = -view_from_world[:3, :3] @ position
+    clip_from_view = perspective(across, size[0] / size[1], 0.1, 100.0)
+    return View(clip_from_view, view_from_world, *size, **{"filter_width": 0.01, **more})
+
+
+def from_above(width_m: float, size: tuple[int, int] = (32, 32), height: float = 10.0, **more: object) -> View:
+    """An orthographic camera over the origin that looks down; x to the right, y up, square pixels."""
+    clip_from_view = np.diag([2.0 / width_m, 2.0 / width_m * size[0] / size[1], -1.0 / height, 1.0])
+    clip_from_view[2, 3] = -1.0
+    view_from_world = np.eye(4)
+    view_from_world[2, 3] = -height
+    return View(clip_from_view, view_from_world, *size, **{"filter_width": 0.01, **more})
+
+
+def placed(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """(4,4) of a linear map (3,3) and an offset."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.eye(3) if linear is None else linear
+    matrix[:3, 3] = offset
+    return matrix
+
+
+def shadows(**changes: object) -> Settings:
+    """MAPS with other shadows."""
+    return replace(MAPS, shadow=replace(MAPS.shadow, **changes))
+
+
+def prepared(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
+    """A renderer that has drawn nothing, and the frame of its first sample: for tests that feed one pass by hand."""
+    from ism_addon.gpu.profile import Profile
+    from ism_addon.gpu.renderer import Renderer
+
+    renderer = Renderer(device)
+    return renderer, renderer.frame(scene, look((0.0, -4.0, 3.0), size=size), settings, 0, Profile())
+
+
+def rubble(count: int = 200, reach: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
+    """Random triangles about the origin."""
+    random = np.random.default_rng(seed)
+    corners = random.uniform(-reach, reach, (count, 1, 3)) + random.uniform(-size, size, (count, 3, 3))
+    return mesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shadow rays correct whatever was predicted: right on average, without noise where there is nothing to correct."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes.direct.trace_shadows import CERTAIN_PROBABILITY, MAX_CERTAIN_PROBABILITY, TraceShadows
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.scene import LightShape
+from tests.scenes.small import box_over_plane, pillar_field
+from tests.support import reference
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    both,
+    draw,
+    from_above,
+    light,
+    look,
+    put,
+    quad,
+    rubble,
+    stage,
+    with_quality,
+)
+
+FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
+
+
+def means(renderer) -> tuple[np.ndarray, np.ndarray]:
+    """(N,3) each: the mean of what was predicted, and of what corrects it in all samples but the first."""
+    total, corrections = (
+        renderer.targets.read(name).reshape(-1, 4).astype(float) for name in ("sum", "sum_correction")
+    )
+    count = total[:, 3:]
+    return total[:, :3] / count, corrections[:, :3] / (count - 1.0)
+
+
+def predicting(
+    device, scene, view, part: float, doubt: float, samples: int, until: int = 1 << 20
+) -> tuple[np.ndarray, np.ndarray]:
+    """`means` when of each light this part is predicted everywhere, wrong as it may be, until some sample."""
+    settings = with_quality(SMALL_SETTINGS, samples=samples)
+    renderer, profile = Renderer(device), Profile()
+    for sample in range(samples):
+        for name in renderer.sample(scene, view, settings, sample, profile):
+            if name == "PredictVisibility" and sample < until:
+                for texture in renderer.tables["predictions"].values():
+                    pixels = np.tile(np.array([part, doubt], np.float16), (texture.height, texture.width, 1))
+                    texture.write(pixels)
+                for blocks in renderer.tables["found"].values():
+                    blocks[:] = part > 0.0 or doubt > 0.0, part < 1.0 or doubt > 0.0
+    return means(renderer)
+
+
+@pytest.mark.parametrize("make", [box_over_plane, pillar_field], ids=["rectangle", "ellipse and spread"])
+@pytest.mark.parametrize("part", [0.0, 0.4, 1.0])
+def test_the_mean_is_right_whatever_is_predicted(device, make, part):
+    scene, view = make(24, 16)
+    truth, _ = reference.picture(scene, view, 12)
+    predicted, corrections = predicting(device, scene, view, part, 1.0, 1024)
+    assert reference.nrmse(predicted, truth) > 0.1
+    assert reference.nrmse(predicted + corrections, truth) < 0.03
+    assert (predicted + corrections).mean() == pytest.approx(truth.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("make", [box_over_plane, pillar_field], ids=["rectangle", "ellipse and spread"])
+@pytest.mark.parametrize("part", [0.0, 1.0])
+def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, part):
+    """By rarer rays: from then on it is corrected, and the first samples count the less the more follow."""
+    scene, view = make(24, 16)
+    truth, _ = reference.picture(scene, view, 12)
+    wrong, _ = predicting(device, scene, view, part, 0.0, 4, until=4)
+    assert reference.nrmse(wrong, truth) > 0.1
+    assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 1024, until=4)), truth) < 0.05
+
+
+@pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
+def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_place(device, chance, a_round):
+    renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
+    scene, view = box_over_plane(24, 16)
+    for sample in range(2):
+        list(renderer.sample(scene, replace(view, filter_width=1.5), settings, sample, Profile()))
+    frame, _ = renderer.last
+    blocks, places = frame.tables["blocks"], len(frame.grid.places)
+    frame.tables["found"][0][:] = True, False
+    reach = frame.tables["reach"][0]
+    for array, value in (reach.worth, True), (reach.dim, False), (reach.bright, chance / CERTAIN_PROBABILITY):
+        array[:] = value
+    turns = np.zeros((64 * places, len(blocks)), int)
+    for number, turn in enumerate(turns):
+        blocks["number"] = number
+        traced, _ = renderer.passes[TraceShadows].chosen(frame, 0, 0.3)
+        turn += (blocks["block"][:, None] == traced["block"]).all(2).any(1)
+    rounds = turns.reshape(64, places, len(blocks))
+    assert places == 16
+    assert (rounds.sum(1) == a_round).all()
+    assert rounds.any(0).all()
+
+
+def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
+    """A lit plate's edge over a floor in the shade, amid pixels: neighbours know of what samples show there."""
+    edge, sun = 0.3 * 4.0 / 32.0, light(position=(2, 0, 5), axis_u=(1e-3, 0, 0), axis_v=(0, -1e-3, 0), radiance=1e6)
+    plate, roof = quad((-10, -10, 1), (10 + edge, 0, 0), (0, 20, 0)), quad((1.117, -10, 3), (20, 0, 0), (0, 20, 0))
+    scene = stage([FLOOR, plate, roof], sun)
+    scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, True, False])))
+    view, settings = from_above(4.0, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=16)
+    renderer, profile = Renderer(device), Profile()
+    for sample in range(16):
+        for name in renderer.sample(scene, view, settings, sample, profile):
+            if name == "PredictVisibility":
+                of = renderer.targets.read("foreseen")
+                lit = of[..., 2] > of[..., 2].mean()
+                put(renderer.tables["predictions"][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
+                renderer.tables["found"][0][:] = True
+    predicted, corrections = means(renderer)
+    columns = predicted[:, 0].reshape(32, 32).mean(0)
+    assert columns[14] > 0.0 == columns[19]
+    assert 0.1 * columns[14] < columns[16] < 0.9 * columns[14], "samples of both surfaces"
+    assert not corrections.any()
+
+
+def test_more_samples_come_closer(device):
+    scene, view = box_over_plane(24, 16)
+    truth, _ = reference.picture(scene, view, 16)
+    errors = [
+        reference.nrmse(sum(predicting(device, scene, view, 0.5, 1.0, samples)), truth) for samples in (17, 65, 257)
+    ]
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[2] < 0.6 * errors[1]
+
+
+@pytest.mark.parametrize("roof", [False, True], ids=["all seen", "all hidden"])
+def test_no_noise_where_all_is_seen_or_hidden(device, roof):
+    """Not a bit of it."""
+    meshes = [FLOOR, quad((-9, -9, 1.5), (18, 0, 0), (0, 18, 0))] if roof else [FLOOR]
+    drawn = draw(device, stage(meshes, light()), from_above(4.0, height=1.2), with_quality(SMALL_SETTINGS, samples=16))
+    predicted, corrections = means(drawn.renderer)
+    assert not corrections.any()
+    assert predicted.any() == (not roof)
+
+
+@pytest.mark.parametrize("shape", LightShape)
+@pytest.mark.parametrize("spread", [np.pi, 1.5, 0.4])
+def test_without_shadows_light_arrives_whole(device, shape, spread):
+    """Of lights without shadows, with shadows off, where nothing casts any: the same, and as the reference says."""
+    lamp = light(shape, (0.5, 0.3, 2.0), (0.8, 0.0, 0.3), (0.0, -0.6, 0.0), spread=spread)
+    scene, view = stage([FLOOR, rubble(20)], lamp), look((3.0, -3.0, 3.0))
+    settings = with_quality(SMALL_SETTINGS, samples=3)
+    open_scene = replace(scene, lights=replace(lamp, casts_shadow=np.array([False])))
+    ghosts = replace(scene, instances=replace(scene.instances, casts_shadow=np.zeros(2, bool)))
+    off = replace(settings, shadow=replace(settings.shadow, enabled=False))
+    pictures = [
+        means(draw(device, *arguments).renderer)
+        for arguments in ((open_scene, view, settings), (ghosts, view, settings), (scene, view, off))
+    ]
+    truth, surface = reference.picture(open_scene, view, 40)
+    for predicted, corrections in pictures:
+        assert np.array_equal(predicted, pictures[0][0])
+        assert not corrections.any()
+    difference = np.abs(pictures[0][0] - truth)[surface.seen]
+    assert np.quantile(difference, 0.97) < 0.01 * truth.max()
+
+
+def test_lights_add_up(device):
+    """One with a shadow, one without: as each alone."""
+    one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0), radiance=2.0)
+    meshes, view = [FLOOR, quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))], look((3.0, -3.0, 3.0))
+    settings = with_quality(SMALL_SETTINGS, samples=128)
+    together = sum(means(draw(device, stage(meshes, both(one, other)), view, settings).renderer))
+    apart = [sum(means(draw(device, stage(meshes, lamp), view, settings).renderer)) for lamp in (one, other)]
+    assert apart[0].any()
+    assert reference.nrmse(together, apart[0] + apart[1]) < 0.02
+
+
+def test_the_first_sample_traces_nothing(device):
+    scene, view = box_over_plane(24, 16)
+    drawn = draw(device, scene, view)
+    assert drawn.target("predicted").any()
+    assert not drawn.target("correction").any()

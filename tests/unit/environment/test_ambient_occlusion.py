@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ambient occlusion against rays, and against what its settings promise."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.settings import SSAO
+from tests.scenes.small import subdivided_box
+from tests.support import reference
+from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look, quad, stage, with_quality
+
+FULL = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
+
+
+def mean_occlusion(device, scene, view, ssao: SSAO, samples: int = 24, target: str = "occlusion") -> np.ndarray:
+    """(H/2,W/2): the target's average over samples."""
+    settings = replace(with_quality(SMALL_SETTINGS, samples=samples), ssao=ssao, debug_view=target)
+    return draw(device, scene, view, settings).color[::2, ::2, 0].astype(float)
+
+
+def corner():
+    """A floor and a wall at right angles, seen along their bisector."""
+    floor, wall = quad((-4, -4, 0), (8, 0, 0), (0, 4, 0)), quad((-4, 0, 0), (8, 0, 0), (0, 0, 4))
+    return stage([floor, wall], world=1.0), look((0.0, -4.0, 4.0), (0.0, 0.0, 0.0), (96, 96), math.radians(25.0))
+
+
+def half_resolution_surface(scene, view):
+    """The surfaces that the half-resolution pixels stand for, each member with rows (H/2, W/2)."""
+    surface = reference.surfaces(scene, view)
+    rows = np.arange(view.width * view.height).reshape(view.height, view.width)[::2, ::2]
+    return surface, rows
+
+
+def test_an_open_plane_is_open(device):
+    scene, view = (
+        stage([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0),
+        look((0.0, -4.0, 1.0), size=(64, 48)),
+    )
+    for ssao in (FULL, SSAO(), replace(FULL, radius=5.0)):
+        assert (mean_occlusion(device, scene, view, ssao, 4) == 1.0).all()
+
+
+def test_an_open_ball_is_open(device):
+    """A convex body has nothing above its own horizon, but for its facets' angles and the pixels' width."""
+    from tests.scenes.small import sphere
+
+    scene, view = stage([sphere((0, 0, 0), 1.0, 64, 32)], world=1.0), look((0.0, -4.0, 1.0), size=(64, 48))
+    assert mean_occlusion(device, scene, view, FULL, 8).mean() > 0.98
+
+
+@pytest.mark.parametrize(
+    "ssao", [FULL, SSAO(), replace(FULL, cone_angle=1.5, attenuation=4.0), replace(FULL, radius=0.9)]
+)
+def test_a_box_on_a_floor_against_rays(device, ssao):
+    floor = quad((-6, -6, 0), (12, 0, 0), (0, 12, 0))
+    boxes = [
+        subdivided_box((-0.5, -0.4, 0.0), (0.5, 0.4, 0.8), 1),
+        subdivided_box((0.7, -0.9, 0.0), (1.0, 0.9, 0.5), 1),
+    ]
+    scene, view = (
+        stage([floor, *boxes], world=1.0),
+        look((2.5, -4.0, 3.0), (0.2, 0.0, 0.2), (64, 48), math.radians(40.0)),
+    )
+    ours = mean_occlusion(device, scene, view, ssao, 32)
+    surface, rows = half_resolution_surface(scene, view)
+    inner = np.zeros(rows.shape, bool)
+    inner[4:-4:2, 4:-4:2] = True
+    chosen = rows[inner]
+    triangles = reference.world_triangles(scene, scene.instances.visible)
+    truth = reference.ambient_visibility(
+        surface.position[chosen],
+        surface.facet[chosen],
+        triangles,
+        np.array([2.5, -4.0, 3.0]),
+        ssao.radius,
+        ssao.cone_angle,
+        ssao.attenuation,
+    )
+    off = ours[inner] - truth
+    assert truth.min() < 0.9
+    assert abs(off.mean()) < 0.002
+    assert np.sqrt((off**2).mean()) < 0.14 * np.sqrt(((1.0 - truth) ** 2).mean())  # measured: up to 0.115
+
+
+def test_the_sliders_do_what_they_say(device):
+    scene, view = corner()
+
+    def darkening(**changes: float) -> float:
+        return 1.0 - float(mean_occlusion(device, scene, view, replace(FULL, **changes), 4).mean())
+
+    for name, values in (
+        ("radius", (0.1, 0.3, 0.9)),
+        ("intensity", (0.2, 0.6, 1.5)),
+        ("cone_angle", (math.radians(95), math.radians(120), math.pi)),
+    ):
+        found = [darkening(**{name: value}) for value in values]
+        assert found[0] < found[1] < found[2], name
+    found = [darkening(attenuation=value) for value in (0.0, 1.0, 8.0)]
+    assert found[0] > found[1] > found[2] > 0.0
+
+
+def test_intensity_is_linear_until_it_is_black(device):
+    scene, view = corner()
+    weak, strong = (mean_occlusion(device, scene, view, replace(FULL, intensity=value), 1) for value in (0.5, 1.0))
+    assert 1.0 - strong == pytest.approx(2.0 * (1.0 - weak), abs=2e-3)
+    assert mean_occlusion(device, scene, view, replace(FULL, intensity=10.0), 1).min() == 0.0
+
+
+@pytest.mark.parametrize("off", [{"enabled": False}, {"intensity": 0.0}, {"radius": 0.0}])
+def test_switched_off_it_costs_nothing_and_changes_nothing(device, off):
+    scene, view = corner()
+    drawn = draw(device, scene, view, replace(SMALL_SETTINGS, ssao=replace(FULL, **off)))
+    assert drawn.profile.rows["AmbientOcclusion"].drawn == drawn.profile.rows["BlurOcclusion"].drawn == 0
+    assert drawn.target("occlusion").shape[:2] == (1, 1)
+    assert drawn.color[..., :3] == pytest.approx(0.6, abs=1e-3)
+
+
+def test_a_black_world_needs_none(device):
+    scene, view = corner()
+    dark = replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32)), lights=light())
+    drawn = draw(device, dark, view, replace(SMALL_SETTINGS, ssao=FULL))
+    assert drawn.profile.rows["AmbientOcclusion"].drawn == 0
+
+
+def test_it_darkens_the_worlds_light_only(device):
+    """With SSAO, what the lights give is the same."""
+    scene, view = corner()
+    lit = replace(scene, lights=light(position=(0.0, -1.5, 3.0)))
+    without = draw(device, lit, view)
+    blended = draw(device, lit, view, replace(SMALL_SETTINGS, ssao=FULL))
+    occlusion = (without.color - blended.color)[..., :3] / 0.6
+    assert (occlusion > -1e-3).all()
+    assert occlusion.max() < 0.6
+    assert np.array_equal(without.target("irradiance"), blended.target("irradiance"))
+
+
+def test_far_occluders_do_not_darken(device):
+    """A plate far before the wall, farther than the radius, leaves no halo."""
+    wall = quad((-10, 3, -10), (20, 0, 0), (0, 0, 20))
+    plate = quad((-0.5, 0, -0.5), (1, 0, 0), (0, 0, 1))
+    view = look((0.0, -4.0, 0.0), size=(64, 48))
+    assert (mean_occlusion(device, stage([wall, plate], world=1.0), view, FULL, 4) == 1.0).all()

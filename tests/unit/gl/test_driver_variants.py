@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nothing that a scene has more or less of makes Mesa's software driver compile a shader again."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ism_addon.gpu.gl import driver_variants
+from ism_addon.settings import SSAO
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
+from tests.tools import project
+
+#: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
+#: after each. In a viewport there is a coarse one before.
+DRAW = """
+import os, sys, time
+from dataclasses import replace
+from pathlib import Path
+import numpy as np
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.jobs.render_thread import RenderThread
+from ism_addon.scene import Image
+from ism_addon.settings import SSAO
+from tests.studio import MAPS, SMALL_SETTINGS, both, light, look, no_lights, quad, rubble, stage, with_quality
+
+FLOOR, FOLDER = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), Path(os.environ["MESA_SHADER_CACHE_DIR"])
+CHECKS = Image(np.random.default_rng(0).integers(0, 255, (8, 8, 4), np.uint8), True)
+SETTINGS = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[1] == "rays" else with_quality(MAPS, samples=2)
+BURIED = light(position=(0.0, 0.0, -1.0), axis_v=(0.0, 1.0, 0.0))  # under the floor, where all looks hidden
+
+def files():
+    return sum(path.is_file() for path in FOLDER.rglob("*"))
+
+def settled():
+    "The driver writes them in a thread of its own."
+    before, now = -1, files()
+    while now != before:
+        time.sleep(0.1)
+        before, now = now, files()
+    return now
+
+def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
+    lamps = BURIED if lights else no_lights()
+    for k in range(lights):
+        lamps = both(lamps, light(position=(0.4 * k - 0.8, 0.3 * k - 0.5, 2.0 + 0.1 * k)))
+    if faint:
+        lamps = both(lamps, light(position=(0.2, 0.2, 1.5), radiance=0.002))
+    rubbles = [rubble(triangles)] if triangles else []
+    scene = stage([FLOOR, *rubbles], lamps, world=0.3, image=image)
+    settings = replace(SETTINGS, ssao=SSAO(enabled=ssao))
+    view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
+    job = worker.start(Request(scene, view, settings, coarse=pixel), len(said))
+    while not job.finished:
+        job.wait(1.0)
+    assert not job.error and job.picture().color.any(), job.error
+    said.append(settled())
+
+worker, said = RenderThread(), []
+PLAIN = [
+    (2, 300, (90, 60)), (2, 300, (90, 60)), (3, 5000, (64, 32)), (1, 1, (33, 17), 2), (1, 20, (1, 1)),
+    (3, 5000, (4, 300), 8), (0, 20, (128, 64)), (2, 1, (128, 128), 4), (1, 0, (90, 60)), (3, 5000, (33, 17)),
+]
+for scene in [PLAIN[0], *PLAIN[:0:-1]] if sys.argv[2] == "backwards" else PLAIN:
+    draw(*scene)
+draw(2, 300, (90, 60), faint=True)
+draw(2, 300, (90, 60), image=CHECKS)
+draw(2, 300, (90, 60), ssao=True)
+draw(3, 5000, (32, 8), 2, image=CHECKS, ssao=True)
+draw(6, 1, (50, 64), faint=True, ssao=True)
+worker.stop()
+print(*said)
+"""
+
+
+@pytest.mark.parametrize("order", ["forwards", "backwards"])
+@pytest.mark.parametrize("method", ["rays", "maps"])
+def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order):
+    """The same scene again; meshes and tables small and large, other numbers of lights, other sizes of pictures.
+
+    Whatever a scene is the first to have has programs of its own, and adds no more than those.
+    """
+    if "llvmpipe" not in opened_device.name:
+        pytest.skip("only Mesa's cache is counted")
+    asked = subprocess.run(
+        [sys.executable, "-c", DRAW, method, order],
+        cwd=project.ROOT,
+        env=os.environ | {"MESA_SHADER_CACHE_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert asked.returncode == 0, asked.stderr
+    first, *added = np.diff([0, *map(int, asked.stdout.split())]).tolist()
+    assert first > 20
+    *plain, faint, image, ssao, both, all_but_images = added
+    assert plain == [0] * len(plain)
+    assert (faint > 0) == (method == "rays")
+    assert min(image, ssao) > 0
+    assert both == all_but_images == 0
+
+
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+@pytest.mark.parametrize("filter_width", [0.01, 1.5, 9.0])
+def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, monkeypatch, settings, filter_width):
+    """Nobody looks at what is in the rest of them."""
+    scene = stage([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), rubble(300)], light(), world=0.5)
+    view = look((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
+    settings = replace(with_quality(settings, samples=6), ssao=SSAO())
+    expected = draw(device, scene, view, settings)
+    monkeypatch.setattr(driver_variants, "side", lambda texels: texels + 9)
+    found = draw(device, scene, view, settings)
+    assert found.renderer.targets["sum"].size == (71, 49)
+    assert np.array_equal(found.color, expected.color)
+    assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
+    for mine, theirs in zip(found.renderer.depth_and_normal(), expected.renderer.depth_and_normal(), strict=True):
+        assert np.array_equal(mine, theirs)
+
+
+@given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))
+def test_buffers_are_hardly_larger_than_asked_for(count, each):
+    rows = driver_variants.rows(count, each)
+    size = rows * each
+    assert count <= rows <= max(count + 1 + 256 // each, 256 // each + 1)
+    assert size & (size - 1)
+    assert size >> 8 & 255
+
+
+@given(texels=st.integers(1, driver_variants.MAX_SIDE))
+def test_sides_are_hardly_longer_than_asked_for(texels):
+    side = driver_variants.side(texels)
+    assert texels <= side <= min(max(texels + 1, 3), driver_variants.MAX_SIDE)
+    assert side & (side - 1) or side == driver_variants.MAX_SIDE

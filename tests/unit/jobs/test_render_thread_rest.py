@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The worker at rest, and stopped: nothing is drawn, and nothing is kept."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.jobs.render_thread import PATIENCE
+from ism_addon.gpu.passes.film.shade import Shade
+from tests.support.jobs import LONG, begun, ended, request
+from tests.tools.memory import resident
+
+pytestmark = pytest.mark.alone
+
+
+def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
+    job = worker.start(request(LONG), "client")
+    assert begun(job)
+    worker.rest(60.0)
+    until = time.monotonic() + 5.0
+    while not worker.is_still and time.monotonic() < until:
+        time.sleep(0.001)
+    assert worker.is_still
+    done = job.samples_done
+    time.sleep(0.1)
+    assert job.samples_done == done
+    worker.go_on()
+    time.sleep(0.1)
+    assert job.samples_done > done
+    assert not job.finished
+
+
+def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
+    assert worker.is_still
+    worker.rest(0.2)
+    assert ended(worker.start(request(), "client"), 5.0)
+    worker.rest(60.0)
+    job = worker.start(request(), "client")
+    began = time.monotonic()
+    worker.stop()
+    assert time.monotonic() - began < 5.0
+    assert job.finished
+    assert worker.is_still
+
+
+def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
+    """A driver may hang, and Blender's window with it. Meanwhile, and afterwards, others draw."""
+    stuck, released = threading.Event(), threading.Event()
+    shade, caught = Shade.draw, []
+
+    def draw(step, frame):
+        if not caught:
+            caught.append(threading.current_thread())
+            stuck.set()
+            released.wait(60.0)
+        shade(step, frame)
+
+    monkeypatch.setattr(Shade, "draw", draw)
+    job = worker.start(request(), "client")
+    assert stuck.wait(30.0)
+    began = time.monotonic()
+    worker.stop()
+    assert time.monotonic() - began < PATIENCE + 1.0
+    assert job.finished
+    later = worker.start(request(), "client")
+    assert ended(later)
+    assert later.error == ""
+    released.set()
+    caught[0].join(10.0)
+    assert not caught[0].is_alive()
+    assert ended(again := worker.start(request(), "client"))
+    assert np.array_equal(again.picture().color, later.picture().color)
+
+
+@pytest.mark.skipif(not resident(), reason="this system does not say how much memory a process has")
+def test_stop_gives_all_memory_back(worker):
+    """Also what drivers keep in main memory: with software OpenGL that is all of it."""
+    sizes = []
+    for _ in range(16):
+        assert ended(worker.start(request(size=(640, 480)), "client"))
+        worker.stop()
+        sizes.append(resident())
+    # The allocator keeps some of it, not always as much; a context that is left behind is 60 MB a round.
+    assert min(sizes[10:]) - min(sizes[4:10]) < 60e6

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shadows of lights with a spread, of which a receiver sees a part only: by both methods, against dense sums."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.settings import Settings
+from tests.support import reference
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+
+#: By method: settings, and how far off pictures may be, as RMSE over the mean and as a ratio of the means.
+METHODS = {
+    "rays": (with_quality(SMALL_SETTINGS, samples=256), 0.06, 0.01),
+    "maps": (with_quality(MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
+}
+
+
+def half_open(degrees: float):
+    """Scene and view of a floor, half of it below a plate that the camera does not see.
+
+    The light is 2 m wide and 1 m above the floor.
+    """
+    lights = light(position=(0.0, 0.0, 1.0), axis_u=(2.0, 0.0, 0.0), axis_v=(0.0, -2.0, 0.0))
+    lights = replace(lights, spread=np.array([math.radians(degrees)], np.float32))
+    floor, plate = (-2.0, -2.0, 0.0), (-3.0, -3.0, 0.5)
+    meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (3.0, 0.0, 0.0), (0.0, 6.0, 0.0))
+    scene = stage(meshes, lights)
+    return replace(scene, instances=replace(scene.instances, visible=np.array([True, False]))), from_above(1.6, (24, 8))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("degrees", [40.0, 90.0])
+def test_half_of_what_a_receiver_sees_is_hidden(device, method, degrees):
+    scene, view = half_open(degrees)
+    truth, (settings, error, ratio) = reference.picture(scene, view, 24)[0], METHODS[method]
+    color = draw(device, scene, view, settings).color[..., :3].reshape(-1, 3)
+    assert reference.nrmse(color, truth) < error
+    assert color.mean() / truth.mean() == pytest.approx(1.0, abs=ratio)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("degrees", [0.5, 10.0])
+def test_the_shadow_below_a_narrow_spread_is_there(device, method, degrees):
+    """By maps too, none of whose points most receivers see: they are shadowed like their neighbours."""
+    scene, view = half_open(degrees)
+    settings = with_quality(METHODS[method][0], samples=4)
+    pictures = [draw(device, scene, view, each).color[..., 0] for each in (settings, without_shadows(settings))]
+    part = (pictures[0] / pictures[1]).mean(0)
+    assert part[:8].max() < 0.1
+    assert part[16:].min() > 0.9
+
+
+def without_shadows(settings: Settings) -> Settings:
+    return replace(settings, shadow=replace(settings.shadow, enabled=False))

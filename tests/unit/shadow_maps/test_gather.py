@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Irradiance of receivers anywhere against dense sums over the light, within 2 %; visibility against one occluder."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.atlas import batches
+from ism_addon.gpu.gl.shader_records import octahedron_from_directions
+from ism_addon.gpu.passes.shadow_maps.fill_holes import FillHoles
+from ism_addon.gpu.passes.shadow_maps.gather import GatherLight
+from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import PlaceVirtualLights
+from ism_addon.gpu.passes.surfaces.gbuffer import GBuffer
+from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
+from ism_addon.gpu.passes.upload.upload_lights import UploadLights
+from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
+from ism_addon.gpu.profile import Profile
+from ism_addon.scene import LightShape
+from tests.support.reference import irradiance
+from tests.support.small_scenes import both, draw, from_above, light, prepared, put, quad, shadows, stage
+
+SHAPES = tuple(LightShape)
+DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
+
+
+def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(N,3) irradiance of receivers (N,3) that nothing hides."""
+    points, normals = np.atleast_2d(points), np.atleast_2d(normals)
+    size = (len(points), 1)
+    renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
+    frame.tables["reaching"] = tuple(range(len(lights.shape)))
+    for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
+        renderer.run(kind, frame, Profile())
+    frame.targets.use_neutral("triangle", GBuffer.writes["triangle"])
+    surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
+    packed = np.tile(octahedron_from_directions(normals), 2)
+    for name, rows in (("position", surface), ("normal", packed)):
+        frame.targets.allocate(name, GBuffer.writes[name], size)
+        put(frame.targets[name], rows[None].astype(np.float32))
+    (frame.batch,) = batches(0, 8, device.texture_size)
+    for kind in (SplatMaps, FillHoles, GatherLight):
+        renderer.run(kind, frame, Profile())
+    return frame.targets.read("irradiance")[0, :, :3].astype(float)
+
+
+def unit(vectors) -> np.ndarray:
+    vectors = np.asarray(vectors, float)
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def tilted_light(shape, **more):
+    return light(shape, (0.3, -0.2, 0.5), (0.9, 0.2, 0.1), (-0.1, 0.3, 0.3), **more)
+
+
+def agree(device, lights, points, normals, within: float, floor: float = 1e-9) -> None:
+    """Both within `within`, where the truth is above `floor`."""
+    ours = gathered(device, lights, points, normals)[:, 0]
+    truth = np.array([irradiance(p, n, lights, 0) for p, n in zip(points, normals, strict=True)])
+    off = np.abs(ours - truth) / np.maximum(truth, floor)
+    assert off.max() <= within, (off.argmax(), ours[off.argmax()], truth[off.argmax()])
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_all_distances(device, shape):
+    """Before the light's middle and at its side, facing it: 1/1000 to 1000 light sizes away."""
+    lights = tilted_light(shape)
+    normal = lights.normal[0]
+    size = np.linalg.norm(lights.axis_u[0])
+    ways = unit([normal, normal + 0.5 * unit(lights.axis_u[0]), normal - 0.7 * unit(lights.axis_v[0])])
+    points = np.array([lights.position[0] + distance * size * way for distance in DISTANCES for way in ways])
+    agree(device, lights, points, unit(lights.position[0] - points), 0.02)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_receivers_whose_horizon_cuts_the_light(device, shape):
+    lights = tilted_light(shape)
+    points, normals = [], []
+    across = unit(lights.axis_u[0] + 0.4 * lights.axis_v[0])
+    for distance in (0.1, 0.3, 1.0, 2.0):
+        for tilt in (60.0, 80.0, 90.0, 100.0):
+            points.append(lights.position[0] + distance * lights.normal[0])
+            normals.append(np.sin(np.radians(tilt)) * across - np.cos(np.radians(tilt)) * lights.normal[0])
+    agree(device, lights, np.array(points), np.array(normals), 0.02, floor=0.02)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_receivers_anywhere(device, shape):
+    random = np.random.default_rng(4)
+    lights = tilted_light(shape)
+    points = lights.position[0] + random.normal(size=(40, 3)) + lights.normal[0]
+    normals = unit(random.normal(size=(40, 3)))
+    agree(device, lights, points, normals, 0.02, floor=0.02)
+
+
+def test_behind_the_light_and_facing_away_it_is_dark(device):
+    lights = tilted_light(LightShape.RECTANGLE)
+    normal = lights.normal[0]
+    points = lights.position[0] + np.outer([-1.0, -1e-3, 1.0], normal)
+    assert not gathered(device, lights, points, np.array([normal, normal, normal])).any()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("spread", np.radians([150.0, 90.0, 30.0]))
+def test_a_spread_narrows_the_light(device, shape, spread):
+    """Within 2 % of the brightest receiver."""
+    lights = tilted_light(shape, spread=spread)
+    normal, across = lights.normal[0], unit(lights.axis_u[0])
+    points = np.array(
+        [lights.position[0] + d * normal + d * s * across for d in (1.0, 3.0, 20.0) for s in (0.0, 0.2, 0.6, 1.5)]
+    )
+    normals = np.tile(-normal, (len(points), 1))
+    ours = gathered(device, lights, points, normals)[:, 0]
+    truth = np.array([irradiance(p, n, lights, 0) for p, n in zip(points, normals, strict=True)])
+    for rows in np.arange(len(points)).reshape(3, -1):
+        assert ours[rows] == pytest.approx(truth[rows], abs=0.02 * truth[rows].max())
+
+
+def test_an_open_floor_is_not_in_its_own_shadow(device):
+    """Its distances in the maps are its own: the bias takes it towards the light."""
+    plate, view = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), from_above(3.0, (24, 24))
+    scene = stage([plate], light(position=(0.0, 0.0, 1.0)))
+    pictures = [draw(device, scene, view, shadows(enabled=enabled)).color[..., :3] for enabled in (True, False)]
+    assert pictures[1].min() > 0.0
+    assert (pictures[0] / pictures[1]).min() > 0.98
+
+
+def test_lights_add_up_with_their_colours(device):
+    one, two = tilted_light(LightShape.RECTANGLE), light(LightShape.ELLIPSE, (-1.0, 0.0, 1.0), radiance=3.0)
+    colored = replace(two, radiance=np.array([[3.0, 1.0, 0.5]], np.float32))
+    point, normal = np.array([[0.1, 0.2, -0.5]]), np.array([[0.0, 0.0, 1.0]])
+    apart = gathered(device, one, point, normal) + gathered(device, colored, point, normal)
+    assert gathered(device, both(one, colored), point, normal) == pytest.approx(apart, rel=1e-5)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light points go where they change most, their sum is what was asked for, and small moves change nothing of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ism_addon.gpu.culling.surface_bounds import LightBounds
+from ism_addon.gpu.passes.shadow_maps.light_importance import importance
+from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import allocate_virtual_lights
+from ism_addon.scene import LightShape
+from tests.scenes.rooms import rooms
+from tests.scenes.small import subdivided_box
+from tests.support import reference
+from tests.support.small_scenes import MAPS, both, draw, from_above, light, look, quad, stage, with_quality
+
+SIZE = 160, 96
+HERE = range(5)
+FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
+
+
+def small(x: float, y: float, z: float, **more: object):
+    return light(LightShape.ELLIPSE, (x, y, z), (0.05, 0, 0), (0, -0.05, 0), **{"radiance": 10.0, **more})
+
+
+def shared_out(device, scene, view, renderer=None, **quality: int) -> dict[int, int]:
+    """Light points of each light that counts."""
+    return draw(device, scene, view, with_quality(MAPS, **quality), renderer).renderer.tables["points_per_light"]
+
+
+def drawn_rooms(device, idle: dict[str, int], **changes: object):
+    """The room with five lamps, and others, by one sample."""
+    return draw(device, *rooms(idle, *SIZE), replace(with_quality(MAPS, virtual_lights=60), **changes))
+
+
+@pytest.mark.parametrize("count", [1, 7, 40, 333])
+def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_what_was_asked_for(device, count):
+    lights = light(axis_u=(2.0, 0, 0), axis_v=(0, -2.0, 0))
+    for place in ((1.0, 1.0, 3.0), (-1.0, 0.5, 3.0), (0.0, 0.0, 9.0)):
+        lights = both(lights, small(*place))
+    counts = shared_out(device, stage([FLOOR], lights), from_above(6.0), virtual_lights=count)
+    assert sum(counts.values()) == max(count, 4)
+    assert min(counts.values()) == 1
+    if count == 40:
+        assert counts[0] >= 34
+        assert max(counts[light] for light in (1, 2, 3)) <= 2
+
+
+def test_of_lights_alike_the_brighter_and_the_nearer_have_more(device):
+    dim, bright, far = small(-1, 0, 2), small(1, 0, 2, radiance=60.0), small(0, 1, 6)
+    counts = shared_out(device, stage([FLOOR], both(both(dim, bright), far)), from_above(6.0), virtual_lights=100)
+    assert counts[1] > 2 * counts[0] > 4 * counts[2]
+
+
+@settings(deadline=None, derandomize=True)
+@given(st.integers(1, 3000), st.lists(st.floats(0.0, 1e6), min_size=1, max_size=20))
+def test_the_sum_is_what_was_asked_for_and_none_has_none(count, weights):
+    wanting = list(range(0, len(weights), 2))
+    counts = allocate_virtual_lights(wanting, np.array(weights), count)
+    assert list(counts) == wanting
+    assert min(counts.values()) >= 1
+    assert sum(counts.values()) == max(count, len(wanting))
+
+
+def test_shares_know_no_unit():
+    lights = both(light(axis_u=(2.0, 0, 0)), both(small(1, 0, 2), small(0, 0, 5)))
+    cloud = make_point_cloud(stage([FLOOR], lights), np.zeros(3), 5000)
+    found = importance(cloud, LightBounds.of(lights, np.zeros(3)))
+    brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
+    assert importance(cloud, LightBounds.of(brighter, np.zeros(3))) == pytest.approx(found, rel=1e-4)
+    assert found[0] > 3.0 * found[1] > 6.0 * found[2]
+
+
+@pytest.mark.parametrize("why", ["turned away", "elsewhere"])
+def test_lights_that_reach_nothing_have_no_points(device, why):
+    alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
+    counts = drawn.renderer.tables["points_per_light"]
+    assert set(counts) == set(HERE)
+    assert sum(counts.values()) == drawn.profile.counts["virtual_lights"] == 60
+    assert drawn.profile.counts["lights_used"] == 5
+    assert drawn.color[..., :3].mean() == pytest.approx(alone.color[..., :3].mean(), rel=0.01)
+    everything = drawn_rooms(device, {why: 40}, shortcuts=False)
+    assert set(everything.renderer.tables["points_per_light"]) == set(range(45))
+
+
+def test_lights_that_reach_nothing_have_no_surface_points(device):
+    """Their light points would be all that looks at them."""
+    alone, among_others = (drawn_rooms(device, idle).renderer.tables for idle in ({}, {"turned away": 40}))
+    assert among_others["map_points"][1].size == alone["map_points"][1].size > 0
+
+
+def test_hidden_lights_keep_one_point_each_for_maps_alone_tell_that_they_are_hidden(device):
+    counts = drawn_rooms(device, {"hidden": 40}).renderer.tables["points_per_light"]
+    assert set(counts) > set(HERE)
+    assert sum(counts.values()) == 60
+
+
+def test_faint_lights_have_points_nowhere_but_in_the_dark(device):
+    counts = drawn_rooms(device, {"faint": 40}).renderer.tables["points_per_light"]
+    assert len(set(counts) - set(HERE)) <= 4
+
+
+@pytest.mark.parametrize("metres", [0.003, -0.01, 0.3])
+def test_a_small_move_of_the_camera_draws_no_map(device, metres):
+    scene, view = rooms({}, *SIZE)
+    beside = view.view_from_world.copy()
+    beside[:3, 3] += metres
+    moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, virtual_lights=60)
+    first = draw(device, scene, view, settings)
+    counts = first.renderer.tables["points_per_light"]
+    again = draw(device, scene, moved, settings, first.renderer)
+    rows = again.profile.rows
+    assert rows["CullLights"].drawn
+    assert not rows["PlaceVirtualLights"].drawn + rows["SplatMaps"].drawn + rows["FillHoles"].drawn
+    assert again.renderer.tables["points_per_light"] == counts
+    assert np.array_equal(again.color, draw(device, scene, moved, settings).color)
+
+
+def test_shares_know_nothing_of_the_pictures_before(device):
+    """The sky in between, where no light counts."""
+    scene, view = rooms({}, *SIZE)
+    sky = look((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), SIZE)
+    settings = with_quality(MAPS, samples=5, virtual_lights=60)
+    first = draw(device, scene, view, settings)
+    color, counts = first.color, first.renderer.tables["points_per_light"]
+    there = draw(device, scene, sky, settings, first.renderer)
+    assert there.renderer.tables["points_per_light"] == {}
+    back = draw(device, scene, view, settings, first.renderer)
+    assert back.renderer.tables["points_per_light"] == counts
+    assert np.array_equal(back.color, color)
+
+
+def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
+    lights = both(light(casts_shadow=False), small(1.0, 1.0, 3.0))
+    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.3), (0.5, 0.5, 0.8), 2)], lights)
+    assert shared_out(device, scene, from_above(6.0), virtual_lights=20) == {0: 0, 1: 20}
+    unshadowed = replace(scene, lights=replace(lights, casts_shadow=np.zeros(2, bool)))
+    drawn = draw(device, unshadowed, from_above(6.0), MAPS)
+    assert drawn.renderer.tables["points_per_light"] == {0: 0, 1: 0}
+    assert drawn.color[..., :3].max() > 0.1
+
+
+def test_where_nothing_is_seen_no_map_is_drawn(device):
+    drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), MAPS)
+    assert drawn.renderer.tables["points_per_light"] == {}
+    assert not drawn.profile.rows["SplatMaps"].drawn + drawn.profile.rows["FillHoles"].drawn
+    assert not drawn.target("irradiance")[..., :3].any()
+
+
+def test_the_picture_is_right_on_average(device):
+    """Lights large and small, one that casts no shadow and one that reaches nothing."""
+    lights = both(light(axis_u=(1.5, 0, 0), axis_v=(0, -1.5, 0)), small(1.0, -1.0, 3.0, radiance=400.0))
+    lights = both(lights, light(position=(-1.0, 1.0, 3.0), casts_shadow=False))
+    lights = both(lights, light(position=(0.0, 0.0, 3.0), axis_v=(0, 1.0, 0), radiance=100.0))
+    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
+    view = look((2.5, -4.0, 3.0), size=(48, 32))
+    truth, _ = reference.picture(scene, view, 12)
+    settings = with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=16384)
+    found = draw(device, scene, view, settings)
+    assert set(found.renderer.tables["points_per_light"]) == {0, 1, 2}
+    assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)

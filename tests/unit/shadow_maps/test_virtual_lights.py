@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light points: as many as each light is given, on it, others each sample."""
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
+from ism_addon.scene import LightShape
+from tests.support.small_scenes import MAPS, both, draw, light, look, quad, stage, with_quality
+
+ORIGIN = np.zeros(3)
+
+
+def lamps():
+    """Three lights, a disk among them."""
+    large = light(LightShape.ELLIPSE, (1.0, 0.0, 3.0), (2.0, 0.0, 0.0), (0.0, -2.0, 0.0), radiance=1.0)
+    bright = light(
+        position=(0.0, 5.0, 1.0), axis_u=(0.0, 0.0, 1.0), axis_v=(0.5, 0.0, 0.0), radiance=18.0 * np.pi / 2.0
+    )
+    return both(both(light(radiance=np.pi / 2.0), large), bright)
+
+
+def test_the_rows_of_a_light_lead_to_its_points():
+    lights = lamps()
+    counts = {0: 7, 2: 93}
+    table, _, points = virtual_light_tables(lights, counts, 3, ORIGIN)
+    assert dict(zip(table["light"], table["count"], strict=True)) == counts
+    assert len(points) == 100
+    for row, index in enumerate(counts):
+        rows = slice(int(table["first"][row]), int(table["first"][row] + table["count"][row]))
+        assert (points["light"][rows] == index).all()
+        off = points["position"][rows] - lights.position[index]
+        axes = np.stack([lights.axis_u[index], lights.axis_v[index]])
+        across = off @ axes.T / (axes**2).sum(1)
+        assert np.abs(off @ lights.normal[index]).max() < 1e-6
+        assert np.abs(across).max() <= 0.5 + 1e-6
+        assert points["normal"][rows] == pytest.approx(np.tile(lights.normal[index], (len(off), 1)))
+
+
+def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
+    _, _, points = virtual_light_tables(lamps(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
+    tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
+    assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
+    assert np.abs((tangent * normal).sum(1)).max() < 1e-6
+    assert len(np.unique(np.round(tangent, 4), axis=0)) == 60
+
+
+def test_each_sample_has_other_points_and_together_they_fill_the_light():
+    lights = light()
+    samples = [virtual_light_tables(lights, {0: 16}, sample, ORIGIN)[2]["position"] for sample in range(64)]
+    assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
+    counts = np.histogram2d(*np.concatenate(samples)[:, :2].T, 8, ((-0.5, 0.5), (-0.5, 0.5)))[0]
+    assert counts.min() > 0.5 * 16
+    assert counts.max() < 1.5 * 16
+
+
+def test_two_equal_lights_have_different_points():
+    _, _, points = virtual_light_tables(both(light(), light()), {0: 16, 1: 16}, 0, ORIGIN)
+    assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
+
+
+def test_light_points_are_exact_far_away():
+    far = np.array([1e7, 0.0, -1e7])
+    here = virtual_light_tables(light(), {0: 10}, 0, ORIGIN)
+    there = virtual_light_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)
+    assert there[2]["position"] == pytest.approx(here[2]["position"], abs=1e-6)
+    assert there[1]["place"] == pytest.approx(here[1]["place"], abs=1e-6)
+
+
+def test_more_lights_than_light_points(device):
+    lights = light()
+    for k in range(9):
+        lights = both(lights, light(position=(0.3 * k, 0.0, 2.0)))
+    drawn = draw(
+        device,
+        stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
+        look((3, -3, 2)),
+        with_quality(MAPS, virtual_lights=4),
+    )
+    assert drawn.profile.counts["virtual_lights"] == 10
+    assert drawn.color[..., :3].max() > 0.2

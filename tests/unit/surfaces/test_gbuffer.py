@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the G-buffer holds against rays through the pixels' centres."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.color import linear_from_srgb
+from ism_addon.gpu.buffers.material_buffers import mip_chain
+from ism_addon.gpu.gl import depth
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.gl.shader_records import directions_from_octahedron
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer, samples_per_visibility_buffer
+from ism_addon.sampling import pixel_grid
+from ism_addon.scene import Image
+from tests.scenes.small import sphere
+from tests.support import reference
+from tests.support.small_scenes import (
+    MAPS,
+    SMALL_SETTINGS,
+    draw,
+    from_above,
+    look,
+    perspective,
+    placed,
+    quad,
+    rubble,
+    stage,
+    with_quality,
+)
+
+#: Pixels whose centre lies on an edge more exactly than float32 can tell.
+EDGE = 0.01
+
+SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
+MIRROR = np.diag([-1.0, 1.0, 0.5])
+
+
+@pytest.fixture(params=["nearness", "logarithm"])
+def either(request):
+    """A device, or one as on macOS, where depth is the logarithm of the distance."""
+    if request.param == "nearness":
+        yield request.getfixturevalue("device")
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(depth, "maps_to_zero", lambda gl: False)
+        other = open_device()
+    with other.gl as gl:
+        yield other
+        assert gl.error == "GL_NO_ERROR"
+    other.close()
+
+
+def gbuffer(device, scene, view):
+    """Targets by name, pixels in rows: (N,components)."""
+    drawn = draw(device, scene, view)
+    anchor = drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, drawn.profile).anchor
+    found = {
+        name: drawn.target(name).reshape(view.width * view.height, -1)
+        for name in ("depth", "position", "normal", "albedo", "triangle")
+    }
+    found["world"] = found["position"][:, :3] + anchor
+    found["smooth"] = directions_from_octahedron(found["normal"][:, :2])
+    found["facet"] = directions_from_octahedron(found["normal"][:, 2:])
+    return found
+
+
+def compare(device, scene, view, within: float = 1e-4) -> None:
+    """All that the G-buffer holds, but for pixels on edges; positions to `within` m."""
+    ours, truth = gbuffer(device, scene, view), reference.surfaces(scene, view)
+    smooth = reference.shading_normals(scene, truth)
+    seen = ours["position"][:, 3] > 0.0
+    assert seen.any()
+    assert (ours["depth"][~seen] == np.float32(1e10)).all()
+    same = (seen == truth.seen) & (~seen | (np.abs(ours["world"] - truth.position).max(1) < within))
+    assert (~same).mean() <= EDGE
+    both = seen & truth.seen & same
+    assert ours["depth"][both, 0] == pytest.approx(truth.depth[both], rel=1e-4, abs=within)
+    assert (np.abs(ours["facet"] - truth.facet)[both].max(1) > 2e-3).mean() <= EDGE
+    assert (np.abs(ours["smooth"] - smooth)[both].max(1) > 5e-3).mean() <= EDGE
+
+
+def objects(matrices=None, mesh_ids=None):
+    """Rubble, a smooth ball, and a slanted floor."""
+    meshes = [rubble(60), sphere((0.4, -0.3, 0.2), 0.7, 16, 8), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0.5))]
+    return stage(meshes, matrices=matrices, mesh_ids=mesh_ids)
+
+
+@pytest.mark.parametrize(
+    "position", [(3.0, -3.0, 2.0), (0.1, 0.2, 6.0), (-2.0, 0.5, -3.0)], ids=["front", "above", "below"]
+)
+def test_positions_normals_and_depths(either, position):
+    compare(either, objects(), look(position, size=(64, 48)))
+
+
+def test_orthographic(either):
+    compare(either, objects(), from_above(4.0, (60, 40)))
+
+
+def test_a_shifted_camera_with_pixels_that_are_not_square(device):
+    view = look((3.0, -3.0, 2.0), size=(64, 48))
+    clip_from_view = view.clip_from_view.copy()
+    clip_from_view[0] *= 1.7
+    clip_from_view[:2, 2] = 0.3, -0.2
+    compare(device, objects(), replace(view, clip_from_view=clip_from_view))
+
+
+def test_mirrored_sheared_and_repeated_instances(device):
+    matrices = [
+        placed(),
+        placed(MIRROR, (1.5, 0.0, 0.0)),
+        placed(SHEAR, (-1.5, 0.5, 0.3)),
+        placed(-0.6 * np.eye(3), (0.0, 2.0, 0.5)),
+        placed(),
+    ]
+    compare(device, objects(matrices, [1, 1, 1, 1, 2]), look((3.0, -5.0, 3.0), size=(80, 60)))
+
+
+@pytest.mark.parametrize("offset", [1e4, 1e6])
+def test_far_from_the_worlds_origin(device, offset):
+    """Everything, the camera too, stands far away: what is seen stays the same, to a tenth of a millimetre."""
+    far = np.array([offset, -offset, 0.5 * offset]) + (0.123, 0.456, 0.789)
+    scene = objects([placed(offset=far)] * 3)
+    view = look(far + (3.0, -3.0, 2.0), far, size=(48, 36))
+    compare(device, scene, view)
+
+
+def test_a_mesh_far_from_its_own_origin(device):
+    """Object coordinates of a thousand, brought back by the instance's matrix: they keep their float32 digits."""
+    floor = quad((1000.0, 1000.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.3))
+    scene = stage([floor], matrices=[placed(offset=(-1001.0, -1001.0, 0.0))])
+    compare(device, scene, look((1.0, -3.0, 2.0), size=(48, 36)))
+
+
+def test_two_triangles_of_which_the_nearer_wins(either):
+    """A millimetre apart at ten metres."""
+    near, far = quad((-1, -1, 1e-3), (2, 0, 0), (0, 2, 0)), quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
+    for order in ([near, far], [far, near]):
+        ours = gbuffer(either, stage(order), from_above(1.0, (16, 16)))
+        assert ours["world"][:, 2] == pytest.approx(1e-3, abs=2e-4)
+
+
+@pytest.mark.parametrize("distance", [10.0, 100.0, 500.0])
+def test_what_lies_a_little_behind_stays_hidden_though_the_near_plane_is_close(either, distance):
+    """Blender's viewports begin 1 cm before the eye and end at 1 km."""
+    apart, wide = 1e-4 * distance, 2.0 * distance
+    near, far = (quad((-0.5 * wide, -0.5 * wide, z), (wide, 0, 0), (0, wide, 0)) for z in (apart, 0.0))
+    view = look((0.0, -0.6 * distance, 0.8 * distance))
+    view = replace(view, clip_from_view=perspective(math.radians(50.0), 32 / 24, 0.01, 1000.0))
+    for order in ([near, far], [far, near]):
+        ours = gbuffer(either, stage(order), view)
+        assert ours["world"][:, 2] == pytest.approx(apart, abs=0.2 * apart)
+
+
+def test_what_is_invisible_is_not_drawn(either):
+    scene = objects()
+    hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False, True])))
+    compare(either, hidden, look((3.0, -3.0, 2.0), size=(48, 36)))
+
+
+def pattern(width: int = 8, height: int = 4, repeat: bool = True) -> Image:
+    """Random texels."""
+    return Image(np.random.default_rng(8).integers(0, 256, (height, width, 4), np.uint8), repeat)
+
+
+def looked_up(image: Image, uv: np.ndarray) -> np.ndarray:
+    """(N,3) bilinear between the texels' centres, in linear light."""
+    texels = linear_from_srgb(image.texels[..., :3] / 255.0)
+    height, width = texels.shape[:2]
+    at = (uv - np.floor(uv) if image.repeat else np.clip(uv, 0.0, 1.0)) * (width, height) - 0.5
+    low = np.floor(at).astype(int)
+    part = at - low
+    color = np.zeros((len(uv), 3))
+    for j in (0, 1):
+        for i in (0, 1):
+            x, y = low[:, 0] + i, low[:, 1] + j
+            x, y = (x % width, y % height) if image.repeat else (x.clip(0, width - 1), y.clip(0, height - 1))
+            weight = np.abs(1 - i - part[:, 0]) * np.abs(1 - j - part[:, 1])
+            color += weight[:, None] * texels[y, x]
+    return color
+
+
+@pytest.mark.parametrize("repeat", [True, False], ids=["repeat", "extend"])
+@pytest.mark.parametrize("uv", [1.0, 2.5])
+def test_images_are_filtered_bilinearly_in_linear_light(device, repeat, uv):
+    image = pattern(repeat=repeat)
+    floor = quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), uv=uv)
+    floor = replace(floor, uvs=floor.uvs - np.float32(0.4 * (uv > 1.0)))
+    view = from_above(1.6, (64, 64))
+    scene = stage([floor], image=image)
+    truth = reference.surfaces(scene, view)
+    at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
+    ours = gbuffer(device, scene, view)
+    assert ours["albedo"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
+
+
+def test_images_far_away_have_the_mean_colour(device):
+    """A pixel that covers the whole image shows its average, in linear light."""
+    image = pattern(37, 23)
+    floor = quad((-50.0, -50.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0), uv=1000.0)
+    ours = gbuffer(device, stage([floor], image=image), from_above(20.0, (16, 16)))
+    mean = linear_from_srgb(image.texels[..., :3] / 255.0).mean((0, 1))
+    assert ours["albedo"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 1), (16, 16), (7, 13)])
+def test_halved_images_keep_the_mean(shape):
+    texels = np.random.default_rng(1).integers(0, 256, (*shape, 4), np.uint8)
+    chain = mip_chain(texels)
+    assert len(chain[0]) == shape[0] * shape[1]
+    assert len(chain[-1]) == 1
+    if all(math.log2(side).is_integer() for side in shape):
+        mean = linear_from_srgb(texels[..., :3] / 255.0).mean((0, 1))
+        assert linear_from_srgb(chain[-1][0, :3] / 255.0) == pytest.approx(mean, abs=0.01)
+
+
+def test_several_images_and_plain_colours_side_by_side(device):
+    """Materials 0 and 2 have images, 1 a colour: each triangle takes its own."""
+    images = (pattern(3, 5), Image(np.full((2, 2, 4), (200, 30, 90, 255), np.uint8)))
+    meshes = [
+        replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
+        for k, x in enumerate((-1.5, -0.5, 0.5))
+    ]
+    scene = stage(meshes)
+    materials = replace(
+        scene.materials,
+        base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32),
+        image=np.array([0, -1, 1], np.int32),
+    )
+    ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
+    albedo = ours["albedo"][:, :3].reshape(10, 30, 3)
+    assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
+    assert albedo[:, 21:] == pytest.approx(
+        np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3
+    )
+    assert albedo[:, :9].std() > 0.01
+
+
+def test_the_same_pixels_at_any_size_of_picture(device):
+    """A picture of odd sizes, down to one pixel."""
+    for size in ((1, 1), (1, 9), (33, 1), (17, 31)):
+        compare(device, objects(), look((3.0, -3.0, 2.0), size=size))
+
+
+def test_no_triangles_at_all(device):
+    ours = gbuffer(device, stage([]), look((3.0, -3.0, 2.0)))
+    assert not ours["position"].any()
+    assert (ours["depth"] == np.float32(1e10)).all()
+
+
+@pytest.mark.parametrize("samples", [3, 4, 16], ids=["a grid each", "four share one", "sixteen share one"])
+def test_the_sample_moves_the_pixels_centres(device, samples):
+    """The second and the last sample see what rays through their own places meet, however fine the grid."""
+    view = replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
+    settings = with_quality(MAPS, samples=samples)
+    for newest in {1, samples - 1}:
+        drawn = draw(device, objects(), view, settings, last=newest)
+        count = samples_per_visibility_buffer(view, samples, device.texture_size)
+        place = pixel_grid(newest // count, count).places[newest % count]
+        shift = np.eye(4)
+        shift[:2, 3] = -2.0 * place / (48, 36)
+        moved = replace(view, clip_from_view=shift @ view.clip_from_view)
+        truth = reference.surfaces(objects(), moved)
+        off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
+        assert place.any()
+        assert (off > 1e-3).mean() <= EDGE
+
+
+def test_a_hurried_first_sample_is_drawn_for_itself_and_the_picture_is_the_same(device):
+    """Else the first one shares a drawing of the triangles with those that follow."""
+    scene, view = objects(), replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
+    settings, drawn, pictures = with_quality(MAPS, samples=4), {}, {}
+    for low_latency in (True, False):
+        renderer, drawn[low_latency] = Renderer(device), []
+        for sample in range(4):
+            profile = Profile()
+            list(renderer.sample(scene, view, settings, sample, profile, low_latency))
+            drawn[low_latency].append(profile.counts["triangles_drawn"])
+        pictures[low_latency] = renderer.picture()
+        renderer.release()
+    every = scene.triangle_count
+    assert drawn == {True: [every, every, 0, 0], False: [every, 0, 0, 0]}
+    assert np.abs(pictures[True] - pictures[False]).mean() < 1e-3 * pictures[True].mean()
+
+
+@pytest.mark.parametrize(("beyond", "drawn"), [(-0.5, 2), (0.5, 2), (1.5, 0)])
+def test_meshes_are_drawn_up_to_a_pixel_beyond_the_picture(device, beyond, drawn):
+    """So far the graphics card's rounding may be off what is culled in double precision."""
+    plate = quad((1.0 + beyond / 16.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0))
+    found = draw(device, stage([plate], world=1.0), from_above(2.0, (32, 32)))
+    assert found.profile.counts["triangles_drawn"] == drawn

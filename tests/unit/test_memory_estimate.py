@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Memory is estimated before it is taken: as much as a picture takes, and one sentence where there is not so much."""
+
+import re
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon import snapshot
+from ism_addon.gpu import memory_estimate
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.scene import Lights
+from ism_addon.settings import SSAO
+from tests.scenes.small import box_over_plane
+from tests.support.jobs import ended, request
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+
+LARGE_MAPS = with_quality(MAPS, virtual_lights=40, map_size=256)
+
+
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"])
+@pytest.mark.parametrize("filter_width", [0.01, 1.5, 20.0])
+def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
+    """Of targets, whose bytes are counted: lights and pictures on their way are left out here."""
+    asked, estimated = [], memory_estimate.needed
+    monkeypatch.setattr("ism_addon.gpu.renderer.needed", lambda *told: asked.append(told) or estimated(*told))
+    scene, view = box_over_plane(256, 160)
+    view = replace(view, filter_width=filter_width)
+    drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
+    (kinds, view, fine_pixels, lights, map_texels), *_ = asked
+    assert lights == (1 if settings is SMALL_SETTINGS else 0)
+    others = memory_estimate.TARGETS_PER_LIGHT * lights + memory_estimate.FULL_SIZE_IMAGES
+    wanted = memory_estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
+    assert wanted == pytest.approx(drawn.profile.counts["bytes_of_targets"], rel=0.1)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux")
+def test_a_picture_that_takes_more_than_there_is_is_refused(worker, tmp_path):
+    """From a small file: many lights, and all pixels that OpenGL allows. The next one is drawn."""
+    scene, view = box_over_plane(16, 16)
+    many = Lights(**{name: np.repeat(value, 1000, axis=0) for name, value in vars(scene.lights).items()})
+    path = tmp_path / "scene.npz"
+    snapshot.save(path, replace(scene, lights=many), replace(view, width=16384, height=16384), SMALL_SETTINGS)
+    assert path.stat().st_size < 1_000_000
+    job = worker.start(Request(*snapshot.load(path)), "client")
+    assert ended(job)
+    assert job.error.startswith("The picture could not be drawn: 16384×16384 pixels under 1000 lights that cast")
+    assert re.search(r"take 3\d{3}\.\d GB of memory, of which [\d.]+ GB are free: a smaller picture .*$", job.error)
+    assert ended(job := worker.start(request(), "client"))
+    assert job.error == ""
+
+
+def test_what_is_there_already_is_not_taken_again(device, monkeypatch):
+    """All memory may be full of this very picture."""
+    scene, view = box_over_plane(64, 40)
+    renderer = Renderer(device)
+    draw(device, scene, view, SMALL_SETTINGS, renderer)
+    monkeypatch.setattr(
+        memory_estimate,
+        "NEGLIGIBLE_BYTES",
+        (memory_estimate.TARGETS_PER_LIGHT + memory_estimate.FULL_SIZE_IMAGES + 50) * 64 * 40,
+    )
+    monkeypatch.setattr(memory_estimate, "free", lambda _gl: 0)
+    draw(device, scene, view, SMALL_SETTINGS, renderer)
+    with pytest.raises(MemoryError, match="128×40 pixels take"):
+        next(renderer.sample(scene, replace(view, width=128), SMALL_SETTINGS, 0, Profile()))

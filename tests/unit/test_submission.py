@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an ordinary sample asks of OpenGL, counted: each call takes a driver time, however small the picture."""
+
+import math
+import platform
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu import submission
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
+from tests.scenes.small import box_over_plane
+from tests.support import gl_calls
+from tests.support.small_scenes import SMALL_SETTINGS, both, with_quality
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux" or platform.machine() not in gl_calls.STUBS, reason="counts by machine code, under Linux"
+)
+
+#: Samples between doublings, when nothing is made, read back or found out.
+ORDINARY = range(20, 28)
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """A device, and how often each function of OpenGL's was called so far."""
+    opened = gl_calls.counting(monkeypatch)
+    device = open_device()
+    yield device, opened[0]
+    device.close()
+
+
+@pytest.fixture
+def samples(counted):
+    """samples(): calls of each ordinary sample of a picture with six lights, its profile, and its seconds."""
+    device, calls = counted
+    scene, view = box_over_plane(64, 36)
+    lights = one = scene.lights
+    for number in range(5):
+        place = one.position + np.array([0.3 * number - 0.7, 0.2 * number, 0.1])
+        lights = both(lights, replace(one, position=place))
+    scene, view = replace(scene, lights=lights), replace(view, filter_width=1.5)
+    settings = with_quality(SMALL_SETTINGS, samples=64)
+
+    def samples() -> tuple[list[Counter], Profile, float]:
+        renderer, counts = Renderer(device), []
+        for sample in range(ORDINARY.stop):
+            if sample == ORDINARY.start:
+                renderer.pace.finish()
+                profile, start = Profile(), time.perf_counter()
+            before = calls.so_far
+            list(renderer.sample(scene, view, settings, sample, profile if sample in ORDINARY else Profile()))
+            counts.append(calls.so_far - before)
+        renderer.pace.finish()
+        assert all(count["glDrawArraysInstanced"] > 10 for count in counts), "nothing was drawn, or counted"
+        return [counts[sample] for sample in ORDINARY], profile, time.perf_counter() - start
+
+    return samples
+
+
+def waits(calls: Counter) -> int:
+    return sum(calls[name] for name in gl_calls.WAITS)
+
+
+def test_an_ordinary_sample(samples, monkeypatch):
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", math.inf)  # however busy the machine is
+    for count in samples()[0][1:]:
+        assert gl_calls.made(count) == 0, count
+        assert waits(count) == 1, count
+        assert sum(count.values()) <= 400, count
+
+
+def test_a_long_sample_is_waited_for_pass_by_pass(samples, monkeypatch):
+    """Or who cancels it would not be heard before its end."""
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
+    found, profile, _ = samples()
+    assert sum(waits(count) for count in found) >= sum(row.drawn for row in profile.rows.values())
+
+
+@pytest.mark.parametrize("short", [0.0, math.inf])
+def test_passes_take_the_time_that_their_samples_take(samples, monkeypatch, short):
+    """Waited for or not."""
+    monkeypatch.setattr(submission, "SHORT_SAMPLE", short)
+    _, profile, seconds = samples()
+    drawn = [row for row in profile.rows.values() if row.drawn]
+    assert len(drawn) > 5
+    assert all(row.ms > 0.0 for row in drawn)
+    assert 0.3 * seconds < 1e-3 * sum(row.ms for row in drawn) <= 1.01 * seconds
