@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
+from ism_addon.resources import TILE_SIZE
 from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
