@@ -107,6 +107,7 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=1, help="of each case; medians are taken (%(default)s)")
     parser.add_argument("--size", default="320x180", help="WIDTHxHEIGHT in pixels (%(default)s)")
     parser.add_argument("--only", default="", help="cases whose names hold this")
+    parser.add_argument("--quick", action="store_true", help="the cases alone, without the atrium's race")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     device, atrium = open_device(), []
@@ -122,7 +123,7 @@ def main() -> int:
         found[case.name] = row(device, case, options.rounds)
         lines.append(line(case.name, found[case.name]))
         print(lines[-1], flush=True)
-    if not options.only:
+    if not (options.only or options.quick):
         atrium = to_the_same_error(device, options.output, options.rounds)
         lines += ["", "| atrium, RMSE/mean | seconds | no skip | faster | if all were known |", "|---|---|---|---|---|"]
         for goal in atrium:

@@ -7,10 +7,15 @@ from pathlib import Path
 
 from tests.tools import project
 
-from . import benchmark_tables, settings_table
+from . import benchmark_tables, limits_table, pass_list, settings_table
 
-PARTS = {**benchmark_tables.PARTS, "settings": settings_table.tables}
-PART = re.compile(r"(<!-- generated: ([\w ]+) -->\n).*?(\n<!-- end -->)", re.S)
+PARTS = {
+    **benchmark_tables.PARTS,
+    "settings": settings_table.tables,
+    "limits": limits_table.table,
+    "pass list": pass_list.table,
+}
+PART = re.compile(r"<!-- generated: ([\w ]+) -->\n.*?<!-- end -->", re.S)
 
 
 def pages() -> list[Path]:
@@ -20,7 +25,7 @@ def pages() -> list[Path]:
 
 def filled(text: str) -> str:
     """A page with its parts as they are generated now. Raises KeyError for a part that nothing generates."""
-    return PART.sub(lambda found: f"{found[1]}\n{PARTS[found[2]]()}\n{found[3]}", text)
+    return PART.sub(lambda found: f"<!-- generated: {found[1]} -->\n\n{PARTS[found[1]]()}\n\n<!-- end -->", text)
 
 
 def current() -> Iterator[tuple[Path, str]]:

@@ -11,6 +11,8 @@ WIDTH, HEIGHT = 230, 170
 LEFT, RIGHT, TOP, BOTTOM = 62, 14, 26, 44
 #: px of the line of names below all panels.
 LEGEND = 30
+#: On an axis, more would lie on one another.
+MOST_TICKS = 6
 COLORS = ("#ee6677", "#4477aa", "#66ccee", "#ccbb44", "#228833", "#aa3377", "#999999")
 
 Points = Sequence[tuple[float, float]]
@@ -39,15 +41,24 @@ class Axis:
 
     def ticks(self) -> list[float]:
         """1, 2 and 5 times powers of ten; powers alone where these are many."""
-        decades = math.log10(self.high / self.low)
-        steps = (1, 2, 5) if decades < 2.2 else (1,)
         exponents = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-        return [k * 10.0**e for e in exponents for k in steps if self.low <= k * 10.0**e <= self.high]
+        powers = [10.0**exponent for exponent in exponents]
+        fine = [k * power for power in powers for k in (1, 2, 5)]
+        within, of_powers = ([tick for tick in ticks if self.low <= tick <= self.high] for ticks in (fine, powers))
+        return within if len(within) <= MOST_TICKS else of_powers
 
 
 def axis(values: list[float], length: float) -> Axis:
     """Room for all values, which are positive, and a little more."""
     return Axis(min(values) / 1.15, max(values) * 1.15, length)
+
+
+def number(tick: float) -> str:
+    """20k, 1M"""
+    for unit, letter in ((1e6, "M"), (1e3, "k")):
+        if tick >= unit:
+            return f"{tick / unit:g}{letter}"
+    return f"{tick:g}"
 
 
 def svg(panels: Sequence[Panel], columns: int) -> str:
@@ -80,11 +91,11 @@ def drawn(panel: Panel, colors: Mapping[str, str]) -> Iterator[str]:
     for tick in across.ticks():
         x = across.at(tick)
         yield f'<path d="M{x:.1f} 0V{HEIGHT}" stroke="#ddd"/>'
-        yield f'<text x="{x:.1f}" y="{HEIGHT + 15}" text-anchor="middle">{tick:,g}</text>'
+        yield f'<text x="{x:.1f}" y="{HEIGHT + 15}" text-anchor="middle">{number(tick)}</text>'
     for tick in up.ticks():
         y = HEIGHT - up.at(tick)
         yield f'<path d="M0 {y:.1f}H{WIDTH}" stroke="#ddd"/>'
-        yield f'<text x="-5" y="{y + 4:.1f}" text-anchor="end">{tick:,g}</text>'
+        yield f'<text x="-5" y="{y + 4:.1f}" text-anchor="end">{number(tick)}</text>'
     yield f'<rect width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>'
     yield f'<text x="{WIDTH / 2:.0f}" y="{HEIGHT + 31}" text-anchor="middle">{escape(panel.across)}</text>'
     upright = f"translate(-48,{HEIGHT / 2:.0f}) rotate(-90)"

@@ -5,6 +5,7 @@
 """
 
 import json
+import math
 import os
 import platform
 import shlex
@@ -27,8 +28,18 @@ LOAD_BEFORE = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
 def write(folder: Path, name: str, opengl: str, measured: Mapping[str, object]) -> Path:
     """Write NAME.json: `measured` after what it was measured on. `opengl` is the driver's name."""
     path = folder / f"{name}.json"
-    path.write_text(json.dumps(origin(name, opengl) | dict(measured), indent=1, allow_nan=False), "utf-8")
+    content = origin(name, opengl) | finite(dict(measured))
+    path.write_text(json.dumps(content, indent=1, allow_nan=False), "utf-8")
     return path
+
+
+def finite(value: Any) -> Any:
+    """A value with null for numbers that JSON has not: such as an error that nobody knows yet."""
+    if isinstance(value, Mapping):
+        return {name: finite(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def origin(name: str, opengl: str) -> dict[str, object]:

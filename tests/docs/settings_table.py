@@ -10,7 +10,7 @@ from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, Settings, set
 HOMES = {
     "scene.ism.shadow": ("Look of the shadows", SECTIONS["shadow"]),
     "scene.ism.ssao": ("Look of the ambient occlusion", SECTIONS["ssao"]),
-    "scene.ism.render and scene.ism.viewport": ("Quality of final renders and of the viewport", type(VIEWPORT)),
+    "scene.ism.render` and `scene.ism.viewport": ("Quality of final renders and of the viewport", type(VIEWPORT)),
     "scene.ism": ("For developers", Settings),
 }
 UNITS = {"DISTANCE": " m", "TIME_ABSOLUTE": " s", "PIXEL": " px"}
@@ -55,7 +55,9 @@ def shown(control: Control, value: object) -> str:
 
 def number(control: Control, value: float) -> str:
     """A value with its unit."""
-    text = f"{value:.4g} rad" if control.unit == "ANGLE" else f"{value:,}" if isinstance(value, int) else f"{value:,g}"
+    if control.unit == "ANGLE":
+        return f"{value:.4g} rad"
+    text = f"{value:,.0f}" if value == int(value) else f"{value:g}"
     return text + UNITS.get(control.unit, "")
 
 

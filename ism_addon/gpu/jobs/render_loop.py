@@ -150,6 +150,6 @@ def stop_reason(quality: Quality, samples: int, seconds: float, error: Convergen
     """Why a picture that has so many samples after so many seconds has no more; "" if it has."""
     if samples >= quality.samples:
         return "samples"
-    if error.settled.all():
+    if error.converged.all():
         return "error"
     return "time" if 0.0 < quality.time_limit <= seconds else ""

@@ -7,9 +7,8 @@ import time
 from ism_addon.gpu.gl import shader_compiler
 from ism_addon.gpu.jobs.job import COMPILING_SHOWN_EVERY, Job, Request
 from ism_addon.gpu.jobs.render_loop import RenderLoop
-
-from .scenes.small import box_over_plane
-from .studio import SMALL_SETTINGS
+from tests.scenes.small import box_over_plane
+from tests.support.small_scenes import SMALL_SETTINGS
 
 
 def new_job() -> Job:
