@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 
 from ..parallel import parallel_map
-from ..scene import Lights, LightShape
 
 #: Points are made in blocks of this many, so that several cores share them.
 POINTS_AT_A_TIME = 1 << 17
@@ -119,16 +118,13 @@ def disk(squares: np.ndarray) -> np.ndarray:
     return 0.5 * radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def points_on_light(lights: Lights, light: int, count: int, shift: np.ndarray) -> np.ndarray:
-    """(count,3) float64 world positions on one light; `shift` (2,) in [0,1) moves them (Cranley & Patterson 1976).
+def lattice(count: int, shift: np.ndarray) -> np.ndarray:
+    """(count,2) in [0,1): a rank-1 lattice; `shift` (2,) in [0,1) moves it (Cranley & Patterson 1976).
 
-    A rank-1 lattice: better spread than a prefix of an endless sequence, for exactly `count` points.
+    It is better spread than a prefix of an endless sequence, for exactly `count` points.
     """
-    index = np.arange(count)
     golden = rd_sequence(0, count, 1)[:, 0]
-    squares = np.modf(np.column_stack([(index + 0.5) / count, golden]) + shift)[0]
-    across = disk(squares) if lights.shape[light] == LightShape.ELLIPSE else squares - 0.5
-    return lights.position[light] + across @ np.stack([lights.axis_u[light], lights.axis_v[light]])
+    return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, golden]) + shift)[0]
 
 
 @dataclass(frozen=True)

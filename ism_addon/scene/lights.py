@@ -3,10 +3,11 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Self
 
 import numpy as np
 
-from .arrays import UNIT_VECTOR, Arrays, array, index
+from .arrays import UNIT_VECTOR, Arrays, array, array_facts, index
 from .instances import MAX_LINK_GROUPS
 from .limits import MAX_DISTANCE, MAX_RADIANCE
 
@@ -38,3 +39,7 @@ class Lights(Arrays):
     receivers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
     #: The group of instances that casts its shadows; -1: all.
     blockers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
+
+    def some(self, rows: np.ndarray | slice) -> Self:
+        """A table of some rows alone."""
+        return type(self)(**{name: getattr(self, name)[rows] for name in array_facts(type(self))})

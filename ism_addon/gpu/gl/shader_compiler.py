@@ -7,6 +7,7 @@ knows.
 """
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -30,6 +31,10 @@ UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.M)
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
 
 
+#: Files to include that are no files, by name: what gives their text.
+GENERATED: dict[str, Callable[[], str]] = {}
+
+
 class ShaderError(RuntimeError):
     """A shader does not compile; the message is one line that names the file and the place in it."""
 
@@ -39,7 +44,11 @@ def expand(path: Path, files: list[Path]) -> str:
     files.append(path)
     start = len(files) * LINES_PER_FILE
     lines = [f"#line {start + 1}"]
-    for count, line in enumerate(path.read_text("utf-8").splitlines(), 1):
+    generated = (
+        GENERATED.get(path.relative_to(FOLDER / "glsl").as_posix()) if path.is_relative_to(FOLDER / "glsl") else None
+    )
+    text = generated() if generated else path.read_text("utf-8")
+    for count, line in enumerate(text.splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)

@@ -110,5 +110,6 @@ LIGHT = Record(
 #: A light that contributes, and the virtual lights that stand for it.
 VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")
 
-#: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
-VIRTUAL_LIGHT = Record("VirtualLight", light_uv="vec2", rotation="vec2")
+#: A virtual point light: from its light's position, in the light's own space, and the cosine and sine by which its
+#: shadow map is turned there.
+VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", rotation="vec2")

@@ -1,5 +1,5 @@
 // One ray to a light from one of the pixels that a coarser pixel stands for.
-#include "lights/receiver_linking.glsl"
+#include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
 uniform samplerBuffer lights;
 uniform ivec2 pixel_offset; // of the pixel among those

@@ -1,7 +1,7 @@
 // One shadow ray to a point of a light.
 #include "trace/traversal.glsl"
 #include "surfaces/surface.glsl"
-#include "lights/light_sample.glsl"
+#include "lights/light.glsl"
 
 // Cosine to a triangle below which the curved surface counts that it stands for: Cycles' default.
 const float GRAZING = 0.1;

@@ -36,6 +36,7 @@ from ...frame import Frame, Pass, Schedule, outputs
 from ...gl import driver_variants
 from ...gl.render_targets import create, pixels, size_of
 from ...gl.shader_compiler import bind
+from ...lights import is_narrow
 from ...tiles import PROBES_PER_TILE_SIDE, from_strips, tiles_where
 
 #: Of one light: whether any ray about a tile arrived, and whether any was occluded.
@@ -83,7 +84,7 @@ class PredictVisibility(Pass):
     def first_visibility(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns,2) bool of each light that arrives anywhere: whether any probe did; was occluded."""
         found = self.rays_of_tiles(frame, frame[PROBES], PROBE_SPACING)
-        for light in np.flatnonzero(frame.scene.lights.spread < np.pi):
+        for light in np.flatnonzero(is_narrow(frame.scene.lights)):
             if light in found:  # a cone may light what lies between rays, none of which it was worth to send
                 found[light][frame[LIGHT_INFLUENCE][light].to_probe & ~found[light].any(2)] = True
         if not frame.settings.shortcuts:

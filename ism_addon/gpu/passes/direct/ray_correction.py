@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which rays correct a prediction, and shader variants by light."""
-
-from dataclasses import asdict, dataclass
-from typing import Self
+"""Which rays correct a prediction."""
 
 import numpy as np
 
 from ....resources import MEAN_LUMINANCE
 from ....sampling import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
-from ....scene import Lights, LightShape
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 
@@ -22,31 +18,16 @@ MIN_DOUBT = 0.03
 RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 
-@dataclass(frozen=True)
-class LightVariant:
-    """One shader variant a type of light: some drivers execute both branches. Each is 0 or 1."""
-
-    rectangles: int
-    ellipses: int
-    spreads: int
-
-    @classmethod
-    def of(cls, lights: Lights, light: int) -> Self:
-        """A light's."""
-        rectangle = lights.shape[light] == LightShape.RECTANGLE
-        return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
-
-
 def shader_constants(
-    variant: LightVariant, rays: int, subpixel_offsets: int, min_probability: float
+    variant: dict[str, int], rays: int, subpixel_offsets: int, min_probability: float
 ) -> dict[str, int | float]:
-    """Constants of the shader for one type of light: `rays` is 0 or 1; a grid has so many subpixel offsets."""
+    """Constants of the shader for a variant of lights: `rays` is 0 or 1; a grid has so many subpixel offsets."""
     return {
         "trace": rays,
         "subpixel_offsets": subpixel_offsets,
         "min_doubt": MIN_DOUBT,
         "min_probability": min_probability,
-        **asdict(variant),
+        **variant,
     }
 
 

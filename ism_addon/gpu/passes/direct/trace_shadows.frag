@@ -1,6 +1,6 @@
 // One light on each pixel: its predicted irradiance, and perhaps a ray that says how far that is wrong.
 #include "maths/luminance.glsl"
-#include "lights/receiver_linking.glsl"
+#include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 uniform samplerBuffer lights;
 uniform int light_index;

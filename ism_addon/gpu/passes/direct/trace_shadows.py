@@ -41,9 +41,10 @@ from ...gl import driver_variants
 from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
+from ...lights import shader_variant
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import FAINT_LIGHT, drawn_pairs, faint_light_pairs
-from .ray_correction import RECORDS, LightVariant, ray_sequence, ray_threshold, shader_constants
+from .ray_correction import RECORDS, ray_sequence, ray_threshold, shader_constants
 
 #: The least probability of a ray; and of one to a faint light.
 MIN_RAY_PROBABILITY = 0.1
@@ -106,7 +107,7 @@ class TraceShadows(Pass):
             if not len(traced) + len(shown):
                 continue
             used.add(light)
-            variant, uniforms = LightVariant.of(frame.scene.lights, light), self.uniforms(frame, light)
+            variant, uniforms = shader_variant(frame.scene.lights, light), self.uniforms(frame, light)
             program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
             bind(program, **uniforms)
             draw_tiles(frame, predicted, program, shown)
@@ -175,9 +176,9 @@ class TraceShadows(Pass):
         rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
         frame.counts["pixels_refined"] += rays * len(tiles) * TILE_SIZE**2
         lights = np.unique(tiles["light"]).astype(int)
-        variants = {int(light): LightVariant.of(frame.scene.lights, light) for light in lights}
+        variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
-        for variant in dict.fromkeys(variants.values()):
+        for variant in {tuple(own.items()): own for own in variants.values()}.values():
             constants = shader_constants(variant, rays, len(frame.grid.places), MIN_FAINT_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, part="faint", **constants)
             bind(

@@ -1,6 +1,6 @@
 // A light that is a small part of a tile's light: one visibility is predicted for all of the tile's pixels.
 #include "maths/luminance.glsl"
-#include "lights/receiver_linking.glsl"
+#include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 uniform samplerBuffer lights;
 uniform uvec3 light_steps;

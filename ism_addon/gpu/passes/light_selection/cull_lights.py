@@ -37,12 +37,13 @@ from ....resources import (
 from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
 from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
-from ...culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
+from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_per_tile, draw_pixels
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, pixels
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
+from ...lights import LightBounds, by_type, is_narrow
 from ...surface_inputs import SURFACE, surface_samplers
 from ...tiles import from_strips
 
@@ -132,13 +133,13 @@ class CullLights(Pass):
 
     def next_state(self, frame: Frame) -> CullingState:
         """By all that was seen so far."""
-        state, shown = frame[CULLING_STATE], self.bound_tiles(frame)
+        state, shown, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
         visibility = dict(state.coarse_visibility)
         rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
             visibility[light] = influence.visibility_with(rediscovered.get(light))
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
-            found = neighbourhood_visibility(rays, frame.scene.lights.spread[light] < np.pi)
+            found = neighbourhood_visibility(rays, narrow[light])
             visibility[light] = np.maximum(visibility[light], self.per_tile(frame, found))
         new = np.flatnonzero(~state.surfaces.hold(shown))
         surfaces = state.surfaces.joined(shown)
@@ -146,20 +147,22 @@ class CullLights(Pass):
         return CullingState(surfaces, bounds, visibility, state.irradiance)
 
     def irradiance(self, frame: Frame, surfaces: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """Arrays (L,rows,columns) of bounds and of estimates, for some surfaces: see surface_bounds.py."""
-        some = surfaces.some(which)
-        lights = LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
-        count, step = len(frame.scene.lights.shape), max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
+        """Arrays (L,rows,columns) of bounds and of estimates, for some surfaces: see LightBounds."""
+        some, lights = surfaces.some(which), frame.scene.lights
+        step = max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
         columns, rows = frame.tiles
-        found = np.zeros((2, count, rows, columns), np.float32)
+        found = np.zeros((2, len(lights.shape), rows, columns), np.float32)
+        for light_type, indices, own in by_type(lights):
+            bounds = light_type.bounds(own, frame.anchor, frame.scene.working_space)
 
-        def fill(first: int) -> None:
-            own = slice(first, min(first + step, count))
-            near_and_far = np.zeros((2, own.stop - first, 2, rows * columns), np.float32)
-            near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = irradiance_bound(some, lights[own])
-            found[:, own] = near_and_far.max(2).reshape(2, -1, rows, columns)
+            def fill(first: int, indices: np.ndarray = indices, bounds: LightBounds = bounds) -> None:
+                part = indices[first : first + step]
+                near_and_far = np.zeros((2, len(part), 2, rows * columns), np.float32)
+                irradiance = bounds[first : first + step].irradiance(some)
+                near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = irradiance
+                found[:, part] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
-        parallel_map(fill, range(0, count, step), count * len(which))
+            parallel_map(fill, range(0, len(indices), step), len(indices) * len(which))
         return list(found)
 
     def bound_tiles(self, frame: Frame) -> SurfaceBounds:
@@ -174,7 +177,7 @@ class CullLights(Pass):
 
     def probe_coarsely(self, frame: Frame, bounds: np.ndarray) -> dict[int, np.ndarray]:
         """(rows,columns) of each light whose bound (L,rows,columns) is above 0 anywhere: visibility about a tile."""
-        casts, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, frame.scene.lights.spread < np.pi
+        casts, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, is_narrow(frame.scene.lights)
         reaching = np.flatnonzero(bounds.any((1, 2)))
         probed = reaching[casts[reaching]]
         coarse_tiles = np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.tiles])

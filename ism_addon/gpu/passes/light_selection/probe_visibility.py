@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: one shadow ray from every fourth pixel, where CullLights asks for it."""
 
-from dataclasses import asdict
+from typing import Any
 
 import moderngl
 
@@ -12,9 +12,10 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
 from ...gl.shader_compiler import bind
+from ...lights import shader_variant
 from ...surface_inputs import SURFACE, surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE, tiles_where
-from ..direct.ray_correction import RECORDS, LightVariant
+from ..direct.ray_correction import RECORDS
 
 
 class ProbeVisibility(Pass):
@@ -37,8 +38,8 @@ class ProbeVisibility(Pass):
         for light in lights:
             into = gl.framebuffer([probes[light]])
             into.clear()
-            variant = LightVariant.of(frame.scene.lights, light)
-            program = self.tile_program(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(variant))
+            constants: dict[str, Any] = {"probe_spacing": PROBE_SPACING, **shader_variant(frame.scene.lights, light)}
+            program = self.tile_program(*RECORDS, **constants)
             bind(
                 program,
                 **surface_samplers(frame),

@@ -1,6 +1,6 @@
 // Irradiance: a light's exact value times the part of its virtual lights that see the pixel, weighted by what they send.
-#include "lights/receiver_linking.glsl"
-#include "lights/light_sample.glsl"
+#include "surfaces/receiver_linking.glsl"
+#include "lights/light.glsl"
 
 uniform samplerBuffer lights;
 uniform samplerBuffer virtual_light_ranges;
@@ -46,11 +46,9 @@ vec3 shadowed_irradiance(Light light, VirtualLightRange points, vec3 p, vec3 n, 
     int last = unshadowed == vec3(0.0) ? 0 : points.first + points.count;
     for (int k = points.first; k < last; ++k) {
         VirtualLight point = fetch_VirtualLight(virtual_lights, k);
-        vec3 v = vec3(p.xy - point.light_uv, p.z);
-        float square = dot(v, v);
-        float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);
-        weight *= spread_falloff(light, p.z, length(v.xy));
-        vec2 off = point.light_uv - from.xy;
+        vec3 v = p - point.offset;
+        float weight = light_virtual_weight(light, v, n);
+        vec3 off = point.offset - from;
         float closeness = 1.0 / max(dot(off, off) * dot(off, off), 1e-30);
         sent += weight;
         close += closeness;

@@ -12,27 +12,32 @@ import numpy as np
 
 from ....resources import LIGHT_IMPORTANCE, POINT_CLOUD
 from ....sampling import rd_sequence
-from ....scene import Change
-from ...culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
+from ....scene import Change, Lights
+from ...culling.surface_bounds import SurfaceBounds
 from ...frame import Frame, Pass, outputs
+from ...lights import by_type
 from .point_cloud import PointCloud
 
 #: Points of the cloud that the lights are seen from.
 IMPORTANCE_POINTS = 4096
 
 
-def importance(cloud: PointCloud, lamps: LightBounds) -> np.ndarray:
-    """(K,) of K lamps: what the light of each would be off by if one point stood for it, in some unit."""
+def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_space: str) -> np.ndarray:
+    """(L,): what the light of each would be off by if one virtual light stood for it, relative to the others'."""
     some = (rd_sequence(0, IMPORTANCE_POINTS if len(cloud) else 0, 1)[:, 0] * len(cloud)).astype(int)
-    places, normals = cloud.positions[some].T, cloud.normals[some].T
-    either_side = SurfaceBounds.around(np.tile(places, 2), np.concatenate([normals, -normals], 1))
-    _, guess = irradiance_bound(either_side, lamps)
-    light = guess.sum(0)
-    if not light.any():
-        return np.ones(len(guess))
-    part = guess / np.maximum(light, light[light > 0.0].mean())
-    whole = np.pi * lamps.luminance * lamps.peak
-    size = np.sqrt(np.minimum(np.divide(guess, whole, out=np.zeros_like(guess), where=whole > 0.0), 1.0))
+    points, normals = cloud.positions[some].T, cloud.normals[some].T
+    either_side = SurfaceBounds.around(np.tile(points, 2), np.concatenate([normals, -normals], 1))
+    estimates = np.zeros((len(lights.shape), 2 * len(some)), np.float32)
+    peaks = np.zeros((len(lights.shape), 1), np.float32)
+    for light_type, rows, own in by_type(lights):
+        bounds = light_type.bounds(own, anchor, working_space)
+        estimates[rows], peaks[rows] = bounds.irradiance(either_side)[1], bounds.peak
+    total = estimates.sum(0)
+    if not total.any():
+        return np.ones(len(estimates))
+    part = estimates / np.maximum(total, total[total > 0.0].mean())
+    relative = np.divide(estimates, peaks, out=np.zeros_like(estimates), where=peaks > 0.0)
+    size = np.sqrt(np.minimum(relative, 1.0))
     return np.sqrt((part * part * size).sum(1, dtype=np.float64))
 
 
@@ -46,6 +51,5 @@ class WeighLights(Pass):
         return frame.casts_shadows
 
     def execute(self, frame: Frame) -> None:
-        frame[LIGHT_IMPORTANCE] = importance(
-            frame[POINT_CLOUD], LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
-        )
+        scene = frame.scene
+        frame[LIGHT_IMPORTANCE] = importance(frame[POINT_CLOUD], scene.lights, frame.anchor, scene.working_space)

@@ -19,8 +19,8 @@ from ....parallel import parallel_map
 from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD
 from ....sampling import rd_sequence
 from ....scene import Change, Lights
-from ...culling.surface_bounds import LightBounds
 from ...frame import Frame, Pass, outputs
+from ...lights import type_of
 from .point_cloud import PointCloud
 
 #: Subsets a light; its light points share them out.
@@ -47,22 +47,12 @@ class MapPoints:
 
 
 def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
-    """(P,) float32, in proportion to the sr that points fill, seen from about a light.
-
-    0 behind it, outside of where its spread sends light, and if not linked: nothing there hides any of its light.
-    A third of what a point would fill if it faced the light is granted to all, so that none seen edge-on is lost.
-    """
-    lamp = LightBounds.of(lights, anchor)[light : light + 1]
-    to = cloud.positions - lamp.position.ravel()
-    square = np.einsum("nk,nk->n", to, to) + (lamp.area.ravel() / np.float32(12.0) + np.float32(1e-12))
-    facing = np.abs(np.einsum("nk,nk->n", to, cloud.normals)) / np.sqrt(square)
-    reach = np.sqrt(cloud.area)
+    """(P,) float32: see LightType.solid_angles; 0 for points that are not linked."""
+    light_type, own = type_of(lights, light)
+    found = light_type.solid_angles(own, 0, anchor, cloud.positions, cloud.normals, cloud.area)
     blockers = lights.blockers[light]
-    ahead = to @ lamp.normal.ravel()
-    across = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
-    lit = (ahead > -reach) & ~lamp.outside(ahead, across, lamp.radius + reach)[0]
-    counts = lit & (True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1)
-    return np.where(counts, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
+    linked = True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1
+    return np.where(linked, found, np.float32(0.0))
 
 
 def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:

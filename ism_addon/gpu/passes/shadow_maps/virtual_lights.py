@@ -7,7 +7,6 @@ light's radiance and area are exact (see gather), its points only say how much o
 
 import numpy as np
 
-from ....radiometry import plane_normals
 from ....resources import (
     CONTRIBUTING_LIGHTS,
     LIGHT_IMPORTANCE,
@@ -16,11 +15,11 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
-from ....sampling import Dimension, points_on_light, proportional_counts, rd_sequence, sequence
+from ....sampling import Dimension, lattice, proportional_counts, rd_sequence, sequence
 from ....scene import Change, Lights
-from ....spaces import orthonormal
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
+from ...lights import by_type, type_of
 
 #: A light point as the maps' drawing needs it: the axes x and z of its map, in anchor space.
 SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
@@ -42,21 +41,29 @@ def virtual_light_tables(
     of_lights["light"], of_lights["count"] = list(points_per_light), counts
     of_lights["first"] = np.cumsum(counts) - counts
 
-    normals = plane_normals(lights)
-    tangents, bitangents = orthonormal(normals)
     owners = np.repeat(list(points_per_light), counts).astype(int)
+    tangents, normals = np.zeros((2, len(lights.shape), 3))
+    for light_type, rows, own in by_type(lights):
+        tangents[rows], normals[rows] = light_type.axes(own)
+    bitangents = np.cross(normals, tangents)
     shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + rd_sequence(0, len(normals), 2)
-    positions = [points_on_light(lights, light, count, shifts[light]) for light, count in points_per_light.items()]
-    offsets = np.concatenate([np.zeros((0, 3)), *positions]) - lights.position[owners]
+    squares = {light: lattice(count, shifts[light]) for light, count in points_per_light.items()}
+    offsets = np.concatenate([np.zeros((0, 3)), *(points_on(lights, light, squares[light]) for light in squares)])
     angle = 2.0 * np.pi * rd_sequence(sample * len(owners), len(owners), 1)
     points = np.zeros(len(owners), VIRTUAL_LIGHT.dtype)
-    points["light_uv"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents])[:, owners])
+    points["offset"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents, normals])[:, owners])
     points["rotation"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
     maps = np.zeros(len(owners), SHADOW_MAP_VIEW)
     maps["position"] = offsets + (lights.position - anchor)[owners]
     maps["tangent"] = np.cos(angle) * tangents[owners] + np.sin(angle) * bitangents[owners]
     maps["normal"], maps["light"] = normals[owners], owners
     return of_lights, points, maps
+
+
+def points_on(lights: Lights, light: int, squares: np.ndarray) -> np.ndarray:
+    """(N,3) m: from a light's position to points on it, for squares (N,2)."""
+    light_type, own = type_of(lights, light)
+    return light_type.points(own, 0, squares)
 
 
 class PlaceVirtualLights(Pass):

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....radiometry import plane_normals
 from ....resources import RESIDENT_MESHES
 from ....scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ...culling.frustum_culling import in_view
@@ -16,6 +15,7 @@ from ...culling.frustum_slices import BORDER, visible_slices
 from ...culling.shaft_culling import meets_shaft
 from ...frame import Frame, Pass, outputs
 from ...gl.frame_uniforms import clip_from_anchor
+from ...lights import by_type
 
 #: What positions on the GPU may be off by, as a part of their coordinates.
 POSITION_ROUNDING = 1e-6
@@ -105,22 +105,24 @@ def occluders(scene: Scene, anchor: np.ndarray, boxes: np.ndarray, parts: np.nda
 
 def shadow_shafts(lights: Lights, anchor: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """From lights (2,3,S) to the parts (2,3,S) of the picture that they may shine on, and the lights' numbers (S,)."""
-    centre, reach = (lights.position - anchor).T, (np.abs(lights.axis_u) + np.abs(lights.axis_v)).T / 2.0
-    around = np.stack([centre - reach, centre + reach])
+    ends = np.zeros((2, 3, len(lights.shape)))
+    for light_type, rows, own in by_type(lights):
+        ends[..., rows] = light_type.shadow_ends(own, anchor)
     shining = lights.casts_shadow & lights.radiance.any(1)
-    light, part = np.nonzero(shining[:, None] & (max_height_above_light(lights, anchor, parts) > 0.0).T)
-    return around[..., light], parts[..., part], light
+    light, part = np.nonzero(shining[:, None] & (heights(lights, anchor, parts) > 0.0).T)
+    return ends[..., light], parts[..., part], light
 
 
 def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
     """(B,L) bool: whether instances of these groups (B,) cast a light's shadows, and some of the box is ahead of it."""
     group = np.maximum(lights.blockers, 0).astype(np.uint32)
     linked = (lights.blockers < 0) | (groups[:, None] >> group & 1 == 1)
-    return linked & (max_height_above_light(lights, anchor, boxes) > 0.0)
+    return linked & (heights(lights, anchor, boxes) > 0.0)
 
 
-def max_height_above_light(lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
-    """(N,L) m: how far before a light's plane boxes (2,3,N) reach."""
-    normals = plane_normals(lights)
-    middle, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
-    return middle.T @ normals.T - ((lights.position - anchor) * normals).sum(1) + half.T @ np.abs(normals).T
+def heights(lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+    """(N,L) m: see LightType.heights."""
+    found = np.zeros((boxes.shape[2], len(lights.shape)))
+    for light_type, rows, own in by_type(lights):
+        found[:, rows] = light_type.heights(own, anchor, boxes)
+    return found

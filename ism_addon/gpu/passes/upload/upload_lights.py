@@ -1,25 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The area lights as shaders read them."""
+"""The lights as shaders read them."""
 
 import numpy as np
 
-from .... import scene
-from ....radiometry import plane_normals, spread_terms
 from ....resources import LIGHT_BUFFER
-from ....scene import Change
-from ....spaces import orthonormal
+from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import LIGHT
+from ...lights import by_type
 
 
-def light_table(lights: scene.Lights, anchor: np.ndarray) -> np.ndarray:
+def light_table(lights: Lights, anchor: np.ndarray) -> np.ndarray:
     """Rows (L,) of LIGHT."""
-    normals = plane_normals(lights)
-    table = np.zeros(len(normals), LIGHT.dtype)
-    table["position"], table["normal"], table["tangent"] = lights.position - anchor, normals, orthonormal(normals)[0]
-    for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance", "receivers", "blockers"):
-        table[name] = getattr(lights, name)
-    table["spread_tangent"], table["spread_scale"] = spread_terms(lights.spread).T
+    table = np.zeros(len(lights.shape), LIGHT.dtype)
+    for light_type, rows, own in by_type(lights):
+        table[rows] = light_type.records(own, anchor)
     return table
 
 

@@ -1,9 +1,80 @@
-// Points on a light from which it lights a receiver: within the footprint that the cone of its spread has on its plane,
-// about the receiver's foot, and above the receiver's horizon. That part of a light is convex. x is uniform between its
-// ends and y along its chord at x, so every point can send light, and the estimate is unbiased.
-#include "lights/spread.glsl"
+// Rectangles and ellipses: their irradiance in closed form, see radiometry.py, and points on them.
+// A pass whose lights are none of a shape may say so when it compiles this: some drivers execute both branches.
+#ifndef RECTANGLES
+#define RECTANGLES 1
+#endif
+#ifndef ELLIPSES
+#define ELLIPSES 1
+#endif
+#ifndef SPREADS
+#define SPREADS 1
+#endif
+#include "closed_forms/polygon.glsl"
+#include "closed_forms/ellipse.glsl"
+#include "closed_forms/spread_irradiance.glsl"
 
-struct LightSample { vec3 point; float irradiance; }; // m; an unbiased estimate of light_irradiance
+bool is_rectangle(Light light) { return ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0); }
+
+// Irradiance by a light of radiance 1 that nothing hides, its spread left out.
+float full_spread_irradiance(Light light, vec3 p, vec3 n) {
+    vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
+    if (dot(light.normal, centre) >= 0.0) return 0.0;
+    float scale = inversesqrt(max(dot(centre, centre), max(dot(u, u), dot(v, v)))); // no power of it overflows
+    centre *= scale;
+    u *= scale;
+    v *= scale;
+    if (is_rectangle(light)) return polygon_irradiance(centre, u, v, n, light.normal);
+    return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, light.normal);
+}
+
+// Of the radiance towards a receiver so high over the light's plane, whose foot is so far from where it comes from.
+float spread_falloff(Light light, float height, float away) {
+    if (light.spread_scale == 0.0) return 1.0;
+    return max(light.spread_tangent - away / max(height, 1e-30), 0.0) * light.spread_scale;
+}
+
+// Of a light seen as small, in units of the receiver's height: the mean at four points, of the third degree on its
+// shape, each weighed by what it would send without a spread.
+float small_spread(Light light, vec2 centre, vec2 u, vec2 v, vec3 n, int points) {
+    float offset = light.shape == 0 ? 0.28867513459 : 0.25, sent = 0.0, left = 0.0;
+    for (int k = 0; k < points; ++k) {
+        vec2 at = centre + offset * ((k & 1) == 0 ? u : -u) + offset * ((k & 2) == 0 ? v : -v);
+        float square = 1.0 + dot(at, at), weight = max(n.z + dot(n.xy, at), 1e-9) / (square * square);
+        sent += weight;
+        left += weight * max(light.spread_tangent - length(at), 0.0);
+    }
+    return light.spread_scale * left / max(sent, 1e-30);
+}
+
+// Unshadowed irradiance by a light of radiance 1: the interface of light types.
+float area_irradiance(Light light, vec3 p, vec3 n) {
+    vec3 centre = light.position - p;
+    float full = full_spread_irradiance(light, p, n), height = -dot(light.normal, centre), reach = light.spread_tangent;
+    if (SPREADS == 0 || light.spread_scale == 0.0 || full == 0.0) return full;
+    mat2x3 plane = mat2x3(light.tangent, cross(light.tangent, light.normal));
+    vec2 to = (centre * plane) / height, u = (light.axis_u * plane) / height, v = (light.axis_v * plane) / height;
+    vec3 turned = vec3(n * plane, -dot(n, light.normal));
+    float size = max(dot(u, u), dot(v, v)), beyond = length(to) - reach;
+    if (beyond > 0.0 && beyond * beyond > 0.5 * (dot(u, u) + dot(v, v))) return 0.0;
+    bool small = size < 2.5e-3 * min(1.0 + dot(to, to), reach * reach);
+    float part = small_spread(light, to, u, v, turned, small ? 4 : 0), sent;
+    if (u.x * v.y < u.y * v.x) v = -v;
+    if (is_rectangle(light)) sent = spread_polygon(to, u, v, turned, reach, small ? 0 : 5);
+    else sent = spread_ellipse(to, 0.5 * u, 0.5 * v, turned, reach, small ? 0 : 12);
+    return small ? full * part : max(sent, 0.0) * light.spread_scale;
+}
+
+// What a virtual light sends to a receiver at v from it, whose normal is n, in the light's space: a weight among those of
+// one light.
+float area_virtual_weight(Light light, vec3 v, vec3 n) {
+    float square = dot(v, v);
+    float weight = max(-dot(n, v), 0.0) * v.z / max(square * square, 1e-30);
+    return weight * spread_falloff(light, v.z, length(v.xy));
+}
+
+// Points from which a light lights a receiver: within the footprint that the cone of its spread has on its plane, about
+// the receiver's foot, and above the receiver's horizon. That part of a light is convex. x is uniform between its ends and
+// y along its chord at x, so every point can send light, and the estimate is unbiased.
 
 // What the light would send if all of it were as near, as tilted and as bright as its point at `ray` from the receiver.
 float point_irradiance(Light light, vec3 ray, vec3 n) {
@@ -30,7 +101,7 @@ vec2 half_line(float slope, float height) {
 }
 
 // The point that uv, of the unit square, stands for. Coordinates x, y lie in the light's plane, from its position.
-LightSample light_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
     float height = -dot(light.normal, centre), reach = height * light.spread_tangent;
     vec3 to_foot = -(centre + height * light.normal);

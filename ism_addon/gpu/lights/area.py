@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Area lights: rectangles and ellipses, with Blender's spread.
+
+What one can bring to a tile is bounded by its nearest point, the least tilt of either side, and the middle of its
+spread; nothing comes from behind a light's plane, from below all of a tile's horizons, or from outside a spread's cone.
+"""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from ...color import REC709, luminance
+from ...radiometry import MIN_SPREAD, light_areas, plane_normals, spread_terms
+from ...sampling import disk
+from ...scene import Lights, LightShape
+from ...spaces import orthonormal
+from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
+from ..gl.shader_records import LIGHT
+
+
+@dataclass(frozen=True)
+class AreaLightBounds:
+    """K lights by what bounds them: float32, anchor space, columns (K,1)."""
+
+    position: np.ndarray  # (3,K,1) m
+    normal: np.ndarray  # (3,K,1) unit
+    radius: np.ndarray  # m
+    area: np.ndarray  # m²
+    luminance: np.ndarray  # of the radiance
+    half_angle: np.ndarray  # rad: of the spread's cone
+    tangent: np.ndarray  # see radiometry.spread_terms
+    scale: np.ndarray
+
+    @classmethod
+    def of(cls, lights: Lights, anchor: np.ndarray, working_space: str = REC709) -> Self:
+        """All lights, about the anchor (3,)."""
+        u, v = lights.axis_u, lights.axis_v
+        columns = (
+            (lights.position - anchor).T,
+            plane_normals(lights).T,
+            np.maximum(np.linalg.norm(u + v, axis=1), np.linalg.norm(u - v, axis=1)) / 2.0,
+            light_areas(lights),
+            np.abs(lights.radiance) @ luminance(working_space),
+            np.maximum(lights.spread, MIN_SPREAD) / 2.0,
+            *spread_terms(lights.spread).T,
+        )
+        return cls(*(column[..., None].astype(np.float32) for column in columns))
+
+    @property
+    def spread_peak(self) -> np.ndarray:
+        """(K,1): what a spread makes of the radiance straight ahead, which it makes more of."""
+        return np.where(self.scale == 0.0, np.float32(1.0), self.tangent * self.scale)
+
+    @property
+    def peak(self) -> np.ndarray:
+        """(K,1) luminance of the irradiance of a light that fills a receiver's hemisphere."""
+        return np.pi * self.luminance * self.spread_peak
+
+    def outside(self, ahead: np.ndarray, across: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """(K,N) bool: whether places, so far (m) from the centre, are more than `slack` beyond the spread's cone."""
+        return across * np.cos(self.half_angle) - ahead * np.sin(self.half_angle) > slack
+
+    def __getitem__(self, some: slice) -> Self:
+        return type(self)(*(getattr(self, member.name)[..., some, :] for member in fields(self)))
+
+    def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
+        """Luminance (K,N) float32 of the irradiance that nothing hides: never more than the first; about the second."""
+        half = (surfaces.high - surfaces.low) * np.float32(0.5)
+        centre, size = surfaces.low + half, np.abs(surfaces.low) + np.abs(surfaces.high)
+        to = self.position - centre[:, None]
+        distance = np.sqrt(dot(to, to)) + np.float32(1e-20)
+        radius = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
+        slack = radius + self.radius
+        ahead = -dot(to, self.normal)
+        upright = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
+        cosine, sine = np.cos(surfaces.half_angle), np.sin(surfaces.half_angle)
+        least_tilt = np.where(
+            upright >= cosine, np.float32(1.0), upright * cosine + np.sqrt(1.0 - upright * upright) * sine
+        )
+        height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
+        across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
+        lit = surfaces.seen & (height > 0.0) & (above > 0.0) & ~self.outside(ahead, across, slack)
+        wide = self.scale == 0.0
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch, or it is not lit
+            solid = self.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)
+            spread = np.maximum(self.tangent - across / ahead, 0.0) * self.scale
+            whole = self.luminance * np.where(wide, np.float32(1.0), spread) * self.area * upright
+            guess = np.pi * whole * ahead / (distance * (np.pi * distance * distance + self.area))
+        most = np.where(
+            lit, self.luminance * self.spread_peak * np.where(near > 0.0, np.minimum(solid, np.pi), np.pi), 0.0
+        )
+        return most.astype(np.float32), np.where((ahead > 0.0) & (upright > 0.0), guess, 0.0).astype(np.float32)
+
+
+class AreaLight:
+    """See LightType."""
+
+    name = "area"
+    shapes: tuple[int, ...] = (LightShape.RECTANGLE, LightShape.ELLIPSE)
+    glsl = Path(__file__).with_suffix(".glsl")
+
+    def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+        table = np.zeros(len(lights.shape), LIGHT.dtype)
+        table["position"] = lights.position - anchor
+        table["tangent"], table["normal"] = self.axes(lights)
+        for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance", "receivers", "blockers"):
+            table[name] = getattr(lights, name)
+        table["spread_tangent"], table["spread_scale"] = spread_terms(lights.spread).T
+        return table
+
+    def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> AreaLightBounds:
+        return AreaLightBounds.of(lights, anchor, working_space)
+
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+        centre, half = (lights.position - anchor).T, (np.abs(lights.axis_u) + np.abs(lights.axis_v)).T / 2.0
+        return np.stack([centre - half, centre + half])
+
+    def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+        normals = plane_normals(lights)
+        middle, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
+        return middle.T @ normals.T - ((lights.position - anchor) * normals).sum(1) + half.T @ np.abs(normals).T
+
+    def is_narrow(self, lights: Lights) -> np.ndarray:
+        return lights.spread < np.pi
+
+    def points(self, lights: Lights, row: int, squares: np.ndarray) -> np.ndarray:
+        across = disk(squares) if lights.shape[row] == LightShape.ELLIPSE else squares - 0.5
+        return across @ np.stack([lights.axis_u[row], lights.axis_v[row]])
+
+    def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
+        normals = plane_normals(lights)
+        return orthonormal(normals)[0], normals
+
+    def solid_angles(
+        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+    ) -> np.ndarray:
+        """A third of what a point would fill if it faced the light is granted to all: none seen edge-on is lost."""
+        own = AreaLightBounds.of(lights, anchor)[row : row + 1]
+        to = points - own.position.ravel()
+        square = np.einsum("nk,nk->n", to, to) + (own.area.ravel() / np.float32(12.0) + np.float32(1e-12))
+        facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)
+        extent = np.sqrt(area)
+        ahead = to @ own.normal.ravel()
+        across = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
+        lit = (ahead > -extent) & ~own.outside(ahead, across, own.radius + extent)[0]
+        return np.where(lit, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
+
+    def variant(self, lights: Lights, row: int) -> dict[str, int]:
+        rectangle = lights.shape[row] == LightShape.RECTANGLE
+        return {
+            "rectangles": int(rectangle),
+            "ellipses": int(not rectangle),
+            "spreads": int(lights.spread[row] < np.pi),
+        }
