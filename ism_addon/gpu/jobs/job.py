@@ -3,13 +3,19 @@
 
 import math
 import threading
+import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...render_passes import COMBINED, RenderPass
 from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
+
+#: s between two updates of a viewport that say how many shaders have been compiled: each makes Blender draw its window.
+COMPILING_SHOWN_EVERY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +25,7 @@ class Request:
     scene: Scene
     view: View
     settings: Settings
-    surfaces: bool = True  # whether depth and normals are wanted too
+    passes: tuple[RenderPass, ...] = (COMBINED,)  # the images that are wanted
     coarse: int = 0  # px of the view along either side of one in the first picture, which comes the sooner; 0 if
     # nobody waits for that, but only for the last one
 
@@ -28,10 +34,13 @@ class Request:
 class Picture:
     """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
 
-    color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
-    depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
-    normal: np.ndarray | None  # (H,W,3) float32 world space
+    passes: Mapping[str, np.ndarray]  # (H,W,channels) float32 by the render pass's name
     samples: int
+
+    @property
+    def color(self) -> np.ndarray:
+        """(H,W,4) float32 linear, alpha premultiplied."""
+        return self.passes[COMBINED.name]
 
 
 class Job:
@@ -47,6 +56,10 @@ class Job:
         self.cancelled = False
         self.error = ""
         self.statistics: dict = {}
+        self.compiles = False  # the pass that is being drawn
+        self.programs = 0  # compiled for this job. How many it will need is not known: passes ask for them as they draw
+        self.programs_shown = 0  # of them, when viewports should say it again
+        self._shown_at = time.monotonic()
         self._news = news
         self._seen = 0
         self._happened = 0
@@ -55,6 +68,8 @@ class Job:
     @property
     def status(self) -> str:
         """How far it is, and how far the picture is thought to be from its end."""
+        if self.compiles:
+            return f"Compiling shaders ({self.programs})"
         error = self.statistics.get("error", math.inf)
         told = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
         return f"Sample {self.samples_done}/{self.samples}{told}"
@@ -73,6 +88,12 @@ class Job:
     def cancel(self) -> None:
         """Stop after the pass that is being drawn or, if that is a long one, within it."""
         self.cancelled = True
+
+    def begin_program(self) -> None:
+        """A program is going to be compiled. The worker's side."""
+        self.tell(compiles=True, programs=self.programs + 1)
+        if (now := time.monotonic()) - self._shown_at > COMPILING_SHOWN_EVERY:
+            self.programs_shown, self._shown_at = self.programs, now
 
     def tell(self, **changes: object) -> None:
         """Set attributes and wake whoever waits. The worker's side."""

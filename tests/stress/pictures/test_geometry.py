@@ -242,7 +242,7 @@ def sheets(device, distance: float, apart_by: float, behind: bool) -> tuple[np.n
 def test_two_sheets_a_millimetre_apart(device, within):
     """A hundred metres away: the near one is seen, and lit as if alone; the far one's back is dark."""
     front, alone = sheets(device, 100.0, 1e-3, False)
-    assert set(np.unique(front.target("triangle")[..., 0])) <= {1, 2}
+    assert set(np.unique(front.target("primitive")[..., 0])) <= {1, 2}
     within(apart(front.color, alone.color), 1e-3)
     back, _ = sheets(device, 100.0, 1e-3, True)
     within(float(back.color[..., :3].max() / alone.color[..., :3].mean()), 1e-6)
