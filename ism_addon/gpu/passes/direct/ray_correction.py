@@ -2,7 +2,7 @@
 """Which rays correct a prediction, and shader variants by light."""
 
 from dataclasses import asdict, dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -37,9 +37,7 @@ class LightVariant:
         return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
 
 
-def shader_constants(
-    variant: LightVariant, rays: int, subpixel_offsets: int, min_probability: float
-) -> dict[str, int | float]:
+def shader_constants(variant: LightVariant, rays: int, subpixel_offsets: int, min_probability: float) -> dict[str, Any]:
     """Constants of the shader for one type of light: `rays` is 0 or 1; a grid has so many subpixel offsets."""
     return {
         "trace": rays,
