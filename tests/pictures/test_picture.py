@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ism_addon.scene import Scene, View
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.small import SMALL
 from tests.support import reference
@@ -39,15 +40,17 @@ BROKEN = {
 }
 
 
-@pytest.fixture(scope="module")
-def truths():
-    """Of each small scene: scene, view, picture (N,3), bounds."""
-    found = {}
-    for name, make in SMALL.items():
-        scene, view = make(48, 32)
-        side, bounds = BOUNDS[name]
-        found[name] = scene, view, reference.picture(scene, view, side)[0], bounds
-    return found
+SIZE = 48, 32
+
+
+def small(name: str) -> tuple[Scene, View, np.ndarray, dict[Method, float]]:
+    """Of a small scene: scene, view, the reference's picture (N,3), bounds."""
+    side, bounds = BOUNDS[name]
+    return *SMALL[name](*SIZE), reference.picture_of(SMALL[name], *SIZE, side), bounds
+
+
+def without_shadows(scene: Scene) -> Scene:
+    return replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros_like(scene.lights.casts_shadow)))
 
 
 def rgb(drawn) -> np.ndarray:
@@ -57,17 +60,17 @@ def rgb(drawn) -> np.ndarray:
 
 @pytest.mark.parametrize("method", Method)
 @pytest.mark.parametrize("name", SMALL)
-def test_the_picture_is_the_references(device, truths, name, method):
-    scene, view, truth, bounds = truths[name]
+def test_the_picture_is_the_references(device, name, method):
+    scene, view, truth, bounds = small(name)
     color = rgb(draw(device, scene, view, SETTINGS[method]))
     assert reference.nrmse(color, truth) < bounds[method]
     assert abs(color.mean() / truth.mean() - 1.0) < (0.005 if method == Method.RAY_TRACED else 0.02)
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_rays_come_closer_with_every_sample(device, truths, name):
+def test_rays_come_closer_with_every_sample(device, name):
     """About as 1 / n while it is the samples that are wrong: by half at least from each to the next of 1, 4, 16, 64."""
-    scene, view, truth, _ = truths[name]
+    scene, view, truth, _ = small(name)
     errors = []
     for samples in (1, 4, 16, 64):
         settings = with_quality(SETTINGS[Method.RAY_TRACED], samples=samples)
@@ -77,8 +80,8 @@ def test_rays_come_closer_with_every_sample(device, truths, name):
 
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("broken", BROKEN)
-def test_the_bound_notices_broken_shadow_maps(device, truths, name, broken):
-    scene, view, truth, bounds = truths[name]
+def test_the_bound_notices_broken_shadow_maps(device, name, broken):
+    scene, view, truth, bounds = small(name)
     settings = with_quality(SETTINGS[Method.SHADOW_MAPS], samples=1)
     settings = replace(settings, shadow=replace(settings.shadow, **BROKEN[broken]))
     assert reference.nrmse(rgb(draw(device, scene, view, settings)), truth) > 1.3 * bounds[Method.SHADOW_MAPS]
@@ -105,18 +108,18 @@ def with_ghosts(scene):
 
 @pytest.mark.parametrize("change", [narrower, raised, with_ghosts])
 @pytest.mark.parametrize("name", SMALL)
-def test_the_bound_notices_rays_through_something_else(device, truths, name, change):
-    scene, view, truth, bounds = truths[name]
+def test_the_bound_notices_rays_through_something_else(device, name, change):
+    scene, view, truth, bounds = small(name)
     color = rgb(draw(device, change(scene), view, SETTINGS[Method.RAY_TRACED]))
     assert reference.nrmse(color, truth) > 1.3 * bounds[Method.RAY_TRACED]
 
 
 @pytest.mark.parametrize("method", Method)
 @pytest.mark.parametrize("name", SMALL)
-def test_unshadowed_pixels_are_exact(device, truths, name, method):
+def test_unshadowed_pixels_are_exact(device, name, method):
     """Where the reference says that nothing is in any light's way, light arrives whole: within 2 %."""
-    scene, view, truth, _ = truths[name]
-    open_scene = replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros_like(scene.lights.casts_shadow)))
+    scene, view, truth, _ = small(name)
+    open_scene = without_shadows(scene)
     open_truth, surface = reference.picture(open_scene, view, BOUNDS[name][0])
     lit = surface.seen & (np.abs(open_truth - truth).max(1) < 1e-6)
     off = np.abs(rgb(draw(device, scene, view, SETTINGS[method])) - truth).max(1)[lit] / truth.max(1)[lit]
@@ -125,9 +128,10 @@ def test_unshadowed_pixels_are_exact(device, truths, name, method):
 
 
 @pytest.mark.parametrize("method", Method)
-def test_without_shadows_the_reference_is_met_everywhere(device, truths, method):
-    for name, (scene, view, _, _) in truths.items():
-        open_scene = replace(scene, lights=replace(scene.lights, casts_shadow=np.zeros_like(scene.lights.casts_shadow)))
+def test_without_shadows_the_reference_is_met_everywhere(device, method):
+    for name, make in SMALL.items():
+        scene, view = make(*SIZE)
+        open_scene = without_shadows(scene)
         truth, surface = reference.picture(open_scene, view, 16)
         off = np.abs(rgb(draw(device, open_scene, view, SETTINGS[method])) - truth).max(1)[surface.seen]
         assert np.quantile(off / truth.max(1)[surface.seen], 0.98) < 0.02, name

@@ -26,18 +26,19 @@ def run(monkeypatch, tmp_path):
     (tmp_path / "recorder.py").write_text(RECORDER)
     log, windows = tmp_path / "log", []
 
-    def environment(name: str) -> Environment:
+    def environment(name: str, has_processes: bool = True) -> Environment:
         start = sys.executable, str(tmp_path / "recorder.py"), str(log), name
-        return Environment(name, tmp_path, start, ())
+        return Environment(name, tmp_path, start, (), has_processes=has_processes)
 
     def play(names: list, program: None, root: object, output: object, any_pace: bool) -> int:
         windows.append(any_pace)
         return dev.SKIPPED
 
-    monkeypatch.setattr(dev, "environments", lambda: map(environment, ("first", "second")))
     monkeypatch.setattr(dev, "gui_test", play)
 
-    def run(*arguments: str) -> tuple[int, list[list[str]], list[bool]]:
+    def run(*arguments: str, in_blender: bool = False) -> tuple[int, list[list[str]], list[bool]]:
+        every = [environment("first", not in_blender), environment("second")]
+        monkeypatch.setattr(dev, "environments", lambda: iter(every))
         monkeypatch.setattr(sys, "argv", ["dev.py", "test", *arguments])
         log.write_text("")
         windows.clear()
@@ -56,6 +57,12 @@ def test_one_bpy_the_style_and_the_types(run, capsys):
     assert ["-n=auto" in command for command in tests] == [True, False]
     assert ["-m=alone" in command for command in tests] == [False, True]
     assert "passed: ruff, ruff's format, mypy, first, first, one by one\n" in capsys.readouterr().out
+
+
+def test_inside_a_blender_tests_run_in_one_process_and_mypy_does_not(run):
+    status, commands, _ = run(in_blender=True)
+    assert status == 0
+    assert commands == [["first", "ruff", "check"], ["first", "ruff", "format", "--check"], ["first", "pytest"]]
 
 
 def test_all_adds_the_other_bpys_and_the_window(run, capsys):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The truth, slowly: every ray against every triangle, every light as a dense grid of points. Float64, world space."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -56,14 +58,37 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
 
 
 def sees(points: np.ndarray, light_point: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
-    """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of both ends."""
+    """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of both ends.
+
+    As `crossings`, of rays that all begin at the light point: only triangles count in whose cone, seen from there, a
+    point lies.
+    """
+    way, corners = points - light_point, triangles - light_point
+    towards, cosines = cones(corners)
+    unit = way / np.linalg.norm(way, axis=1, keepdims=True)
+    edges = [np.cross(corners[:, a], corners[:, b]) for a, b in ((0, 1), (1, 2), (2, 0))]
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    offsets = (normals * corners[:, 0]).sum(1)
     seen = np.ones(len(points), bool)
     for first in range(0, len(points) if len(triangles) else 0, CHUNK):
-        rows = slice(first, first + CHUNK)
-        way = light_point - points[rows]
-        found = crossings(points[rows] + slack * way, way, triangles)
-        seen[rows] = (found > 1.0 - 2.0 * slack).all(1)
+        row, triangle = np.nonzero(unit[first : first + CHUNK] @ towards.T >= cosines)
+        row += first
+        sides = np.stack([(way[row] * edge[triangle]).sum(1) for edge in edges])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along = offsets[triangle] / (way[row] * normals[triangle]).sum(1)
+        met = ((sides >= 0.0).all(0) | (sides <= 0.0).all(0)) & (along > slack) & (along < 1.0 - slack)
+        seen[row[met]] = False
     return seen
+
+
+def cones(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors (T,3) and cosines (T,) of cones about triangles (T,3,3), from the origin; -1: all directions."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ways = corners / np.linalg.norm(corners, axis=2, keepdims=True)
+        towards = ways.sum(1) / np.linalg.norm(ways.sum(1), axis=1, keepdims=True)
+        cosines = (ways * towards[:, None]).sum(2).min(1)
+    narrow = cosines > 1e-3  # wider ones need not hold what is between their corners
+    return np.where(narrow[:, None], towards, 0.0), np.where(narrow, cosines - 1e-9, -1.0)
 
 
 # --- lights
@@ -217,6 +242,12 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
     albedo = scene.materials.base_color[0].astype(np.float64)
     color = albedo * (arriving / np.pi + scene.world.radiance)
     return np.where(surface.seen[:, None], color, scene.world.radiance), surface
+
+
+@cache
+def picture_of(make: Callable[[int, int], tuple[Scene, View]], width: int, height: int, side: int) -> np.ndarray:
+    """`picture` of a scene that is made anew for each test: (N,3), drawn once."""
+    return picture(*make(width, height), side)[0]
 
 
 # --- ambient occlusion

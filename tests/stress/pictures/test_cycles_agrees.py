@@ -8,17 +8,28 @@ from tests.scenes.cycles import direct_light
 from tests.stress.pictures.cases import CASES
 from tests.stress.pictures.comparisons import apart
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
-from tests.support.small_scenes import draw
+from tests.support.small_scenes import draw, with_quality
 
-SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=512, error_threshold=0.0))
+SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=128, error_threshold=0.0))
 FILTER = 1.5  # px
+
+#: Of so many samples of ours the two are less than 0.04 apart, but for these, whose noise needs four times as many.
+NOISY = {
+    "pillar field",
+    "light from 0.5 degrees above the floor",
+    "a light of 100.0 m",
+    "a light with a spread of 0.2",
+    "a light a millimetre above a box",
+}
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_cycles_agrees(device, within, name):
     """But for the noise of both."""
     into_blender(*CASES[name]())
-    truth = direct_light(1024, FILTER)
+    effort = 4 if name in NOISY else 1
+    truth = direct_light(256 * effort, FILTER)
     scene, view = out_of_blender()
     assert not scene.warnings
-    within(apart(draw(device, scene, view, SETTINGS).color, truth), 0.05)
+    settings = with_quality(SETTINGS, samples=effort * SETTINGS.quality.samples)
+    within(apart(draw(device, scene, view, settings).color, truth), 0.05)

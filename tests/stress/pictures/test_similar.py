@@ -21,7 +21,7 @@ METHODS = {
     "rays": Settings(quality=Quality(samples=16, error_threshold=0.0)),
     "maps": Settings(
         shadow=Shadow(method=Method.SHADOW_MAPS),
-        quality=Quality(samples=16, error_threshold=0.0, virtual_lights=16, map_size=64, map_points=4096),
+        quality=Quality(samples=8, error_threshold=0.0, virtual_lights=16, map_size=64, map_points=4096),
     ),
 }
 ALL = [pytest.param(scene, method, id=f"{scene}, {method}") for scene in SMALL for method in METHODS]

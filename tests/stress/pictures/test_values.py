@@ -59,7 +59,7 @@ def test_a_negative_light_takes_away_what_it_would_give(device, within, settings
 
 def test_a_negative_light_among_others(device, within):
     """What is left is the difference of their pictures."""
-    settings = with_quality(SETTINGS, samples=512)
+    settings = with_quality(SETTINGS, samples=128)
     apart_from_it = picture(device, LAMP, settings) - picture(device, times(OTHER, 0.3), settings)
     together = picture(device, both(LAMP, times(OTHER, -0.3)), settings)
     within(apart(together, apart_from_it), 2e-2)

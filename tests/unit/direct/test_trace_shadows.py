@@ -68,7 +68,7 @@ def predicting(
 @pytest.mark.parametrize("part", [0.0, 0.4, 1.0])
 def test_the_mean_is_right_whatever_is_predicted(device, make, part):
     scene, view = make(24, 16)
-    truth, _ = reference.picture(scene, view, 12)
+    truth = reference.picture_of(make, 24, 16, 12)
     predicted, corrections = predicting(device, scene, view, part, 1.0, 1024)
     assert reference.nrmse(predicted, truth) > 0.1
     assert reference.nrmse(predicted + corrections, truth) < 0.03
@@ -80,7 +80,7 @@ def test_the_mean_is_right_whatever_is_predicted(device, make, part):
 def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, part):
     """By rarer rays: from then on it is corrected, and the first samples count the less the more follow."""
     scene, view = make(24, 16)
-    truth, _ = reference.picture(scene, view, 12)
+    truth = reference.picture_of(make, 24, 16, 12)
     wrong, _ = predicting(device, scene, view, part, 0.0, 4, until=4)
     assert reference.nrmse(wrong, truth) > 0.1
     assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 1024, until=4)), truth) < 0.05
@@ -137,7 +137,7 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
 
 def test_more_samples_come_closer(device):
     scene, view = box_over_plane(24, 16)
-    truth, _ = reference.picture(scene, view, 16)
+    truth = reference.picture_of(box_over_plane, 24, 16, 16)
     errors = [
         reference.nrmse(sum(predicting(device, scene, view, 0.5, 1.0, samples)), truth) for samples in (17, 65, 257)
     ]

@@ -84,7 +84,7 @@ class PredictVisibility(Pass):
     def first_visibility(self, frame: Frame) -> dict[int, np.ndarray]:
         """(rows,columns,2) bool of each light that arrives anywhere: whether any probe did; was occluded."""
         found = self.rays_of_tiles(frame, frame[PROBES], PROBE_SPACING)
-        for light in np.flatnonzero(is_narrow(frame.scene.lights)):
+        for light in np.flatnonzero(is_narrow(frame.scene.lights)).tolist():
             if light in found:  # a cone may light what lies between rays, none of which it was worth to send
                 found[light][frame[LIGHT_INFLUENCE][light].to_probe & ~found[light].any(2)] = True
         if not frame.settings.shortcuts:

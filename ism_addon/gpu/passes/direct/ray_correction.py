@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which rays correct a prediction."""
 
+from typing import Any
+
 import numpy as np
 
 from ....resources import MEAN_LUMINANCE
@@ -20,7 +22,7 @@ RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 def shader_constants(
     variant: dict[str, int], rays: int, subpixel_offsets: int, min_probability: float
-) -> dict[str, int | float]:
+) -> dict[str, Any]:
     """Constants of the shader for a variant of lights: `rays` is 0 or 1; a grid has so many subpixel offsets."""
     return {
         "trace": rays,

@@ -8,6 +8,7 @@ cosine, so that without attenuation the open part is the part of the world's lig
 """
 
 from functools import cached_property
+from typing import cast
 
 import moderngl
 import numpy as np
@@ -40,7 +41,7 @@ class AmbientOcclusion(Pass):
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
         pixels = self.full_screen_program(points=SAMPLES, tile=NOISE_SIZE)
-        pixels.program["directions"].write(rd_sequence(0, SAMPLES, 3).astype("f4"))
+        cast(moderngl.Uniform, pixels.program["directions"]).write(rd_sequence(0, SAMPLES, 3).astype("f4"))
         return pixels
 
     @cached_property

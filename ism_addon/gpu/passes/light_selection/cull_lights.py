@@ -186,7 +186,9 @@ class CullLights(Pass):
             sent = {light: rays.any() for light, rays in arrived.items()}
             probed = np.array([k for k in probed if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
         rays = self.probe_rays(frame, probed, FINE_TILE_SPACING)
-        certain = {light: np.full(frame.tiles[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
+        certain = {
+            light: np.full(frame.tiles[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching.tolist()
+        }
         return certain | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
@@ -199,7 +201,8 @@ class CullLights(Pass):
         """(rows,columns,2) of each light: rays that arrived from every tile, or each so far apart, and rays."""
         gl, (columns, rows) = self.device.gl, (-(-count // spacing) for count in frame.tiles)
         gl.enable_only(moderngl.NOTHING)
-        light_uvs, found = rd_sequence(0, len(frame.scene.lights.shape), 2), {}
+        light_uvs = rd_sequence(0, len(frame.scene.lights.shape), 2)
+        found: dict[int, np.ndarray] = {}
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
             probed = create(gl, PROBED_LIGHTS, (len(some), 1))

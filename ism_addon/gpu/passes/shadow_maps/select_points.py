@@ -89,7 +89,7 @@ def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
 
     That is what splat.vert draws: squares, where maps stretch them most, and all of the map for a disc close by.
     """
-    to = points["position"] - light.astype(np.float32)
+    to: np.ndarray = points["position"] - light.astype(np.float32)
     distance = np.sqrt(np.einsum("nk,nk->n", to, to))
     side = 2.0 * points["radius"] / np.maximum(distance, 2.0 * points["radius"])
     return float(np.minimum((side + side * side) ** 2, 1.0).sum(dtype=np.float64))

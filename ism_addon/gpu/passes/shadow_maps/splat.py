@@ -52,7 +52,7 @@ class SplatMaps(Pass):
             return
         atlas.use()
         gl.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
-        gl.blend_equation = moderngl.MIN
+        gl.blend_equation = moderngl.MIN  # type: ignore[assignment] # moderngl wants two, and takes one
         bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points.buffer, "3f 3f 1f", "position", "normal", "radius")])
         try:
@@ -62,8 +62,8 @@ class SplatMaps(Pass):
                 if subset.count:
                     self.draw_map(frame, atlas, discs, index, subset)
         finally:
-            atlas.viewport, atlas.scissor = whole, None
-            gl.blend_equation = moderngl.FUNC_ADD
+            atlas.viewport, atlas.scissor = whole, None  # type: ignore[assignment] # takes None too
+            gl.blend_equation = moderngl.FUNC_ADD  # type: ignore[assignment] # see above
 
     def draw_map(
         self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: PointRange

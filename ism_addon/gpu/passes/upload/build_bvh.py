@@ -28,7 +28,7 @@ class BuildBLAS(Pass):
     outputs = outputs(BLAS)
 
     #: The trees of all meshes that still are, for all renderers.
-    kept: ClassVar[WeakKeyDictionary[Mesh, blas.BLAS]] = WeakKeyDictionary()
+    kept: ClassVar[WeakKeyDictionary[Mesh, blas.BLAS | blas.DeferredBLAS]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
         """Once triangles lie in the order of their trees, they are left so."""
