@@ -156,7 +156,7 @@ MUTATIONS = (
         "what lies behind a light throws a shadow",
         "at > 0.0 && at < 1.0",
         "at > 0.0",
-        ("test_trace_shadows", "test_contacts"),
+        ("test_build_bvh", "test_trace_shadows"),
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
