@@ -112,7 +112,7 @@ MUTATIONS = (
         "lights stand in world space among surfaces in anchor space",
         "= lights.position - anchor, normals",
         "= lights.position, normals",
-        ("test_odd_pictures", "test_picture"),
+        ("test_odd_pictures", "test_spread_shadows"),
     ),
     Mutation(
         "normals are turned as positions are",
