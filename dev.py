@@ -94,6 +94,11 @@ def bench(name: str, output: Path, further: list[str]) -> int:
     return environment.run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
 
 
+def docs(names: list[str], records: Path) -> int:
+    """Write the documentation's generated parts, after taking new records of the benchmarks named."""
+    return next(environments()).run("tests.docs", "--records", str(records.resolve()), *names)
+
+
 def gui_test(names: list[str], program: str | None, root: Path, output: Path, any_pace: bool) -> int:
     """Play scenarios in a Blender with a window: those named, or all."""
     every = scenarios()
@@ -142,11 +147,14 @@ def main() -> int:
     verb = verbs.add_parser("bench", help="measure; further arguments go to the benchmark")
     verb.add_argument("name", choices=BENCHMARKS)
     verb.add_argument("--output", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
+    verb = verbs.add_parser("docs", help="write the documentation's generated parts anew")
+    verb.add_argument("name", nargs="*", help="of a benchmark whose new record is to be taken first")
+    verb.add_argument("--records", type=Path, default=BUILD / "benchmark", help="folder of the records (%(default)s)")
     verb = verbs.add_parser("extension", help="build and validate the extension's zips, one a platform")
     verb.add_argument("--output", type=Path, default=BUILD / "extension", help="folder of the zips (%(default)s)")
     verb.add_argument("--platform", action="append", default=[], choices=project.WHEELS, help="only this platform")
     arguments, further = parser.parse_known_args()
-    if further and arguments.verb in ("extension", "gui-test"):
+    if further and arguments.verb in ("docs", "extension", "gui-test"):
         parser.error(f"unknown: {' '.join(further)}")
     if arguments.verb == "demo":
         machine.prepare()
@@ -155,11 +163,13 @@ def main() -> int:
         machine.prepare()
         return bench(arguments.name, arguments.output, further)
     if arguments.verb in ("test", "stress"):
-        machine.prepare("git", "glslangValidator")
+        machine.prepare("git", "glslangValidator", "lavapipe")
         if arguments.verb == "stress":
             return stress(further)
         return test(further, arguments.all, arguments.any_pace)
     machine.prepare("git")
+    if arguments.verb == "docs":
+        return docs(arguments.name, arguments.records)
     if arguments.verb == "gui-test":
         return gui_test(arguments.name, arguments.blender, arguments.root, arguments.output, arguments.any_pace)
     return pack(arguments.output, arguments.platform)

@@ -4,6 +4,9 @@
 from enum import StrEnum
 from typing import Self
 
+from . import resources
+from .resource_types import Target
+
 
 class Choice(StrEnum):
     """A setting of a few names. Each has a label and a meaning for its user."""
@@ -41,52 +44,27 @@ class Resolution(Choice):
     QUARTER = "25", "25 %", "Draw a sixteenth of the pixels, each four times as wide and high"
 
 
-class DebugView(Choice):
-    """The picture, or any target that a pass writes on the way to it."""
+def _view(target: Target) -> tuple[str, str, str]:
+    return target.name, target.label, target.about
 
-    COLOR = "color", "Picture", "The picture itself"
-    TRIANGLE = "triangle", "Triangles", "The nearest triangle, each in a colour of its own"
-    DEPTH = "depth", "Depth", "Distance along the view's axis, in metres: white from one on"
-    POSITION = "position", "Position", "Place of the nearest surface, in metres, as red, green and blue"
-    NORMAL = "normal", "Normal", "Direction of the nearest surface, as red, green and blue"
-    ALBEDO = "albedo", "Base Color", "Colour of the nearest surface, without light"
-    AROUND = (
-        "around",
-        "Probe Prediction",
-        "The visibility of one light that the probe rays around a pixel predict. Ray Traced only",
-    )
-    FORESEEN = "foreseen", "Prediction Positions", "Positions that visibility was predicted for. Ray Traced only"
-    PREDICTED = "predicted", "Predicted Direct Light", "The lights' irradiance as predicted. Ray Traced only"
-    CORRECTION = (
-        "correction",
-        "Direct Residual",
-        "What shadow rays add to the prediction, or take away. Ray Traced only",
-    )
-    SPLATS = "splats", "Splats", "The shadow maps as the points leave them, with holes. Imperfect Shadow Maps only"
-    SHADOW_MAPS = (
-        "shadow_maps",
-        "Shadow Maps",
-        "The shadow maps when their holes are filled. Imperfect Shadow Maps only",
-    )
-    IRRADIANCE = (
-        "irradiance",
-        "Irradiance",
-        "The lights' irradiance through the shadow maps. Imperfect Shadow Maps only",
-    )
-    OCCLUSION = "occlusion", "Ambient Occlusion (Raw)", "Ambient occlusion as it is found, with noise: white is open"
-    OCCLUSION_ACROSS = (
-        "occlusion_across",
-        "Ambient Occlusion (Blurred in X)",
-        "Ambient occlusion, blurred in rows but not yet in columns",
-    )
-    SMOOTH_OCCLUSION = "smooth_occlusion", "Ambient Occlusion", "Ambient occlusion as it darkens the picture"
-    COLOR_CORRECTION = (
-        "color_correction",
-        "Residual",
-        "What shadow rays add to the render, or take away. Ray Traced only",
-    )
-    HEADROOM = (
-        "headroom",
-        "Maximum Increase",
-        "How much brighter uncertain light may yet make the render. Ray Traced only",
-    )
+
+class DebugView(Choice):
+    """The render, or any target with a label that a pass makes on the way to it."""
+
+    SAMPLE_COLOR = _view(resources.SAMPLE_COLOR)
+    PRIMITIVE = _view(resources.PRIMITIVE)
+    DEPTH = _view(resources.DEPTH)
+    POSITION = _view(resources.POSITION)
+    NORMAL = _view(resources.NORMAL)
+    BASE_COLOR = _view(resources.BASE_COLOR)
+    PROBE_PREDICTION = _view(resources.PROBE_PREDICTION)
+    PREDICTION_SURFACE = _view(resources.PREDICTION_SURFACE)
+    DIRECT_PREDICTION = _view(resources.DIRECT_PREDICTION)
+    DIRECT_RESIDUAL = _view(resources.DIRECT_RESIDUAL)
+    SHADOW_MAP_SPLATS = _view(resources.SHADOW_MAP_SPLATS)
+    SHADOW_MAPS = _view(resources.SHADOW_MAPS)
+    RAW_OCCLUSION = _view(resources.RAW_OCCLUSION)
+    HALF_BLURRED_OCCLUSION = _view(resources.HALF_BLURRED_OCCLUSION)
+    AMBIENT_OCCLUSION = _view(resources.AMBIENT_OCCLUSION)
+    SAMPLE_RESIDUAL = _view(resources.SAMPLE_RESIDUAL)
+    SAMPLE_HEADROOM = _view(resources.SAMPLE_HEADROOM)

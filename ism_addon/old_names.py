@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings as version 0.1.0 named them. Files that it saved keep their values."""
+"""Settings as version 0.1.0 named them. Files and presets that it saved keep their values."""
 
+import re
 from typing import Any
 
 #: Of a section of settings: old names, and those of today. The empty section has the settings outside of all.
@@ -11,6 +12,10 @@ SETTINGS: dict[str, dict[str, str]] = {
 
 #: Values of the shadow's method. A .blend has their number, which is what it was.
 METHODS = {"FITTED": "RAY_TRACED", "CLASSIC": "SHADOW_MAPS"}
+
+#: A line of a preset that gives a setting its value.
+QUALITY_LINE = re.compile(r"^(ism\.(?:render|viewport)\.)(\w+)(?= = )", re.M)
+METHOD_LINE = re.compile(r"^(ism\.shadow\.method = ')(\w+)(?=')", re.M)
 
 
 def current(settings: Any) -> Any:
@@ -24,6 +29,12 @@ def current(settings: Any) -> Any:
     if isinstance(shadow, dict) and isinstance(method := shadow.get("method"), str):
         found["shadow"] = shadow | {"method": METHODS.get(method, method)}
     return found
+
+
+def current_preset(script: str) -> str:
+    """A preset's script by today's names."""
+    script = QUALITY_LINE.sub(lambda line: line[1] + SETTINGS["quality"].get(line[2], line[2]), script)
+    return METHOD_LINE.sub(lambda line: line[1] + METHODS.get(line[2], line[2]), script)
 
 
 def renamed(values: dict[str, Any], section: str) -> dict[str, Any]:

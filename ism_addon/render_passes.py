@@ -5,6 +5,9 @@ their targets back, and renders and the command line write them: all of these lo
 
 from dataclasses import dataclass
 
+from .resource_types import Target
+from .resources import DEPTH, IMAGE, NORMAL
+
 
 @dataclass(frozen=True)
 class RenderPass:
@@ -14,7 +17,7 @@ class RenderPass:
     switch: str  # the property of a ViewLayer that asks for it; "": it is always made
     channels: str  # a letter each, as files name them
     kind: str  # COLOR, VALUE or VECTOR
-    resource: str  # the target that it shows; gpu/read_back.py gives its values in world space
+    resource: Target  # that it shows; gpu/read_back.py gives its values in world space
     filtered: bool = False  # over all samples, as the picture is; else it is of the first sample alone
 
     @property
@@ -23,12 +26,12 @@ class RenderPass:
         return self.name.lower().replace(" ", "-")
 
 
-COMBINED = RenderPass("Combined", "", "RGBA", "COLOR", "resolved", filtered=True)
+COMBINED = RenderPass("Combined", "", "RGBA", "COLOR", IMAGE, filtered=True)
 
 RENDER_PASSES = (
     COMBINED,
-    RenderPass("Depth", "use_pass_z", "Z", "VALUE", "depth"),  # m along the view's axis, 1e10 where nothing is
-    RenderPass("Normal", "use_pass_normal", "XYZ", "VECTOR", "normal"),
+    RenderPass("Depth", "use_pass_z", "Z", "VALUE", DEPTH),  # m along the view's axis, 1e10 where nothing is
+    RenderPass("Normal", "use_pass_normal", "XYZ", "VECTOR", NORMAL),
 )
 
 

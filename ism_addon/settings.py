@@ -221,7 +221,7 @@ class Settings:
     #: measure what that saves.
     shortcuts: bool = True
     debug_view: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
-        DebugView.COLOR,
+        DebugView.SAMPLE_COLOR,
         "Debug View",
         "Show what a step of the method has made instead of the picture. Final renders are always the picture",
     )

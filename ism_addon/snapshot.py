@@ -2,7 +2,7 @@
 """Scene, view and settings to one .npz file and back: all that a picture is made of, so a bug report is a file.
 
 Every array is a member of its own, named by where it stands ("scene/meshes/0/positions"); all else is JSON
-in the member "snapshot". The dataclasses' type hints say how to read it back, SHAPES what is shrinkage.
+in the member "snapshot". The dataclasses' type hints and arrays' facts say how to read it back.
 Members are not compressed, so no array can be larger than the file that claims to hold it.
 """
 
@@ -11,6 +11,7 @@ import math
 import os
 import stat
 import zipfile
+from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import IO, Any, get_args, get_origin, get_type_hints
@@ -20,43 +21,14 @@ import numpy as np
 from . import old_names
 from .atomic_files import atomic_write
 from .quoting import shortened
-from .scene import MAX_LINK_GROUPS, Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
-from .scene.limits import MAX_DISTANCE, MAX_VALUES, is_invertible, is_within, spans_plane
+from .scene import Scene, View
+from .scene.arrays import ArrayFacts, Arrays, array_facts
+from .scene.limits import MAX_DISTANCE, is_invertible, spans_plane
 from .settings import Choice, Settings
 
 VERSION = 3
 #: This one is read, too: its settings have other names.
 BEFORE = 2
-
-#: The array of each field: dtype and lengths, or others. A letter is one length throughout its object.
-SHAPES: dict[tuple[type, str], str] = {
-    (Mesh, "positions"): "float32 V 3",
-    (Mesh, "triangles"): "uint32 T 3",
-    (Mesh, "normals"): "float32 V 3 or T 3 3",
-    (Mesh, "uvs"): "float32 U 3 2",
-    (Mesh, "materials"): "uint32 T",
-    (Instances, "mesh"): "int32 I",
-    (Instances, "world_from_object"): "float64 I 4 4",
-    (Instances, "visible"): "bool I",
-    (Instances, "casts_shadow"): "bool I",
-    (Instances, "groups"): "uint32 I",
-    (Materials, "base_color"): "float32 M 3",
-    (Materials, "image"): "int32 M",
-    (Image, "texels"): "uint8 H W 4",
-    (Lights, "shape"): "int32 L",
-    (Lights, "position"): "float64 L 3",
-    (Lights, "axis_u"): "float64 L 3",
-    (Lights, "axis_v"): "float64 L 3",
-    (Lights, "normal"): "float64 L 3",
-    (Lights, "radiance"): "float32 L 3",
-    (Lights, "spread"): "float32 L",
-    (Lights, "casts_shadow"): "bool L",
-    (Lights, "receivers"): "int32 L",
-    (Lights, "blockers"): "int32 L",
-    (World, "radiance"): "float32 3",
-    (View, "clip_from_view"): "float64 4 4",
-    (View, "view_from_world"): "float64 4 4",
-}
 
 
 class SnapshotError(ValueError):
@@ -171,14 +143,13 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
         raise SnapshotError(
             f"The snapshot's {place} has {shortened(', '.join(sorted(unknown)))}, unknown to this version."
         )
-    hints = get_type_hints(kind)
+    hints, facts = get_type_hints(kind), array_facts(kind)
     lengths: dict[str, int] = {}
     values = {}
     for member in fields(kind):
         where = f"{place}/{member.name}"
-        if hints[member.name] is np.ndarray:
-            values[member.name] = _array(SHAPES[kind, member.name], where, lengths, arrays)
-            _check_numbers(values[member.name], MAX_VALUES.get((kind, member.name)), where)
+        if member.name in facts:
+            values[member.name] = _array(facts[member.name], where, lengths, arrays)
         elif member.name in told:
             values[member.name] = _from_json(hints[member.name], told[member.name], where, arrays)
         elif member.default is MISSING:
@@ -189,40 +160,17 @@ def _built_object(kind: type, told: Any, place: str, arrays: dict[str, np.ndarra
         raise SnapshotError(f"The snapshot's {place} cannot be used: {shortened(str(error))}.") from error
 
 
-def _array(expected: str, place: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """An array that is as SHAPES says; the letters' lengths are kept in `lengths`."""
+def _array(facts: ArrayFacts, place: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """An array that is as its field says; the letters' lengths are kept in `lengths`."""
     if place not in arrays:
         raise SnapshotError(f"The snapshot has no {place}.")
-    array = arrays[place]
-    dtype, _, shapes = expected.partition(" ")
-    sizes = next((s.split() for s in shapes.split(" or ") if len(s.split()) == array.ndim), None)
-    if (
-        array.dtype != np.dtype(dtype)
-        or sizes is None
-        or any(
-            length != (lengths.setdefault(size, length) if size.isalpha() else int(size))
-            for size, length in zip(sizes, array.shape, strict=True)
-        )
-    ):
-        seen = f"{array.dtype} {' '.join(map(str, array.shape))}"
-        raise SnapshotError(f"The snapshot's {place} is {shortened(seen)} where {expected} belongs.")
-    return np.ascontiguousarray(array)
-
-
-def _check_numbers(array: np.ndarray, most: float | None, place: str) -> None:
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        raise SnapshotError(f"The snapshot's {place} holds numbers that are not finite.")
-    if most is not None and not is_within(array, most).all():
-        raise SnapshotError(f"The snapshot's {place} holds numbers beyond {most:g}.")
+    if (fault := facts.fault(arrays[place], lengths)) is not None:
+        raise SnapshotError(f"The snapshot's {place} {fault}.")
+    return np.ascontiguousarray(arrays[place])
 
 
 def _check_vectors(scene: Scene) -> None:
-    """Directions are that, meshes and lights have a size."""
-    directions = {f"scene/meshes/{index}/normals": mesh.normals for index, mesh in enumerate(scene.meshes)}
-    directions["scene/lights/normal"] = scene.lights.normal
-    for place, vectors in directions.items():
-        if not np.allclose(np.einsum("...i,...i", vectors, vectors), 1.0, atol=0.01):
-            raise SnapshotError(f"The snapshot's {place} holds vectors that are not of unit length.")
+    """Meshes and lights have a size."""
     matrices = scene.instances.world_from_object
     if not np.allclose(matrices[:, 3], (0.0, 0.0, 0.0, 1.0), atol=0.01) or not is_invertible(matrices[:, :3, :3]).all():
         raise SnapshotError("The snapshot's scene/instances/world_from_object flattens a mesh, or does not place it.")
@@ -243,27 +191,39 @@ def _check_view(view: View) -> None:
 
 
 def _check_indices(scene: Scene) -> None:
-    """No index may lead outside the array that it leads into."""
-    meshes, images, materials = len(scene.meshes), len(scene.images), len(scene.materials.image)
-    leads = [
-        ("scene/instances/mesh", scene.instances.mesh, 0, meshes),
-        ("scene/materials/image", scene.materials.image, -1, images),
-        ("scene/lights/shape", scene.lights.shape, 0, len(LightShape)),
-        ("scene/lights/receivers", scene.lights.receivers, -1, MAX_LINK_GROUPS),
-        ("scene/lights/blockers", scene.lights.blockers, -1, MAX_LINK_GROUPS),
-        ("scene/instances/groups", scene.instances.groups, 0, 1 << MAX_LINK_GROUPS),
-    ]
+    """No index may lead outside what it leads into."""
     for index, mesh in enumerate(scene.meshes):
         place = f"scene/meshes/{index}"
         if not len(mesh.triangles):
             raise SnapshotError(f"The snapshot's {place} has no triangles.")
-        leads.append((f"{place}/triangles", mesh.triangles, 0, len(mesh.positions)))
-        leads.append((f"{place}/materials", mesh.materials, 0, materials))
         if len(mesh.uvs) not in (0, len(mesh.triangles)):
             raise SnapshotError(f"The snapshot's {place}/uvs has another length than its triangles.")
-    for place, indices, low, end in leads:
-        if indices.size and not (low <= int(indices.min()) and int(indices.max()) < end):
-            raise SnapshotError(f"The snapshot's {place} leads outside {low} to {end - 1}.")
+    for place, record in _records(scene, "scene"):
+        for name, facts in array_facts(type(record)).items():
+            indices = getattr(record, name)
+            if facts.into == "" or not indices.size:
+                continue
+            end = facts.into if isinstance(facts.into, int) else _length(facts.into, record, scene)
+            if not (facts.first <= int(indices.min()) and int(indices.max()) < end):
+                raise SnapshotError(f"The snapshot's {place}/{name} leads outside {facts.first} to {end - 1}.")
     for index, image in enumerate(scene.images):
         if image.texels.size == 0:
             raise SnapshotError(f"The snapshot's scene/images/{index} has no texels.")
+
+
+def _records(value: Any, place: str) -> Iterator[tuple[str, Arrays]]:
+    """All records within a value, and where they are."""
+    if isinstance(value, Arrays):
+        yield place, value
+    elif isinstance(value, tuple):
+        for index, item in enumerate(value):
+            yield from _records(item, f"{place}/{index}")
+    elif is_dataclass(value):
+        for member in fields(value):
+            yield from _records(getattr(value, member.name), f"{place}/{member.name}")
+
+
+def _length(name: str, record: Arrays, scene: Scene) -> int:
+    """Of what indices of a record lead into: an array of its own, or a tuple or a record of the scene."""
+    target = getattr(record if name in array_facts(type(record)) else scene, name)
+    return target.row_count if isinstance(target, Arrays) else len(target)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large the error of a picture still is, block by block, and which blocks are good enough.
+"""How large the error of an image still is, tile by tile, and which tiles are good enough.
 
 The mean of all n samples and that of their first k differ by chance as s² (1/k - 1/n), s² being the variance of one
-sample; the mean itself is off by s² / n. So how far a block has moved while its samples doubled says how far it is from
+sample; the mean itself is off by s² / n. So how far a tile has moved while its samples doubled says how far it is from
 its end (compare Dammertz et al. 2010, who take every other sample). That is measured on the picture itself, with all
 that makes samples err less than chance would: even places, and corrections as far as they are shrinkage. What no sample
 has met yet, and what stays wrong for ever (shadow maps), moves nothing and is not in it.
@@ -12,30 +12,27 @@ import numpy as np
 
 
 class Convergence:
-    """Of blocks (H,W). Errors are root mean squares over the picture's mean brightness."""
+    """Of tiles (rows,columns). Errors are root mean squares over the image's mean luminance."""
 
-    def __init__(self, shape: tuple[int, int]):
-        #: Samples that each block is the mean of.
+    def __init__(self, shape: tuple[int, ...]):
+        #: Samples that each tile is the mean of, float32; and was when the image was last compared.
         self.counts = np.zeros(shape, np.float32)
+        self.half_counts = self.counts
         #: Of one sample; infinite before anything is known.
         self.variance = np.full(shape, np.inf, np.float32)
-        #: Whether a block is good enough, and has no more samples.
-        self.settled = np.zeros(shape, bool)
+        #: Whether a tile is good enough, and has no more samples.
+        self.converged = np.zeros(shape, bool)
 
-    def count(self, takes_part: np.ndarray) -> None:
-        """Blocks (H,W) bool have one more sample, but those that are settled."""
-        self.counts += takes_part & ~self.settled
+    def update(self, difference: np.ndarray) -> None:
+        """By mean squares (rows,columns) by which tiles differ from what they were at `half_counts` samples."""
+        more = self.counts > self.half_counts
+        gained = np.subtract(1.0 / self.half_counts, 1.0 / self.counts, where=more, out=np.ones_like(difference))
+        self.variance = np.where(more, difference / gained, self.variance)
 
-    def compare(self, moved: np.ndarray, earlier: np.ndarray) -> None:
-        """Mean squares (H,W) by which blocks differ from what they were when they had `earlier` (H,W) samples."""
-        more = self.counts > earlier
-        gained = np.subtract(1.0 / earlier, 1.0 / self.counts, where=more, out=np.ones_like(moved))
-        self.variance = np.where(more, moved / gained, self.variance)
-
-    def settle(self, threshold: float) -> None:
-        """Blocks whose own error is below `threshold`, and that of those about them, have enough samples."""
+    def stop_below(self, threshold: float) -> None:
+        """Tiles whose own error is below `threshold`, and the mean of those about them, have enough samples."""
         squares = self._squares
-        self.settled |= np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2
+        self.converged = self.converged | (np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2)
 
     @property
     def image_error(self) -> float:

@@ -7,20 +7,14 @@ from pathlib import Path
 
 import moderngl
 
+from ..resource_types import Target
+from ..resources import SHADOW_MAP_SPLATS, SHADOW_MAPS, VISIBILITY_BUFFER, VISIBILITY_DEPTH
 from ..scene import View
-from .frame import Pass
-from .gl.render_targets import DEPTH, Target
-from .passes.film.accumulate import WIDE_MARGIN, filter_margin
-from .passes.shadow_maps.fill_holes import LEVELS
+from .passes.film.accumulate import ROWS, SAMPLES, WIDE_MARGIN, filter_margin
+from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
 #: Bytes a pixel: of what is known of one light, and of pictures as they are read and handed over.
 TARGETS_PER_LIGHT, FULL_SIZE_IMAGES = 11, 100
-
-#: Of a texel of a depth buffer.
-DEPTH_BYTES = 4
-
-#: Texels of a map without holes and of the smaller ones that it is made by, two of each size, over its own.
-WITH_HALVED = 1.0 + 2.0 * sum(0.25**level for level in range(1, LEVELS + 1))
 
 #: Bytes that are taken without asking.
 NEGLIGIBLE_BYTES = 1 << 28
@@ -29,30 +23,21 @@ NEGLIGIBLE_BYTES = 1 << 28
 CURRENT_AVAILABLE = 0x9049
 
 
-def needed(kinds: Iterable[type[Pass]], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
-    """Bytes of a picture that these passes draw, triangles in so many fine pixels, under lights that cast shadows.
+def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
+    """Bytes of a picture with these targets, `fine_pixels` in its visibility buffer, under lights that cast shadows.
 
     By maps: an atlas of so many texels.
     """
-    a_pixel, fixed = float(TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES), 0.0
-    for kind in kinds:
-        for name, target in kind.writes.items():
-            if target.divisor:
-                a_pixel += texel(target) / target.divisor**2
-            elif name in ("triangles", "z"):
-                fixed += fine_pixels * texel(target)
-            elif name == "splats":
-                fixed += map_texels * texel(target)
-            elif name == "shadow_maps":
-                fixed += map_texels * texel(target) * WITH_HALVED
-            elif filter_margin(view.filter_width) >= WIDE_MARGIN:
-                a_pixel += texel(target)
-    return view.width * view.height * a_pixel + fixed
-
-
-def texel(target: Target) -> int:
-    """Bytes of one."""
-    return DEPTH_BYTES if target.dtype == DEPTH else target.components * int(target.dtype[1:])
+    wide = filter_margin(view.filter_width) >= WIDE_MARGIN
+    texels = {VISIBILITY_BUFFER: fine_pixels, VISIBILITY_DEPTH: fine_pixels, SHADOW_MAP_SPLATS: map_texels}
+    texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
+    texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
+    texels |= dict.fromkeys((*SAMPLES, *ROWS), view.width * view.height if wide else 0)
+    pixels = view.width * view.height
+    own = sum(
+        target.texel_bytes * (pixels / target.divisor**2 if target.divisor else texels[target]) for target in targets
+    )
+    return own + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES)
 
 
 def free(gl: moderngl.Context) -> int | None:

@@ -6,8 +6,6 @@ Of Blender's, what is beyond is left out; a snapshot with such numbers is refuse
 
 import numpy as np
 
-from . import Instances, Lights, Materials, Mesh, View, World
-
 #: m, and of other numbers, such as matrices and colours. Blender lets users type up to 3e38.
 MAX_DISTANCE = 1e9
 
@@ -19,20 +17,6 @@ MIN_SCALE = 1e-15
 
 #: Of the volume that vectors of their lengths could span, what they do if they are as good as in one plane.
 PLANAR_VOLUME = 1e-9
-
-#: Of arrays, by the class and its member.
-MAX_VALUES: dict[tuple[type, str], float] = {
-    (Mesh, "positions"): MAX_DISTANCE,
-    (Instances, "world_from_object"): MAX_DISTANCE,
-    (Materials, "base_color"): MAX_DISTANCE,
-    (Lights, "position"): MAX_DISTANCE,
-    (Lights, "axis_u"): MAX_DISTANCE,
-    (Lights, "axis_v"): MAX_DISTANCE,
-    (Lights, "radiance"): MAX_RADIANCE,
-    (World, "radiance"): MAX_DISTANCE,
-    (View, "clip_from_view"): 4.0 * MAX_DISTANCE,
-    (View, "view_from_world"): 4.0 * MAX_DISTANCE,
-}
 
 
 def is_within(values: np.ndarray, most: float = MAX_DISTANCE) -> np.ndarray:

@@ -12,7 +12,8 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from .. import settings
+from .. import old_names, settings
+from ..atomic_files import atomic_write
 from . import redraw
 
 #: Holds the folder presets, where Blender looks for preset_subdir.
@@ -33,8 +34,13 @@ class ISM_RENDER_PT_presets(PresetPanel, bpy.types.Panel):
     preset_add_operator = "render.ism_preset_add"
 
     @staticmethod
-    def reset_cb(context: bpy.types.Context, _path: str) -> None:
-        """Before a preset's script is run."""
+    def reset_cb(context: bpy.types.Context, path: str) -> None:
+        """Before a preset's script is run. One that version 0.1.0 saved is written anew with today's names first."""
+        with open(path, encoding="utf-8") as file:
+            script = file.read()
+        if (current := old_names.current_preset(script)) != script:
+            with atomic_write(path) as file:
+                file.write(current.encode())
         for group, name in ABOUT:
             getattr(context.scene.ism, group).property_unset(name)
 

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Seconds for the demo's atrium: this engine, one sample of 105 light points, beside Cycles at 1 and 16 samples.
+"""Seconds for the demo's atrium: this engine, one sample, beside Cycles at 1 and 16 samples.
 
 All in one process, in turns, so that a busy machine is as busy for each. What is counted is Blender's render call:
 reading the scene, building what the engine needs, and drawing; not start-up.
 """
 
 import argparse
-import json
-import platform
 import statistics as middle
 import sys
 import time
@@ -17,8 +15,10 @@ import bpy
 
 from ism_addon import addon
 from ism_addon.blender.engine import statistics
+from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.profile import table
 from tests.demo.figure6 import quiet_stdout, saved_atrium
+from tests.docs import record
 
 ENGINES = {"ISM, 1 sample": ("ISM", 1), "Cycles, 1 sample": ("CYCLES", 1), "Cycles, 16 samples": ("CYCLES", 16)}
 
@@ -59,8 +59,8 @@ def main() -> int:
     print(table(sorted(profiles, key=lambda profile: profile["seconds"])[len(profiles) // 2]))
     for name, times in seconds.items():
         print(f"{name:<20} {middle.median(times):6.2f} s  ({min(times):.2f} to {max(times):.2f})")
-    record = {"size": options.size, "machine": platform.processor() or platform.machine(), "seconds": seconds}
-    (options.output / "atrium.json").write_text(json.dumps(record | {"profiles": profiles}, indent=1))
+    measured = {"size": options.size, "seconds": seconds, "profiles": profiles}
+    record.write(options.output, "atrium", open_device().name, measured)
     return 0
 
 

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frames a second and milliseconds a pass, without Blender: python -m tests.benchmark.gpu --output FOLDER [SNAPSHOT …]
 
-The two cases are those of published figures: the report's (Beck-Norén & Valter 2013: 105 light points at 1280×720,
+The two cases are those of published figures: the report's (Beck-Norén & Valter 2013: 105 virtual lights at 1280×720,
 25 frames a second, GTX 560 Ti) and Linke's (2017: 1,024 maps of 64² at 1920×1080, at most 2,048 points in each,
 8.7 ms, GTX 980). A frame is one sample, all that belongs to it drawn anew; the GPU is waited for after each pass.
 """
 
 import argparse
 import itertools
-import json
-import platform
 import sys
 import time
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +22,8 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View
 from ism_addon.settings import Method, Quality, Settings, Shadow
+from tests.docs import record
 from tests.scenes.small import pillar_field
-from tests.tools import project
 
 WARM_UP = 2  # frames
 
@@ -41,11 +38,11 @@ class Case:
 
 
 CASES = {
-    "1280×720, 105 light points": Case(1280, 720, Quality(virtual_lights=105)),
-    "1920×1080, 1024 light points": Case(1920, 1080, Quality(virtual_lights=1024, map_size=64, map_points=2048)),
+    "1280×720, 105 virtual lights": Case(1280, 720, Quality(virtual_lights=105)),
+    "1920×1080, 1024 virtual lights": Case(1920, 1080, Quality(virtual_lights=1024, map_size=64, map_points=2048)),
 }
 #: By name: the look of the shadows.
-METHODS = {"fitted": Settings(), "classic": Settings(shadow=Shadow(method=Method.SHADOW_MAPS))}
+METHODS = {"Ray Traced": Settings(), "Imperfect Shadow Maps": Settings(shadow=Shadow(method=Method.SHADOW_MAPS))}
 
 
 def main() -> int:
@@ -64,14 +61,7 @@ def main() -> int:
             settings = replace(METHODS[method], quality=CASES[case_name].quality)
             cases.append(what | measure(device, scene, view, settings, CASES[case_name], options.seconds))
             tell(cases[-1])
-    record = {
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "system": platform.platform(),
-        "opengl": f"{device.name}, {device.gl.info['GL_VERSION']}",
-        "commit": project.commit(),
-        "cases": cases,
-    }
-    (options.output / "gpu.json").write_text(json.dumps(record, indent=1), "utf-8")
+    record.write(options.output, "gpu", f"{device.name}, {device.gl.info['GL_VERSION']}", {"cases": cases})
     return 0
 
 

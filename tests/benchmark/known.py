@@ -15,6 +15,7 @@ from ism_addon.gpu.passes.direct.predict_visibility import PredictVisibility
 from ism_addon.gpu.passes.light_selection.cull_lights import CullLights
 from ism_addon.gpu.passes.light_selection.probe_visibility import ProbeVisibility
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.resources import CONTRIBUTING_LIGHTS, CULLING_STATE, LIGHT_INFLUENCE, TILE_VISIBILITY
 
 from .error.ism import Ism
 
@@ -36,31 +37,31 @@ class Known(Ism):
 
 def tell(renderer: Renderer) -> None:
     """What it has found so far, in each first sample from now on."""
-    reach, scout, predict = (renderer.passes[kind] for kind in (CullLights, ProbeVisibility, PredictVisibility))
-    look, ask, ask_by_blocks = reach.draw, scout.draw, predict.by_blocks
-    lights, found = renderer.tables["reach"], renderer.tables["found"]
-    kept = {name: getattr(reach, name) for name in ("bounds", "most", "light")}
-    arrives = dict(reach.arrives)
+    graph = renderer.graph
+    cull, probe, predict = (graph.instance(kind) for kind in (CullLights, ProbeVisibility, PredictVisibility))
+    execute_cull, execute_probe, rays_of_tiles = cull.execute, probe.execute, predict.rays_of_tiles
+    state, influences, visibility = (graph[each] for each in (CULLING_STATE, LIGHT_INFLUENCE, TILE_VISIBILITY))
 
-    def told_look(frame: Frame) -> None:
+    def told_cull(frame: Frame) -> None:
         if frame.sample:
-            look(frame)
+            execute_cull(frame)
             return
-        vars(reach).update(kept, arrives=dict(arrives))
-        frame.tables["reach"] = {light: replace(to, seen=to.seen.copy()) for light, to in lights.items()}
-        frame.tables["reaching"] = tuple(sorted(lights))
+        frame[CULLING_STATE], frame[LIGHT_INFLUENCE] = state, influences
+        frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
-    def told_ask(frame: Frame) -> None:
-        there, nowhere = frame.tables["reach"], np.zeros((*frame.blocks[::-1], 2), bool)
-        partly = {light: found.get(light, nowhere).all(2) for light in there}
-        frame.tables["reach"] = {
-            light: replace(to, worth=to.worth & partly[light], seen=np.ones_like(to.seen))
-            for light, to in there.items()
+    def told_probe(frame: Frame) -> None:
+        nowhere = np.zeros((*frame.tiles[::-1], 2), bool)
+        partly = {light: visibility.get(light, nowhere).all(2) for light in influences}
+        graph[LIGHT_INFLUENCE] = {
+            light: replace(
+                to, contributes=to.contributes & partly[light], coarse_visibility=np.ones_like(nowhere[..., 0])
+            )
+            for light, to in influences.items()
         }
-        ask(frame)
-        frame.tables["reach"] = there
+        execute_probe(frame)
+        graph[LIGHT_INFLUENCE] = influences
 
-    def told_by_blocks(frame: Frame, rays: dict, apart: int) -> dict[int, np.ndarray]:
-        return ask_by_blocks(frame, rays, apart) if frame.sample else {k: v.copy() for k, v in found.items()}
+    def told_rays(frame: Frame, rays: dict, spacing: int) -> dict[int, np.ndarray]:
+        return rays_of_tiles(frame, rays, spacing) if frame.sample else {k: v.copy() for k, v in visibility.items()}
 
-    reach.draw, scout.draw, predict.by_blocks = told_look, told_ask, told_by_blocks
+    cull.execute, probe.execute, predict.rays_of_tiles = told_cull, told_probe, told_rays

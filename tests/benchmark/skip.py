@@ -8,7 +8,6 @@ known.
 """
 
 import argparse
-import json
 import sys
 import time
 from dataclasses import asdict, replace
@@ -20,6 +19,7 @@ import numpy as np
 from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import COUNTS, Profile
 from ism_addon.gpu.renderer import Renderer
+from tests.docs import record
 from tests.scenes.shortcuts import Case, Picture, cases
 
 from .error.curve import time_to
@@ -107,9 +107,10 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=1, help="of each case; medians are taken (%(default)s)")
     parser.add_argument("--size", default="320x180", help="WIDTHxHEIGHT in pixels (%(default)s)")
     parser.add_argument("--only", default="", help="cases whose names hold this")
+    parser.add_argument("--quick", action="store_true", help="the cases alone, without the atrium's race")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
-    device = open_device()
+    device, atrium = open_device(), []
     chosen = [case for case in cases(*map(int, options.size.split("x"))) if options.only in case.name]
     if not chosen:
         parser.error(f"no case's name holds {options.only}")
@@ -117,19 +118,19 @@ def main() -> int:
     heads = ("case", *COLUMNS, *(name.replace("_", " ") for name in COUNTED))
     lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
     print("\n".join(lines), flush=True)
-    record = {}
+    found: dict[str, dict] = {}
     for case in chosen:
-        record[case.name] = row(device, case, options.rounds)
-        lines.append(line(case.name, record[case.name]))
+        found[case.name] = row(device, case, options.rounds)
+        lines.append(line(case.name, found[case.name]))
         print(lines[-1], flush=True)
-    if not options.only:
-        record["atrium"] = to_the_same_error(device, options.output, options.rounds)
+    if not (options.only or options.quick):
+        atrium = to_the_same_error(device, options.output, options.rounds)
         lines += ["", "| atrium, RMSE/mean | seconds | no skip | faster | if all were known |", "|---|---|---|---|---|"]
-        for goal in record["atrium"]:
+        for goal in atrium:
             faster = f"{goal['skip faster']:.2f}× | {goal['all known faster']:.2f}×"
             lines.append(f"| {goal['rmse']:.4f} | {goal['skip']:.2f} | {goal['no skip']:.2f} | {faster} |")
         print("\n".join(lines[-len(GOALS) - 3 :]))
-    (options.output / "skip.json").write_text(json.dumps(record, indent=1), "utf-8")
+    record.write(options.output, "skip", device.name, {"cases": found, "atrium": atrium})
     (options.output / "skip.md").write_text("\n".join(lines) + "\n", "utf-8")
     return 0
 

@@ -6,7 +6,6 @@ kept from one to the next. The first of either engine loads programs and compile
 """
 
 import argparse
-import json
 import sys
 import time
 from pathlib import Path
@@ -18,8 +17,10 @@ import numpy as np
 from ism_addon import addon
 from ism_addon.blender.engine import statistics
 from ism_addon.blender.render import persistent_data
+from ism_addon.gpu.gl.context import open_device
 from tests.benchmark.error import cycles
 from tests.demo.figure6 import quiet_stdout
+from tests.docs import record
 from tests.scenes import scenery
 from tests.scenes.parts.shapes import box
 from tests.scenes.scenery import Lamp, large_mesh
@@ -106,7 +107,8 @@ def main() -> int:
             print(f"{name:<16}{rounds[0][name]:>10.0f}{value:>10.1f}")
     ratio = medians["whole"] / medians["Cycles"]
     print(f"{options.meshes:,} meshes: {ratio:.2f} times Cycles")
-    (options.output / "small_meshes.json").write_text(json.dumps(rounds, indent=1))
+    measured = {"meshes": options.meshes, "rounds": rounds}
+    record.write(options.output, "small_meshes", open_device().name, measured)
     return 0
 
 

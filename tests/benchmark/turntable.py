@@ -23,7 +23,9 @@ import bpy
 from ism_addon import addon
 from ism_addon.blender.engine import statistics
 from ism_addon.blender.render import final_render, persistent_data
+from ism_addon.gpu.gl.context import open_device
 from tests.demo.figure6 import quiet_stdout, saved_atrium
+from tests.docs import record
 
 
 def camera(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -170,12 +172,12 @@ def main() -> int:
     finally:
         addon.unregister()
     print(f"{'ms':<24}" + "".join(f"{name:>9}" for name in COLUMNS) + "   ratio")
-    record = {}
+    found = {}
     for animation in product(options.what.split(","), options.samples.split(","), ("", PERSISTENT)):
         name = ", ".join(filter(None, animation))
-        record[name] = of_its_own(options.output, *animation, options.frames)
-        print(row(name, record[name]), flush=True)
-    (options.output / "turntable.json").write_text(json.dumps(record, indent=1))
+        found[name] = of_its_own(options.output, *animation, options.frames)
+        print(row(name, found[name]), flush=True)
+    record.write(options.output, "turntable", open_device().name, {"animations": found})
     return 0
 
 

@@ -20,6 +20,9 @@ def test_a_picture_of_a_growing_scene_is_measured():
 def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):
     command = [sys.executable, "-m", "tests.benchmark.small_meshes", "--output", str(tmp_path)]
     subprocess.run([*command, "--meshes", "20", "--renders", "2"], cwd=ROOT, timeout=120, check=True)
-    rounds = json.loads((tmp_path / "small_meshes.json").read_text())
+    record = json.loads((tmp_path / "small_meshes.json").read_text())
+    rounds = record["rounds"]
+    assert record["command"] == "python3 dev.py bench small_meshes --meshes 20 --renders 2"
+    assert record["machine"]["opengl"]
     assert len(rounds) == 2
     assert all(min(each["whole"], each["read"], each["BuildBLAS"], each["Cycles"]) > 0.0 for each in rounds)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
+from ism_addon.resources import REDISCOVERED, TILE_VISIBILITY
 from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
 from tests.scenes.small import box_over_plane
@@ -49,25 +50,25 @@ def test_after_several_samples(device, method, edit, last):
 
 def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, monkeypatch):
     """Samples add to what the first look found, which the next picture may use again."""
-    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {0: np.ones(frame.blocks[::-1], bool)})
+    monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {0: np.ones(frame.tiles[::-1], bool)})
     lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
     lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
     scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
     settings, view = with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
     first = draw(device, scene, view, settings)
-    assert set(first.renderer.tables["found"]) == {0, 1}
+    assert set(first.renderer.graph[TILE_VISIBILITY]) == {0, 1}
     again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
-    assert set(again.renderer.tables["found"]) == {1}
+    assert set(again.renderer.graph[TILE_VISIBILITY]) == {1}
     assert not again.profile.rows["ProbeVisibility"].drawn
 
 
 def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, method, monkeypatch):
     """The next one has fewer lights, and may be of the other method."""
-    monkeypatch.setattr(RetestOccluded, "spotted", lambda _pass, frame: {1: np.ones(frame.blocks[::-1], bool)})
+    monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {1: np.ones(frame.tiles[::-1], bool)})
     floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
     before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
     renderer = draw(device, before, view, with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL)).renderer
-    assert renderer.tables["spotted"]
+    assert renderer.graph[REDISCOVERED]
     monkeypatch.undo()
     after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)
     expected = draw(device, after, view, settings).color

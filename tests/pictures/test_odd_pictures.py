@@ -82,7 +82,7 @@ def test_what_casts_no_shadow_is_seen_and_throws_none(device, base):
     open_floor = stage(floor_and_plate()[:1], light())
     view = look((0.0, -6.0, 0.5), (0.0, 0.0, 0.5))
     ours, bare = draw(device, ghost, view, base), draw(device, open_floor, view, base)
-    floor = (ours.target("triangle")[..., 0] <= 2) & (ours.target("triangle")[..., 0] > 0)
+    floor = (ours.target("primitive")[..., 0] <= 2) & (ours.target("primitive")[..., 0] > 0)
     assert np.abs(ours.color - bare.color)[floor].max() < 0.01
     assert np.abs(ours.color - draw(device, scene, view, base).color)[floor].max() > 0.012
 
@@ -92,7 +92,7 @@ def test_what_is_unseen_may_throw_a_shadow(device, base):
     scene = stage(floor_and_plate(), light())
     hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
     drawn = draw(device, hidden, look((0.0, -3.0, 4.0)), base)
-    assert set(np.unique(drawn.target("triangle")[..., 0])) <= {0, 1, 2}
+    assert set(np.unique(drawn.target("primitive")[..., 0])) <= {0, 1, 2}
     bare = draw(device, stage(floor_and_plate()[:1], light()), look((0.0, -3.0, 4.0)), base)
     assert (bare.color - drawn.color).max() > 0.03
 

@@ -7,24 +7,23 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import renderer
-from ism_addon.gpu.renderer import SHOWABLE
+from ism_addon.gpu.estimators import RayTracedDirect, ShadowMappedDirect
+from ism_addon.resources import INSTANCE_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS
 from ism_addon.scene import Image
-from ism_addon.settings import SSAO, Method
+from ism_addon.settings import SSAO, DebugView, Method
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, quad, stage, with_quality
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 BY_MAPS = replace(MAPS, ssao=SSAO())
 METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, BY_MAPS), strict=True)}
-TREES = {"BuildBLAS", "BuildTLAS"}
-BEFORE = {kind.__name__ for kind in renderer.BEFORE} - TREES - {"UploadUVs"}
-LIGHT = {kind.__name__ for kind in renderer.FITTED} - {
-    "RetestOccluded",
-    "TraceFaintLights",
-}  # nothing to check yet, and no light is dim
+TREES = {"BuildBLAS", "UploadBLAS", "BuildTLAS"}
+STAGES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
+BEFORE = {kind.__name__ for kind in STAGES} - TREES - {"UploadUVs"}
+LIGHT = {kind.__name__ for kind in RayTracedDirect.kinds} - {"RetestOccluded"}  # nothing to retest yet
 RAYS = TREES | LIGHT
-SHADOWS = {kind.__name__ for kind in renderer.FOR_EACH_BATCH}
-ALL_MAPS = {kind.__name__ for kind in renderer.CLASSIC} | SHADOWS
+SHADOWS = {kind.__name__ for kind in ShadowMappedDirect.FOR_EACH_ATLAS}
+ALL_MAPS = {kind.__name__ for kind in ShadowMappedDirect.kinds}
 OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
 WANTED = {"CullMeshes"}
 AFTER = {"Shade", "Accumulate", "Resolve", "EstimateError"}
@@ -68,12 +67,12 @@ def test_the_first_picture_draws_the_passes_of_its_method(device, scene_and_view
 
 def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
     first, second = (draw(device, *scene_and_view, SETTINGS) for _ in range(2))
-    for name in ("geometry", "surfaces"):
-        assert first.renderer.tables[name] is second.renderer.tables[name]
+    for resource in (MESH_BUFFERS, MATERIAL_BUFFERS):
+        assert first.renderer.graph[resource] is second.renderer.graph[resource]
     uploaded = [drawn.profile.counts["bytes_uploaded"] for drawn in (first, second)]
-    owners, others = (drawn.renderer.tables["placement"].owners for drawn in (first, second))
+    owners, others = (drawn.renderer.graph[INSTANCE_BUFFERS].owners for drawn in (first, second))
     assert owners is others
-    geometry, surfaces = first.renderer.tables["geometry"], first.renderer.tables["surfaces"]
+    geometry, surfaces = first.renderer.graph[MESH_BUFFERS], first.renderer.graph[MATERIAL_BUFFERS]
     shared = (geometry, owners, surfaces, surfaces.texels)
     assert uploaded[0] - uploaded[1] == sum(each.bytes for each in shared)
 
@@ -89,7 +88,7 @@ def test_another_colour_uploads_no_image(device):
     second = draw(device, replace(scene, materials=materials), view, renderer=first.renderer)
     assert second.profile.rows["UploadMaterials"].drawn
     assert first.profile.counts["bytes_uploaded"] > texels.nbytes
-    assert second.profile.counts["bytes_uploaded"] == second.renderer.tables["surfaces"].bytes
+    assert second.profile.counts["bytes_uploaded"] == second.renderer.graph[MATERIAL_BUFFERS].bytes
 
 
 def test_equal_settings_draw_nothing(again, base):
@@ -197,7 +196,7 @@ def test_an_interrupted_picture_leaves_no_trace(device, scene_and_view, base):
         assert np.array_equal(draw(device, scene, view, settings, whole.renderer).color, expected), steps
 
 
-@pytest.mark.parametrize("target", SHOWABLE)
+@pytest.mark.parametrize("target", DebugView)
 def test_every_target_can_be_shown(device, scene_and_view, base, target):
     shown = draw(device, *scene_and_view, replace(base, debug_view=target)).color
     assert shown.shape == (16, 24, 4)
@@ -207,5 +206,5 @@ def test_every_target_can_be_shown(device, scene_and_view, base, target):
 @pytest.mark.parametrize("off", ["ssao", "shadow"])
 def test_targets_that_nobody_drew_can_be_shown(device, scene_and_view, base, off):
     settings = replace(base, **{off: replace(getattr(base, off), enabled=False)})
-    for target in SHOWABLE:
+    for target in DebugView:
         assert np.isfinite(draw(device, *scene_and_view, replace(settings, debug_view=target)).color).all()

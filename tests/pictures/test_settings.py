@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.renderer import SHOWABLE
+from ism_addon.resources import DEBUG_VIEWS
 from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, help_text, setting_fields
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
@@ -61,4 +61,4 @@ def test_every_setting_is_explained_to_its_user():
 
 
 def test_a_debug_view_is_any_target_that_can_be_shown():
-    assert sorted(DebugView) == sorted(SHOWABLE)
+    assert sorted(DebugView) == sorted(view.name for view in DEBUG_VIEWS)

@@ -26,10 +26,7 @@ def test_counts(device, name):
     case = CASES[name]
     profile = drawn(device, case).profile
     passes = {name for name, row in profile.rows.items() if row.drawn}
-    assert case.drawn is None or passes - {"TraceFaintLights"} == case.drawn
-    assert "TraceShadows" in passes or "TraceFaintLights" not in passes, (
-        "it adds to what TraceShadows draws, where a light is faint"
-    )
+    assert case.drawn is None or passes == case.drawn
     assert not passes & case.never
     for count, value in case.equal.items():
         assert profile.counts[count] == value, count

@@ -12,6 +12,8 @@ from ism_addon.gpu.buffers.material_buffers import lines_for
 from ism_addon.gpu.gl import driver_variants
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.frame_uniforms import clip_from_anchor
+from ism_addon.gpu.passes.environment.ambient_occlusion import projected_radius
+from ism_addon.resources import MATERIAL_BUFFERS
 from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
 from tests.scenes.small import box_over_plane
@@ -31,7 +33,7 @@ from tests.support.small_scenes import (
 SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
 SIZE = 64, 48
 
-RAYS = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
+RAYS = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
 LIGHTS = {"UploadLights", "CullLights"}
 LIGHT_BY_RAYS = {"PredictVisibility", "TraceShadows"}
 LIGHT_BY_MAPS = {"PlaceVirtualLights", "GatherLight"}
@@ -71,9 +73,14 @@ def test_what_is_not_needed_is_left_out(device, why, method):
     left_out = WITHOUT[why][method]
     assert drawn == {name for name, row in whole.profile.rows.items() if row.drawn} - left_out
     assert not drawn & OTHERS[method]
-    spared = {name for kind in renderer.PASSES if kind.__name__ in left_out for name in kind.writes}
-    assert {part.renderer.targets[name].size for name in spared} <= {driver_variants.sides((1, 1))}
-    taken, left = (sum(memory_of(each.renderer.targets[name]) for name in spared) for each in (whole, part))
+    outputs = {target for kind in renderer.PASSES if kind.__name__ in left_out for target in kind.outputs}
+    spared = {each for each in outputs if each in whole.renderer.graph.targets.textures}
+    neutral = part.renderer.graph.targets.textures
+    assert {neutral[target].size for target in spared & neutral.keys()} <= {driver_variants.sides((1, 1))}
+    taken, left = (
+        sum(memory_of(textures[target]) for target in spared & textures.keys())
+        for textures in (each.renderer.graph.targets.textures for each in (whole, part))
+    )
     counted = (each.profile.counts["bytes_of_targets"] for each in (whole, part))
     assert left <= 9 * 16 * len(spared) < taken
     assert next(counted) - next(counted) >= taken - left
@@ -88,7 +95,7 @@ def test_without_images_no_texel_and_no_shader_for_them(device):
     assert not scene.images
     before = set(device.programs)
     drawn = draw(device, scene, view, SETTINGS[Method.RAY_TRACED])
-    assert drawn.renderer.tables["surfaces"].texels.texture.height == lines_for(0)
+    assert drawn.renderer.graph[MATERIAL_BUFFERS].texels.texture.height == lines_for(0)
     assert not [key for key in device.programs.keys() - before if ("images", 1) in key[-1]]
 
 
@@ -108,7 +115,7 @@ def test_no_point_about_what_is_seen_is_farther_on_the_screen_than_is_said(devic
     clip = clip_from_anchor(view, frame.anchor)
     before, after = (on_screen(clip, p) for p in (points[None], points[None] + around))
     farthest = (np.abs(after - before) * SIZE).max() / 2.0
-    said = frame.projected_radius(radius)
+    said = projected_radius(frame, radius)
     assert 0.2 * said < farthest <= said
 
 
@@ -120,7 +127,8 @@ def on_screen(clip, points):
 
 def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
     room = stage([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
-    assert draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last[0].projected_radius(1e-3) == np.inf
+    frame, _ = draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last
+    assert projected_radius(frame, 1e-3) == np.inf
 
 
 @pytest.mark.parametrize(("radius", "drawn"), [(0.03, 0), (0.07, 1)])
@@ -139,8 +147,8 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
     assert not left_out.profile.rows["AmbientOcclusion"].drawn
     drawn = draw(device, scene, view, replace(settings, shortcuts=False))
     assert drawn.profile.rows["AmbientOcclusion"].drawn
-    assert (drawn.target("occlusion") == 1.0).all()
-    assert (drawn.target("smooth_occlusion") == 1.0).all()
+    assert (drawn.target("raw_occlusion") == 1.0).all()
+    assert (drawn.target("ambient_occlusion") == 1.0).all()
 
 
 #: Shaders of one sample without lights; what lights add to it, shadows to that, and what further samples do.

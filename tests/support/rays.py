@@ -8,11 +8,12 @@ import numpy as np
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
-from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS
+from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.resources import TLAS
 from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS, look
 
@@ -24,7 +25,7 @@ out float told;
 void main() {
     vec2 own = texelFetch(owners, gl_VertexID).xy;
     vec3 from = texelFetch(starts, gl_VertexID).xyz, to = texelFetch(ends, gl_VertexID).xyz;
-    told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
+    told = any_hit(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
 }
 """
 
@@ -33,14 +34,14 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, shortcuts=False), 0, Profile())
-    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, BuildTLAS):
-        renderer.run(kind, frame, Profile())
+    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
+        renderer.graph.step(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), ASK])
     program = device.gl.program(vertex_shader=shader, varyings=["told"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}
-    bind(program, **{name: device.array(rows) for name, rows in padded.items()}, **frame.tables["casters"])
+    bind(program, **{name: device.array(rows) for name, rows in padded.items()}, **frame[TLAS])
     device.gl.simple_framebuffer((1, 1)).use()
     buffer = device.gl.buffer(reserve=4 * len(starts))
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ism_addon.resources import RESOURCES, TILES
 from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.small import basis, mesh, perspective
@@ -36,15 +37,16 @@ class Drawn:
 
     def target(self, name: str) -> np.ndarray:
         """(H,W,components) of any target, bottom row first."""
-        found = texels(self.renderer.targets[name], self.renderer.targets.sizes[name])
+        targets, target = self.renderer.graph.targets, RESOURCES[name]
+        found = texels(targets[target], targets.sizes.get(target, (1, 1)))
         return found if found.dtype == np.uint32 else found.astype(float)
 
     @property
     def part(self) -> np.ndarray:
         """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
-        blocks = self.renderer.tables["blocks"]
-        found = np.zeros(self.renderer.last[0].blocks[::-1], bool)
-        column, row = blocks["block"].astype(int).T
+        blocks = self.renderer.graph[TILES]
+        found = np.zeros(self.renderer.last[0].tiles[::-1], bool)
+        column, row = blocks["tile"].astype(int).T
         found[row, column] = True
         return found
 

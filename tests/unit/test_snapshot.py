@@ -119,16 +119,6 @@ def test_a_mesh_without_triangles_is_refused(tmp_path):
         snapshot.load(tmp_path / "empty.npz")
 
 
-def test_every_array_of_the_contract_has_a_shape():
-    arrays = {
-        (kind, member.name)
-        for kind in (Mesh, Instances, Materials, Image, Lights, World, View)
-        for member in fields(kind)
-        if member.type is np.ndarray
-    }
-    assert set(snapshot.SHAPES) == arrays
-
-
 @given(st.floats(0.0, 16.0), st.integers(1, 65536))
 def test_numbers_of_settings_come_back_exactly(tmp_path_factory, bias, samples):
     settings = Settings(Shadow(bias=bias), quality=Quality(samples=samples))

@@ -43,7 +43,7 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
     if not (is_within(world_from_view).all() and np.linalg.norm(world_from_view[:3, :3], axis=0).all()):
         raise CameraError(f"The camera '{camera.name}' is too far away or scaled to nothing; clear its transform.")
     left, right, bottom, top = border(render)
-    return View(
+    return View.of(
         clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
         view_from_world=_rigid_inverse(world_from_view),
         width=right - left,
@@ -70,7 +70,7 @@ def viewport_view(
     render = depsgraph.scene_eval.render
     left, right, bottom, top = part or (0, width, 0, height)
     clip_from_view = np.array(region_data.window_matrix, np.float64)
-    return View(
+    return View.of(
         clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
         view_from_world=_rigid_inverse(np.linalg.inv(np.array(region_data.view_matrix, np.float64))),
         width=right - left,

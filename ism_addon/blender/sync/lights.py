@@ -5,7 +5,7 @@ Sheared ones send their watts evenly from the parallelogram or ellipse that they
 chooses on an ellipse; those on its rectangles lie off their plane, and rays that hit either meet another shape.
 """
 
-from dataclasses import dataclass, fields
+from typing import Any
 
 import bpy
 import numpy as np
@@ -25,33 +25,8 @@ SHAPES = {
     "ELLIPSE": (LightShape.ELLIPSE, True),
 }
 
-#: Where the table's arrays are not float32.
-DTYPES = {
-    "shape": np.int32,
-    "position": np.float64,
-    "axis_u": np.float64,
-    "axis_v": np.float64,
-    "normal": np.float64,
-    "casts_shadow": np.bool_,
-    "receivers": np.int32,
-    "blockers": np.int32,
-}
-
-
-@dataclass(frozen=True)
-class _Row:
-    """One light, by the names of Lights."""
-
-    shape: LightShape
-    position: np.ndarray
-    axis_u: np.ndarray
-    axis_v: np.ndarray
-    normal: np.ndarray
-    radiance: np.ndarray
-    spread: float
-    casts_shadow: bool
-    receivers: int
-    blockers: int
+#: One light, by the names of Lights.
+Row = dict[str, Any]
 
 
 class LightReader:
@@ -59,7 +34,7 @@ class LightReader:
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
-        self._rows: list[tuple[_Row | None, Diagnostics]] = []
+        self._rows: list[tuple[Row | None, Diagnostics]] = []
         self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
 
     def begin(self) -> None:
@@ -84,18 +59,10 @@ class LightReader:
         """All that shine."""
         for _, found in self._rows:
             findings.include(found)
-        rows = [row for row, _ in self._rows if row is not None]
-        columns = {}
-        for member in fields(_Row):
-            column: np.ndarray = np.array(
-                [getattr(row, member.name) for row in rows], DTYPES.get(member.name, np.float32)
-            )
-            vector = member.type is np.ndarray
-            columns[member.name] = column.reshape(-1, 3) if vector else column
-        return Lights(**columns)
+        return Lights.of_rows(row for row, _ in self._rows if row is not None)
 
 
-def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[_Row | None, Diagnostics]:
+def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
     """A light where it stands, (4,4); None if it is no area light, has no size or lights nothing."""
     findings, light = Diagnostics(), source.data
     if light.type != "AREA":
@@ -117,9 +84,9 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     if row is None:
         findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
         return None, findings
-    if not radiometry.is_upright(row.axis_u, row.axis_v):
+    if not radiometry.is_upright(row["axis_u"], row["axis_v"]):
         findings.note("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
-    if not is_within(row.radiance, MAX_RADIANCE).all():
+    if not is_within(row["radiance"], MAX_RADIANCE).all():
         findings.note("Area lights too bright to be drawn are left out", source.name)
         return None, findings
     return row, findings
@@ -135,7 +102,7 @@ def watts(light: bpy.types.Light) -> np.ndarray:
 
 def _row(
     light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray, receivers: int, blockers: int
-) -> _Row | None:
+) -> Row | None:
     """None where the light has no area or no direction."""
     shape, own_height = SHAPES[light.shape]
     axis_u = world_from_light[:3, 0] * light.size
@@ -154,7 +121,7 @@ def _row(
         power = power * (box / np.linalg.norm(np.cross(axis_u, axis_v)))
     # A light that is not normalised shines per square metre what a normalised one shines in all.
     radiant_area = area if getattr(light, "normalize", True) else 1.0
-    return _Row(
+    return Row(
         shape=shape,
         position=world_from_light[:3, 3],
         axis_u=axis_u,

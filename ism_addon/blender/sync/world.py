@@ -16,12 +16,12 @@ def read(world: bpy.types.World | None, findings: Diagnostics) -> World:
     No world is black, and so is what is no number.
     """
     if world is None:
-        return World(np.zeros(3, np.float32))
+        return World.of(radiance=np.zeros(3))
     radiance = _radiance(world, findings)
     seen_by = getattr(world, "cycles_visibility", None)  # Cycles can be switched off
     if seen_by is not None and not (seen_by.camera and seen_by.diffuse):
         findings.note("The ray visibility of worlds is not obeyed", world.name)
-    return World(np.where(is_within(radiance), radiance, 0.0).astype(np.float32))
+    return World.of(radiance=np.where(is_within(radiance), radiance, 0.0))
 
 
 def _radiance(world: bpy.types.World, findings: Diagnostics) -> np.ndarray:

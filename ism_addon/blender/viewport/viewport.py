@@ -121,7 +121,8 @@ class Viewport:
 
     def _news(self) -> tuple:
         """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
-        return self._job, self._picture, self.is_waiting
+        programs = None if self._job is None else self._job.programs_shown
+        return self._job, self._picture, self.is_waiting, programs
 
 
 def next_preview_size(pixel: int, seconds: float) -> int:

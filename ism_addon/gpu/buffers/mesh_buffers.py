@@ -169,7 +169,7 @@ class MeshBuffers:
     @property
     def arrays(self) -> dict[str, BufferTexture]:
         """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
-        return {"corners": self.corners.array, "normals": self.normals.array}
+        return {"corners": self.corners.array, "corner_normal_buffer": self.normals.array}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""

@@ -63,6 +63,8 @@ class Device:
     points: PointBatch
     #: Compiled shaders by what they were made of: renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
+    #: Called before a program is compiled, which takes some drivers a second.
+    on_compile: list[Callable[[], None]] = field(default_factory=list)
     #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 

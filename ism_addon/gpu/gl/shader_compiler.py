@@ -23,6 +23,8 @@ STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
 #: Lines of the k-th file of a shader are counted from k times this: Mesa forgets the file that #line names.
 LINES_PER_FILE = 10_000
+#: A uniform's declaration: its name.
+UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.M)
 #: The first error that a compiler tells of: its line, and what is wrong.
 #: Mesa and Intel write 0:33(2): error: …, NVIDIA 0(33) : error C1503: …, AMD and Apple ERROR: 0:33: …
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
@@ -61,6 +63,8 @@ def compile_program(
     """The program of the files `names` in the shader folder, one a stage; compiled once. Raises ShaderError."""
     key = (names, tuple(record.name for record in records), tuple(constants.items()))
     if key not in device.programs:
+        for begins in device.on_compile:
+            begins()
         device.programs[key] = compile_stages(device.gl, names, records, constants)
     return device.programs[key]
 
@@ -77,6 +81,7 @@ def compile_stages(
         program = gl.program(**stages)
     except (moderngl.Error, OSError) as error:
         raise ShaderError(f"the shader {' + '.join(names)} does not compile: {first_error(error, files)}") from error
+    program.extra = frozenset(name for source in stages.values() for name in UNIFORM.findall(source))
     if frame_uniforms.NAME in program:
         cast(moderngl.UniformBlock, program[frame_uniforms.NAME]).binding = frame_uniforms.BINDING
     return program
@@ -93,12 +98,21 @@ def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
     return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
 
 
+class UndeclaredUniformError(RuntimeError):
+    """A pass sets a uniform that no source of its program declares. A fault of the pass, which no scene can cause."""
+
+
 def bind(program: moderngl.Program, **values: object) -> None:
-    """Give uniforms their values, and samplers their textures; what the compiler left out is passed over."""
+    """Give uniforms their values, and samplers their textures; what the compiler left out is passed over.
+
+    Raises UndeclaredUniformError for a name that the program's sources do not have.
+    """
     held = program.ctx.extra
     for name, value in values.items():
         uniform: Any = program.get(name, None)
         if uniform is None:
+            if name not in program.extra:
+                raise UndeclaredUniformError(f"no source of the program declares the uniform {name}")
             continue
         if isinstance(value, BufferTexture):
             unit = held.unit_with(name, value)

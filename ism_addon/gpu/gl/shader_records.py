@@ -80,11 +80,11 @@ CASTER = Record(
     row2="vec4",
     first_node="int",
     leaves="int",
-    first_start="int",
-    per_leaf="int",
+    first_leaf="int",
+    triangles_per_leaf="int",
     first_triangle="int",
     instance="int",
-    groups="int",
+    link_groups="int",
 )
 
 #: A Lambertian surface; a width of 0 means that there is no image.
@@ -107,8 +107,8 @@ LIGHT = Record(
     blockers="int",
 )
 
-#: A light that counts, and which light points stand for it.
-VIRTUAL_LIGHT_RANGE = Record("PointsOfLight", light="int", first="int", count="int")
+#: A light that contributes, and the virtual lights that stand for it.
+VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")
 
 #: A virtual point light: where it is on its light, and cosine and sine by which its shadow map is turned there.
-VIRTUAL_LIGHT = Record("LightPoint", place="vec2", turn="vec2")
+VIRTUAL_LIGHT = Record("VirtualLight", light_uv="vec2", rotation="vec2")

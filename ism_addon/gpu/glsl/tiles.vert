@@ -1,26 +1,26 @@
-// The blocks of pixels that take part in a sample: a point each, as large as they are.
-in vec2 block;
-in vec4 where;
-in float number;
-in float chance;
-in float light;
-in float part;
-uniform float size;        // of a block, with what is drawn around it
-uniform vec2 blocks;       // columns and rows; the viewport is theirs, which may reach beyond the picture
-flat out vec4 place;       // fine pixel and place, in px, from those of the pixel's centre
-flat out vec2 own_block;
-flat out float own_chance; // see trace.py and dim.py
-flat out float own_light;  // that the block is drawn for, where one is
-flat out float own_part;   // of it that is thought to be seen
-flat out float own_number; // of the sample, counting those that the block took part in
+// Tiles that take part in a draw: a point each, as large as they are. See TILE in tiles.py.
+in vec2 in_tile;
+in vec4 in_visibility_texel_and_offset;
+in float in_sample_index;
+in float in_probability;
+in float in_light;
+in float in_visibility;
+uniform float size;       // of a tile, with what is drawn around it, px
+uniform vec2 tile_counts; // columns and rows; the viewport is theirs, which may reach beyond the picture
+flat out vec2 tile;
+flat out vec4 visibility_texel_and_offset; // px; both from those of the pixel's centre
+flat out float sample_index;               // of the tile's own samples
+flat out float tile_probability;           // with which it is drawn; 0 if each pixel has its own
+flat out float tile_light;                 // that it is drawn for
+flat out float tile_visibility;            // predicted for all of its pixels
 
 void main() {
-    gl_Position = vec4((block + 0.5) / blocks * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = vec4((in_tile + 0.5) / tile_counts * 2.0 - 1.0, 0.0, 1.0);
     gl_PointSize = size;
-    own_block = block;
-    place = where;
-    own_number = number;
-    own_chance = chance;
-    own_light = light;
-    own_part = part;
+    tile = in_tile;
+    visibility_texel_and_offset = in_visibility_texel_and_offset;
+    sample_index = in_sample_index;
+    tile_probability = in_probability;
+    tile_light = in_light;
+    tile_visibility = in_visibility;
 }

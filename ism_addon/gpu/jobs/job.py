@@ -3,6 +3,7 @@
 
 import math
 import threading
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,9 @@ from ...render_passes import COMBINED, RenderPass
 from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
+
+#: s between two updates of a viewport that say how many shaders have been compiled: each makes Blender draw its window.
+COMPILING_SHOWN_EVERY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +56,10 @@ class Job:
         self.cancelled = False
         self.error = ""
         self.statistics: dict = {}
+        self.compiles = False  # the pass that is being drawn
+        self.programs = 0  # compiled for this job. How many it will need is not known: passes ask for them as they draw
+        self.programs_shown = 0  # of them, when viewports should say it again
+        self._shown_at = time.monotonic()
         self._news = news
         self._seen = 0
         self._happened = 0
@@ -60,6 +68,8 @@ class Job:
     @property
     def status(self) -> str:
         """How far it is, and how far the picture is thought to be from its end."""
+        if self.compiles:
+            return f"Compiling shaders ({self.programs})"
         error = self.statistics.get("error", math.inf)
         told = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
         return f"Sample {self.samples_done}/{self.samples}{told}"
@@ -78,6 +88,12 @@ class Job:
     def cancel(self) -> None:
         """Stop after the pass that is being drawn or, if that is a long one, within it."""
         self.cancelled = True
+
+    def begin_program(self) -> None:
+        """A program is going to be compiled. The worker's side."""
+        self.tell(compiles=True, programs=self.programs + 1)
+        if (now := time.monotonic()) - self._shown_at > COMPILING_SHOWN_EVERY:
+            self.programs_shown, self._shown_at = self.programs, now
 
     def tell(self, **changes: object) -> None:
         """Set attributes and wake whoever waits. The worker's side."""

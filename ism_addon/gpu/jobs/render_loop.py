@@ -55,10 +55,12 @@ class RenderLoop:
 
     def step(self, client: Hashable, job: Job) -> None:
         """Draw one pass of a job. Whatever goes wrong is its own error, but for ContextLost, which is raised."""
+        self.device.on_compile[:] = [job.begin_program]
         try:
             if job not in self.running:
                 self.running[job] = draw_job(*self.of(client), job)
             goes_on = not job.cancelled and next(self.running[job], job) is not job
+            job.compiles = False
         except Cancelled:
             goes_on = False
         except ContextLost:
@@ -89,7 +91,7 @@ class RenderLoop:
         """Nothing more comes of this job."""
         if job in self.running:
             self.running.pop(job).close()
-        job.tell(finished=True, error=error)
+        job.tell(finished=True, error=error, compiles=False)
 
     def close(self) -> None:
         """Free all that the GPU holds for us. What becomes of jobs is the worker's to say."""
@@ -148,6 +150,6 @@ def stop_reason(quality: Quality, samples: int, seconds: float, error: Convergen
     """Why a picture that has so many samples after so many seconds has no more; "" if it has."""
     if samples >= quality.samples:
         return "samples"
-    if error.settled.all():
+    if error.converged.all():
         return "error"
     return "time" if 0.0 < quality.time_limit <= seconds else ""

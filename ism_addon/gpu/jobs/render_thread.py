@@ -14,6 +14,7 @@ from collections.abc import Hashable
 from contextlib import closing
 from typing import TYPE_CHECKING
 
+from ..gl import moderngl_version
 from ..gl.errors import ContextLost, NoOpenGL
 from .job import Job, Request
 
@@ -120,11 +121,14 @@ class RenderThread:
         why = "The thread that draws has ended unexpectedly: render again"
         try:
             try:
+                moderngl_version.check()
                 from ..gl.context import open_device
                 from .render_loop import RenderLoop
             except (ImportError, OSError) as reason:
-                why = f"moderngl, which comes with the extension, could not be loaded ({reason}): "
-                why += "install the extension again"
+                why = (
+                    f"moderngl, which comes with the extension, could not be loaded ({reason}): "
+                    "install the extension again"
+                )
                 return
             with closing(RenderLoop(open_device(), self.shader_version)) as studio:
                 self._draw(studio)

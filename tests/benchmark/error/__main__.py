@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error against time on six scenes, every engine in its turn: `dev.py bench error`.
 
-Out come error.md, error.json, error.png and a plot for each scene. It reports; it judges nothing.
+Out come error.md and error.json. It reports; it judges nothing.
 """
 
 import argparse
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from ism_addon.gpu.gl.context import Device, open_device
+from tests.docs import record
 
-from . import plot, record, report
+from . import report
 from .cycles import Cycles
 from .eevee import Eevee
 from .engines import Engine
 from .ism import VARIANTS, Ism
 from .race import Result, race
+from .record import told
 from .stage import SCENES, Stage, set_up
 
 
@@ -39,7 +41,7 @@ QUICK = Effort(("objects", "thin"), (320, 180), 64, (1, 4, 16), (1, 4), 4.0, 1)
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.error", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, help="folder of the records, the plots and the truth")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the record, the tables and the truth")
     parser.add_argument("--quick", action="store_true", help="small pictures of two scenes, one round: a rough look")
     parser.add_argument("--scenes", help=f"some of {','.join(SCENES)}")
     parser.add_argument("--rounds", type=int, help=f"turns of each engine; medians are taken ({WHOLE.rounds})")
@@ -77,14 +79,14 @@ def engines(stage: Stage, effort: Effort, device: Device, blender: str) -> list[
 
 
 def write(results: dict[str, Result], effort: Effort, device: Device, options: argparse.Namespace) -> None:
-    """The summary, the tables, the record and the plots."""
+    """The summary, the tables and the record."""
     summary = report.summary(results, list(VARIANTS))
     print(summary)
     tables = "\n\n".join(report.scene(name, result) for name, result in results.items())
     (options.output / "error.md").write_text(f"{summary}\n\n{tables}\n", "utf-8")
-    record.write(options.output / "error.json", results, list(VARIANTS), effort, device, options.tuning)
-    for path in plot.draw(results, options.output):
-        print(path)
+    scenes = {name: told(result, list(VARIANTS)) for name, result in results.items()}
+    measured = {"tuning": options.tuning, "effort": asdict(effort), "scenes": scenes}
+    print(record.write(options.output, "error", device.name, measured))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ ALL_SAMPLES = Settings(ssao=SSAO(enabled=False), quality=Quality(error_threshold
 #: What is measured of ours, by the name that the table gives it.
 VARIANTS = {
     "ISM": ALL_SAMPLES,
-    "ISM classic": replace(ALL_SAMPLES, shadow=Shadow(method=Method.SHADOW_MAPS)),
+    "ISM, shadow maps": replace(ALL_SAMPLES, shadow=Shadow(method=Method.SHADOW_MAPS)),
 }
 #: Samples drawn before the clock runs: shaders are compiled and buffers filled by then.
 WARM_UP = 2

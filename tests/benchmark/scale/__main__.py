@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Time and memory as one thing grows, the rest fixed: `dev.py bench scale`.
 
-Out come scale.md, scale.json and scale.png. It reports; it judges nothing.
+Out come scale.md and scale.json. It reports; it judges nothing.
 """
 
 import argparse
 import json
 import subprocess
 import sys
-from datetime import UTC, datetime
 from pathlib import Path
 
 from ism_addon.gpu.gl.context import open_device
-from tests.benchmark.error.record import machine
+from tests.docs import record
 from tests.tools import project
 
-from . import plot, report
+from . import report
 from .series import SERIES
 
 PATIENCE = 1800  # s, for one picture
@@ -23,7 +22,7 @@ PATIENCE = 1800  # s, for one picture
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.scale", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, help="folder of the record, the tables and the plots")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the record and the tables")
     parser.add_argument("--quick", action="store_true", help="a few values of each: a rough look")
     parser.add_argument("--only", help=f"some of {','.join(SERIES)}")
     options = parser.parse_args()
@@ -38,14 +37,7 @@ def main() -> int:
         print(report.series(name, results[name]), flush=True)
     tables = [report.series(name, points) for name, points in results.items()]
     (options.output / "scale.md").write_text("\n\n".join([*tables, report.COUNTED]) + "\n", "utf-8")
-    record = {
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": machine(open_device()),
-        "commit": project.commit(),
-        "series": results,
-    }
-    (options.output / "scale.json").write_text(json.dumps(record, indent=1), "utf-8")
-    print(plot.draw(results, options.output))
+    print(record.write(options.output, "scale", open_device().name, {"series": results}))
     return 0
 
 

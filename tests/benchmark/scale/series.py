@@ -20,7 +20,7 @@ class Picture:
     triangles: int = 100_000
     objects: int = 0
     lamps: int = 3
-    virtual_lights: int | None = None  # with any, shadows are those of the method Classic
+    virtual_lights: int | None = None  # with any, shadows are those of Imperfect Shadow Maps
     height: int = 360  # px; pictures are 16:9
     ssao_radius: float | None = None  # px in the middle of the picture; without, nothing is darkened
     frames: int = 0  # of a camera that goes around the scene, after the picture

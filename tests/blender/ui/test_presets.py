@@ -105,6 +105,30 @@ def test_users_keep_and_remove_their_own(scene, tmp_path):
     assert set(found()) == OURS
 
 
+OF_0_1_0 = """import bpy
+ism = bpy.context.scene.ism
+
+ism.shadow.method = 'CLASSIC'
+ism.render.samples = 5
+ism.render.light_points = 64
+ism.viewport.surface_points = 4096
+"""
+
+
+def test_one_that_version_0_1_0_saved_keeps_its_values(scene, tmp_path, capfd):
+    folder = tmp_path / "presets" / ISM_RENDER_PT_presets.preset_subdir
+    folder.mkdir(parents=True)
+    (folder / "Old.py").write_text(OF_0_1_0)
+    for _ in range(2):  # as it was, and as it has been written anew
+        choose("Default")
+        choose("Old")
+        found = chosen()
+        assert found["shadow.method"] == "SHADOW_MAPS"
+        assert (found["render.samples"], found["viewport.samples"]) == (5, VIEWPORT.samples)
+        assert (found["render.virtual_lights"], found["viewport.map_points"]) == (64, 4096)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_choice_can_be_undone(scene):
     scene.ism.render.samples = 9
     bpy.ops.ed.undo_push(message="before")

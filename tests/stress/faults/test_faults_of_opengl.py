@@ -4,14 +4,18 @@
 import ctypes
 import os
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+import moderngl
 import numpy as np
 import pytest
 
 from ism_addon.gpu import memory_estimate
+from ism_addon.gpu.gl.moderngl_version import NEXT_MAJOR, OLDEST
 from ism_addon.gpu.jobs.job import Job
 from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.renderer import Renderer
@@ -98,6 +102,26 @@ def test_no_moderngl(tmp_path, before, why):
     assert complaint(before.format(folder=str(tmp_path))) == (
         f"moderngl, which comes with the extension, could not be loaded ({why}): install the extension again"
     )
+
+
+@pytest.mark.parametrize("version", ["5.9.0", "6.0.0", "unknown"])
+def test_a_moderngl_that_another_add_on_has_brought(tmp_path, version):
+    """The real one, told to be of another version, goes before ours."""
+    theirs = shutil.copytree(Path(moderngl.__file__).parent, tmp_path / "moderngl")
+    text = (theirs / "__init__.py").read_text("utf-8")
+    changed = re.sub(r'^__version__ = ".*"$', f'__version__ = "{version}"', text, flags=re.M)
+    assert changed != text
+    (theirs / "__init__.py").write_text(changed, "utf-8")
+    assert complaint(PYTHONPATH=tmp_path) == (
+        f"Another add-on has brought moderngl {version} ({theirs / '__init__.py'}), and this engine needs 5.10 or a "
+        "later 5: disable that add-on and start Blender again"
+    )
+
+
+def test_the_moderngls_that_the_extension_brings_are_among_those_it_can_use():
+    for carried in project.WHEELS.values():
+        (version,) = (package.partition("==")[2] for package in carried["packages"] if package.startswith("moderngl="))
+        assert OLDEST <= tuple(map(int, version.split(".")))[:2] < NEXT_MAJOR
 
 
 @pytest.fixture

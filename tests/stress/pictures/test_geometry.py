@@ -96,7 +96,7 @@ def test_faces_that_lie_on_each_other(device, within, linear):
 
 #: Shadow maps have holes, and texels that are wide: of all light so much may come through.
 BOTH = pytest.mark.parametrize(
-    ("settings", "leak"), [(SETTINGS, 1e-9), (replace(MAPS, quality=Quality(samples=4)), 0.2)], ids=["rays", "maps"]
+    ("settings", "leak"), [(SETTINGS, 1e-9), (replace(MAPS, quality=Quality(samples=1)), 0.2)], ids=["rays", "maps"]
 )
 
 
@@ -199,7 +199,7 @@ def test_the_shadow_of_a_wire(device, within, width):
     scene = stage([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0)), wire], lamp)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
     view, settings = from_above(0.4, (64, 64)), with_quality(SMALL_SETTINGS, samples=1024)
-    open_floor = draw(device, unshadowed(scene), view, settings).color[..., 0]
+    open_floor = draw(device, unshadowed(scene), view, SMALL_SETTINGS).color[..., 0]  # without noise
     missing = (open_floor - draw(device, scene, view, settings).color[..., 0]).sum() / open_floor.sum()
     within(abs(float(missing) - width / 0.9 / 0.4), 1e-3)
 
@@ -242,7 +242,7 @@ def sheets(device, distance: float, apart_by: float, behind: bool) -> tuple[np.n
 def test_two_sheets_a_millimetre_apart(device, within):
     """A hundred metres away: the near one is seen, and lit as if alone; the far one's back is dark."""
     front, alone = sheets(device, 100.0, 1e-3, False)
-    assert set(np.unique(front.target("triangle")[..., 0])) <= {1, 2}
+    assert set(np.unique(front.target("primitive")[..., 0])) <= {1, 2}
     within(apart(front.color, alone.color), 1e-3)
     back, _ = sheets(device, 100.0, 1e-3, True)
     within(float(back.color[..., :3].max() / alone.color[..., :3].mean()), 1e-6)

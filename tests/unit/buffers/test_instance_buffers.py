@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon.gpu.buffers import instance_buffers
 from ism_addon.gpu.buffers.instance_buffers import DrawCall, MultiDrawCall, portions
+from ism_addon.resources import INSTANCE_BUFFERS
 from ism_addon.scene import Scene
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look, placed, rubble, stage
 
@@ -67,9 +68,9 @@ def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(d
         if not together:
             monkeypatch.setattr(instance_buffers, "MAX_OWNERS_RATIO", 0)
         pictures[together] = draw(device, scene, view, settings)
-    assert np.array_equal(pictures[True].target("triangle"), pictures[False].target("triangle"))
+    assert np.array_equal(pictures[True].target("primitive"), pictures[False].target("primitive"))
     assert np.array_equal(pictures[True].color, pictures[False].color)
-    assert len(np.unique(pictures[True].target("triangle")[..., 1])) > 20
+    assert len(np.unique(pictures[True].target("primitive")[..., 1])) > 20
     assert len(calls[True]) < 12 < 20 < len(calls[False])
 
 
@@ -80,7 +81,7 @@ def test_an_instance_that_moves_leaves_what_its_small_mesh_is_known_by(device):
     matrices = scene.instances.world_from_object.copy()
     matrices[3, :3, 3] += 0.1
     moved = replace(scene, instances=replace(scene.instances, world_from_object=matrices))
-    owners = first.renderer.tables["placement"].owners
+    owners = first.renderer.graph[INSTANCE_BUFFERS].owners
     second = draw(device, moved, view, renderer=first.renderer)
-    assert second.renderer.tables["placement"].owners is owners is not None
+    assert second.renderer.graph[INSTANCE_BUFFERS].owners is owners is not None
     assert np.array_equal(second.color, draw(device, moved, view).color)

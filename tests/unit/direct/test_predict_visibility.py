@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon.gpu.passes.direct.predict_visibility import PredictVisibility
 from ism_addon.gpu.profile import Profile
+from ism_addon.resources import POSITION, PREDICTED_VISIBILITY, PROBES
 from tests.scenes.small import box_over_plane
 from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS, draw, from_above, light, put, quad, stage, texels, with_quality
@@ -19,10 +20,10 @@ TENT = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 3.0
 
 def prediction(renderer) -> np.ndarray:
     """(H,W,2) of the first light; of one that no ray saw, none is kept."""
-    size = renderer.targets.sizes["position"]
-    if 0 not in renderer.tables["predictions"]:
+    size = renderer.graph.targets.sizes[POSITION]
+    if 0 not in renderer.graph[PREDICTED_VISIBILITY]:
         return np.zeros((*size[::-1], 2))
-    return texels(renderer.tables["predictions"][0], size).astype(float)
+    return texels(renderer.graph[PREDICTED_VISIBILITY][0], size).astype(float)
 
 
 def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None = None) -> np.ndarray:
@@ -30,8 +31,10 @@ def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None 
     drawn = draw(device, scene, view)
     rays = np.ones_like(arrived) if rays is None else rays
     pairs = np.stack([arrived, rays], -1)
-    put(drawn.renderer.tables["scouted"][0], (255 * pairs).astype(np.uint8))
-    drawn.renderer.passes[PredictVisibility].draw(drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile()))
+    put(drawn.renderer.graph[PROBES][0], (255 * pairs).astype(np.uint8))
+    drawn.renderer.graph.instance(PredictVisibility).execute(
+        drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
+    )
     return prediction(drawn.renderer)
 
 

@@ -8,7 +8,8 @@ from functools import reduce
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct import trace_faint_lights, trace_shadows
+from ism_addon.gpu.passes.direct import faint_lights, trace_shadows
+from ism_addon.resources import LIGHT_INFLUENCE
 from ism_addon.sampling import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, pixel_grid, rd_sequence
 from ism_addon.scene import Scene, View
 from tests.support.small_scenes import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
@@ -82,14 +83,15 @@ def before_an_edge(count: int, part: float) -> Scene:
 @pytest.fixture
 def seen(device, monkeypatch):
     """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
-    monkeypatch.setattr(trace_shadows, "MIN_RAY_PROBABILITY", 1.0)  # all have one: no matter when it is their turn
-    for name in ("MIN_FAINT_RAY_PROBABILITY", "MIN_LIGHT_PROBABILITY"):
-        monkeypatch.setattr(trace_faint_lights, name, 1.0)
+    for name in ("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY"):
+        monkeypatch.setattr(trace_shadows, name, 1.0)  # all pixels have one
+    monkeypatch.setattr(faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))
-        assert drawn.profile.rows["TraceFaintLights" if 0.0 < part < 0.01 else "TraceShadows"].drawn == 2
-        return (drawn.target("predicted") + drawn.target("correction"))[..., 0]
+        influences = [drawn.renderer.graph[LIGHT_INFLUENCE][light] for light in range(1, count + 1)]
+        assert all(influence.is_faint.any() == (part < 0.01) for influence in influences)
+        return (drawn.target("direct_prediction") + drawn.target("direct_residual"))[..., 0]
 
     return lambda view, count, part: (irradiance(view, count, part) / irradiance(view, 0, 0.0) - 1.0) / (count * part)
 
@@ -102,7 +104,7 @@ def test_no_two_rows_of_pixels_have_the_same_places(seen):
     assert max(alike) < 0.95
 
 
-@pytest.mark.parametrize("part", [1.0, 0.002], ids=["TraceShadows", "TraceFaintLights"])
+@pytest.mark.parametrize("part", [1.0, 0.002], ids=["bright", "faint"])
 def test_lights_in_one_place_have_places_of_their_own(seen, part):
     """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
     errors = {}

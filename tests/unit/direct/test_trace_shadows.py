@@ -9,6 +9,15 @@ import pytest
 from ism_addon.gpu.passes.direct.trace_shadows import CERTAIN_PROBABILITY, MAX_CERTAIN_PROBABILITY, TraceShadows
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.resources import (
+    LIGHT_INFLUENCE,
+    PREDICTED_VISIBILITY,
+    PREDICTION_SURFACE,
+    SUM_COLOR,
+    SUM_RESIDUAL,
+    TILE_VISIBILITY,
+    TILES,
+)
 from ism_addon.scene import LightShape
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
@@ -32,7 +41,7 @@ FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
 def means(renderer) -> tuple[np.ndarray, np.ndarray]:
     """(N,3) each: the mean of what was predicted, and of what corrects it in all samples but the first."""
     total, corrections = (
-        renderer.targets.read(name).reshape(-1, 4).astype(float) for name in ("sum", "sum_correction")
+        renderer.graph.targets.read(target).reshape(-1, 4).astype(float) for target in (SUM_COLOR, SUM_RESIDUAL)
     )
     count = total[:, 3:]
     return total[:, :3] / count, corrections[:, :3] / (count - 1.0)
@@ -47,10 +56,10 @@ def predicting(
     for sample in range(samples):
         for name in renderer.sample(scene, view, settings, sample, profile):
             if name == "PredictVisibility" and sample < until:
-                for texture in renderer.tables["predictions"].values():
+                for texture in renderer.graph[PREDICTED_VISIBILITY].values():
                     pixels = np.tile(np.array([part, doubt], np.float16), (texture.height, texture.width, 1))
                     texture.write(pixels)
-                for blocks in renderer.tables["found"].values():
+                for blocks in renderer.graph[TILE_VISIBILITY].values():
                     blocks[:] = part > 0.0 or doubt > 0.0, part < 1.0 or doubt > 0.0
     return means(renderer)
 
@@ -84,16 +93,20 @@ def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_p
     for sample in range(2):
         list(renderer.sample(scene, replace(view, filter_width=1.5), settings, sample, Profile()))
     frame, _ = renderer.last
-    blocks, places = frame.tables["blocks"], len(frame.grid.places)
-    frame.tables["found"][0][:] = True, False
-    reach = frame.tables["reach"][0]
-    for array, value in (reach.worth, True), (reach.dim, False), (reach.bright, chance / CERTAIN_PROBABILITY):
+    blocks, places = frame[TILES], len(frame.grid.places)
+    frame[TILE_VISIBILITY][0][:] = True, False
+    influence = frame[LIGHT_INFLUENCE][0]
+    for array, value in (
+        (influence.contributes, True),
+        (influence.is_faint, False),
+        (influence.bound_over_mean, chance / CERTAIN_PROBABILITY),
+    ):
         array[:] = value
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):
-        blocks["number"] = number
-        traced, _ = renderer.passes[TraceShadows].chosen(frame, 0, 0.3)
-        turn += (blocks["block"][:, None] == traced["block"]).all(2).any(1)
+        blocks["sample_index"] = number
+        traced, _ = renderer.graph.instance(TraceShadows).chosen(frame, 0, 0.3)
+        turn += (blocks["tile"][:, None] == traced["tile"]).all(2).any(1)
     rounds = turns.reshape(64, places, len(blocks))
     assert places == 16
     assert (rounds.sum(1) == a_round).all()
@@ -111,10 +124,10 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
     for sample in range(16):
         for name in renderer.sample(scene, view, settings, sample, profile):
             if name == "PredictVisibility":
-                of = renderer.targets.read("foreseen")
+                of = renderer.graph.targets.read(PREDICTION_SURFACE)
                 lit = of[..., 2] > of[..., 2].mean()
-                put(renderer.tables["predictions"][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
-                renderer.tables["found"][0][:] = True
+                put(renderer.graph[PREDICTED_VISIBILITY][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
+                renderer.graph[TILE_VISIBILITY][0][:] = True
     predicted, corrections = means(renderer)
     columns = predicted[:, 0].reshape(32, 32).mean(0)
     assert columns[14] > 0.0 == columns[19]
@@ -178,5 +191,5 @@ def test_lights_add_up(device):
 def test_the_first_sample_traces_nothing(device):
     scene, view = box_over_plane(24, 16)
     drawn = draw(device, scene, view)
-    assert drawn.target("predicted").any()
-    assert not drawn.target("correction").any()
+    assert drawn.target("direct_prediction").any()
+    assert not drawn.target("direct_residual").any()

@@ -114,7 +114,7 @@ def test_switched_off_it_costs_nothing_and_changes_nothing(device, off):
     scene, view = corner()
     drawn = draw(device, scene, view, replace(SMALL_SETTINGS, ssao=replace(FULL, **off)))
     assert drawn.profile.rows["AmbientOcclusion"].drawn == drawn.profile.rows["BlurOcclusion"].drawn == 0
-    assert drawn.target("occlusion").shape[:2] == (1, 1)
+    assert drawn.target("raw_occlusion").shape[:2] == (1, 1)
     assert drawn.color[..., :3] == pytest.approx(0.6, abs=1e-3)
 
 
@@ -134,7 +134,7 @@ def test_it_darkens_the_worlds_light_only(device):
     occlusion = (without.color - blended.color)[..., :3] / 0.6
     assert (occlusion > -1e-3).all()
     assert occlusion.max() < 0.6
-    assert np.array_equal(without.target("irradiance"), blended.target("irradiance"))
+    assert np.array_equal(without.target("direct_prediction"), blended.target("direct_prediction"))
 
 
 def test_far_occluders_do_not_darken(device):

@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon.gpu.passes.environment.blur import BlurOcclusion
 from ism_addon.gpu.profile import Profile
+from ism_addon.resources import RAW_OCCLUSION
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import SMALL_SETTINGS, draw, from_above, look, put, quad, stage
 
@@ -18,10 +19,10 @@ def blurred(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     """What the blur makes of (H/2,W/2) put in the place of the SSAO's result."""
     drawn = draw(device, scene, view, SETTINGS)
     renderer = drawn.renderer
-    put(renderer.targets["occlusion"], occlusion.astype(np.float16))
+    put(renderer.graph[RAW_OCCLUSION], occlusion.astype(np.float16))
     frame = renderer.frame(scene, view, SETTINGS, 0, Profile())
-    renderer.passes[BlurOcclusion].draw(frame)
-    return drawn.target("smooth_occlusion")[..., 0]
+    renderer.graph.instance(BlurOcclusion).execute(frame)
+    return drawn.target("ambient_occlusion")[..., 0]
 
 
 def floor():

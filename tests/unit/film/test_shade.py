@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon.gpu.passes.film.shade import Shade
 from ism_addon.gpu.profile import Profile
+from ism_addon.resources import AMBIENT_OCCLUSION, DIRECT_PREDICTION, DIRECT_RESIDUAL
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import (
     MAPS,
@@ -45,18 +46,18 @@ def test_a_correction_is_sent_as_what_arrives_is(device):
     settings = with_quality(SMALL_SETTINGS, samples=2)
     drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
-    put(drawn.renderer.targets["correction"], corrections.astype(np.float32))
-    put(drawn.renderer.targets["predicted"], np.abs(corrections).astype(np.float32))
+    put(drawn.renderer.graph[DIRECT_RESIDUAL], corrections.astype(np.float32))
+    put(drawn.renderer.graph[DIRECT_PREDICTION], np.abs(corrections).astype(np.float32))
     frame = drawn.renderer.frame(lit_floor(), look((0.0, -4.0, 3.0)), settings, 1, Profile())
-    drawn.renderer.passes[Shade].draw(frame)
+    drawn.renderer.graph.instance(Shade).execute(frame)
     seen = drawn.target("position")[..., 3] > 0.0
-    found = drawn.target("color_correction")
+    found = drawn.target("sample_residual")
     part = np.array([0.8, 0.4, 0.1]) / np.pi
     expected = np.where(seen[..., None], part * corrections[..., :3], 0.0)
     assert found[..., :3] == pytest.approx(expected, rel=2e-3)
     doubt = np.where(seen, part @ [0.2126, 0.7152, 0.0722] * corrections[..., 3], 0.0)
     assert found[..., 3] == pytest.approx(doubt, rel=2e-3)
-    assert drawn.target("headroom")[..., 0] == pytest.approx(np.abs(doubt), rel=2e-3)
+    assert drawn.target("sample_headroom")[..., 0] == pytest.approx(np.abs(doubt), rel=2e-3)
 
 
 def test_the_world_stands_behind(device):
@@ -78,10 +79,10 @@ def composed(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     """(H,W) red of the picture with (H/2,W/2) in the place of the smooth occlusion."""
     settings = replace(SMALL_SETTINGS, ssao=SSAO())
     drawn = draw(device, scene, view, settings)
-    put(drawn.renderer.targets["smooth_occlusion"], occlusion.astype(np.float16))
+    put(drawn.renderer.graph[AMBIENT_OCCLUSION], occlusion.astype(np.float16))
     frame = drawn.renderer.frame(scene, view, settings, 0, Profile())
-    drawn.renderer.passes[Shade].draw(frame)
-    return drawn.target("color")[..., 0]
+    drawn.renderer.graph.instance(Shade).execute(frame)
+    return drawn.target("sample_color")[..., 0]
 
 
 def test_occlusion_is_interpolated_on_a_plane(device):

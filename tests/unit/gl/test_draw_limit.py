@@ -9,17 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import NO_OCCLUDER
-from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.draw_limit import portions, rectangles
 from ism_addon.gpu.passes.film.accumulate import filter_margin, rays_for
-from ism_addon.gpu.passes.shadow_maps.gather import POINTS
+from ism_addon.gpu.passes.shadow_maps.gather import VIRTUAL_LIGHTS_PER_RAY
 from ism_addon.gpu.passes.shadow_maps.splat import RAYS_PER_DISC, TEXELS
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.submission import Submission
+from ism_addon.resources import MAP_POINTS, NO_OCCLUDER, TILE_SIZE
 from ism_addon.scene import World
 from ism_addon.settings import SSAO
 from tests.scenes.small import box_over_plane, sphere_in_corner
@@ -30,7 +29,7 @@ from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, shadows
 FEW = 100
 
 #: Rays of a pixel of GatherLight, with as many light points as a sample may have.
-MOST_POINTS = (1 + 1 + 4096) / POINTS
+MOST_POINTS = (1 + 1 + 4096) / VIRTUAL_LIGHTS_PER_RAY
 
 counts_draws = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() not in gl_calls.STUBS, reason="counts by machine code, under Linux"
@@ -165,12 +164,12 @@ def test_discs_of_the_largest_maps(device, asked, monkeypatch):
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 1 << 14)
     for settings in (small, large):
         drawn = draw(device, scene, view, settings)
-        table, _ = drawn.renderer.tables["map_points"]
+        table, _ = drawn.renderer.graph[MAP_POINTS]
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
         found.append(len(asked.pop("SplatMaps")))
         assert found[-1] == draws_of(subset.count, RAYS_PER_DISC + texels / subset.count / TEXELS)
-        discs = drawn.target("splats")
+        discs = drawn.target("shadow_map_splats")
         assert texels > (discs < NO_OCCLUDER).sum()
     assert found[0] == 1
     assert found[1] > 10

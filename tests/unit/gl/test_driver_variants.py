@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from ism_addon.gpu.gl import driver_variants
 from ism_addon.render_passes import RENDER_PASSES
+from ism_addon.resources import SUM_COLOR
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
 from tests.tools import project
@@ -116,7 +117,7 @@ def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, mon
     expected = draw(device, scene, view, settings)
     monkeypatch.setattr(driver_variants, "side", lambda texels: texels + 9)
     found = draw(device, scene, view, settings)
-    assert found.renderer.targets["sum"].size == (71, 49)
+    assert found.renderer.graph[SUM_COLOR].size == (71, 49)
     assert np.array_equal(found.color, expected.color)
     assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
     mine, theirs = (drawn.renderer.images(RENDER_PASSES) for drawn in (found, expected))

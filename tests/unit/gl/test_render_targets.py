@@ -6,13 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ism_addon.gpu.frame import TILE_SIZE, from_tile_layout
 from ism_addon.gpu.gl import render_targets
-from ism_addon.gpu.gl.render_targets import MAX_STRIP_HEIGHT, TILE_STRIP_WIDTH, Target
+from ism_addon.gpu.gl.render_targets import MAX_STRIP_HEIGHT, TILE_STRIP_WIDTH, size_of
+from ism_addon.gpu.tiles import from_strips
+from ism_addon.resource_types import Target
+from ism_addon.resources import TILE_SIZE
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
-OF_BLOCKS = Target(1, "f4", divisor=TILE_SIZE, strips=True)
+IN_STRIPS = Target("in_strips", "", divisor=TILE_SIZE, strips=True)
 
 #: Of the largest picture that any OpenGL of this engine's can draw.
 LARGEST = 32768
@@ -22,8 +24,8 @@ SIDES = st.integers(1, LARGEST)
 
 @given(width=SIDES, height=SIDES)
 def test_strips_hold_all_blocks_and_are_no_longer_than_textures_may_be(width, height):
-    across, along = OF_BLOCKS.size(width, height)
-    columns, rows = Target(1, "f4", divisor=TILE_SIZE).size(width, height)
+    across, along = size_of(IN_STRIPS, width, height)
+    columns, rows = size_of(Target("in_rows", "", divisor=TILE_SIZE), width, height)
     assert max(across, along) <= MAX_STRIP_HEIGHT
     assert 0 <= across * along - columns * rows < max(2 * across, 3 * TILE_STRIP_WIDTH), (
         "a row more where that is no power of two"
@@ -33,9 +35,9 @@ def test_strips_hold_all_blocks_and_are_no_longer_than_textures_may_be(width, he
 
 def test_blocks_lie_in_strips_row_by_row():
     blocks = 5, 7
-    across, along = OF_BLOCKS.size(*(TILE_SIZE * count for count in blocks))
+    across, along = size_of(IN_STRIPS, *(TILE_SIZE * count for count in blocks))
     texels = np.arange(across * along).reshape(along, across, 1)
-    assert np.array_equal(from_tile_layout(texels, blocks)[..., 0], np.arange(35).reshape(7, 5))
+    assert np.array_equal(from_strips(texels, blocks)[..., 0], np.arange(35).reshape(7, 5))
 
 
 @pytest.mark.parametrize("longest", [1, 3])

@@ -104,7 +104,6 @@ STAGES = [
             "ProbeVisibility",
             "PredictVisibility",
             "TraceShadows",
-            "TraceFaintLights",
             "BlurOcclusion",
             "Accumulate",
         )
@@ -118,7 +117,7 @@ STAGES = [
     (BY_MAPS, set_to("shadow", bias=3.0), "GatherLight"),
 ]
 #: Passes that draw later samples too, of the same picture.
-LATER = [(RAYS, "GBuffer"), (RAYS, "TraceShadows"), (RAYS, "TraceFaintLights"), (RAYS, "Accumulate"), (RAYS, "Resolve")]
+LATER = [(RAYS, "GBuffer"), (RAYS, "TraceShadows"), (RAYS, "Accumulate"), (RAYS, "Resolve")]
 LATER += [(BY_MAPS, "SplatMaps"), (BY_MAPS, "GatherLight")]
 
 

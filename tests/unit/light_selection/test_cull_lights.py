@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.gpu.culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
-from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.passes.light_selection import cull_lights
+from ism_addon.resources import LIGHT_INFLUENCE, TILE_SIZE, TILE_VISIBILITY
 from ism_addon.scene import LightShape
 from ism_addon.settings import SSAO, Settings
 from tests.scenes.rooms import IDLE, rooms
@@ -81,18 +81,20 @@ def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
     expected, found = alone.color[..., :3], drawn.color[..., :3]
     allowed = cull_lights.MAX_CULLED_FRACTION if why == "faint" else WITHOUT_NOISE
     assert np.sqrt(((found - expected) ** 2).mean()) <= allowed * expected.mean()
-    assert set(drawn.renderer.tables["found"]) == set(range(5)), "only those that matter have textures of their own"
-    reached = drawn.renderer.tables["reach"]
+    assert set(drawn.renderer.graph[TILE_VISIBILITY]) == set(range(5)), (
+        "only those that matter have textures of their own"
+    )
+    reached = drawn.renderer.graph[LIGHT_INFLUENCE]
     if why in ("turned away", "elsewhere"):
         assert set(reached) == set(range(5)), "the others are not even looked for"
     if why == "hidden":
-        assert not any(to.seen.any() for light, to in reached.items() if light >= 5)
+        assert not any(to.coarse_visibility.any() for light, to in reached.items() if light >= 5)
 
 
 def test_without_its_bounds_the_test_above_would_fail(device, monkeypatch):
     """Faint lights count when nothing is negligible."""
     monkeypatch.setattr(cull_lights, "MAX_CULLED_FRACTION", 0.0)
-    assert len(drawn_rooms(device, {"faint": 40}, 1).renderer.tables["reach"]) == 45
+    assert len(drawn_rooms(device, {"faint": 40}, 1).renderer.graph[LIGHT_INFLUENCE]) == 45
 
 
 def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
@@ -146,7 +148,7 @@ def test_a_strip_of_light_between_the_first_rays_is_in_the_first_picture(device)
     alone = replace(scene, lights=lamp)
     view, settings = from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
     drawn = draw(device, scene, view, settings)
-    assert not drawn.renderer.tables["reach"][1].seen.any(), "else it shows nothing"
+    assert not drawn.renderer.graph[LIGHT_INFLUENCE][1].coarse_visibility.any(), "else it shows nothing"
     pictures = drawn.color[..., 0], draw(device, alone, view, settings).color[..., 0]
     truths = [reference.picture(each, view, 8)[0][:, 0].reshape(64, 64) for each in (scene, alone)]
     gained, in_truth = ((lit - unlit)[8:-8, 33:36].mean() for lit, unlit in (pictures, truths))
@@ -161,7 +163,7 @@ def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monk
     for dim in (0.0, np.inf):
         monkeypatch.setattr(cull_lights, "FAINT_FRACTION", dim)
         drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=256))
-        assert bool(drawn.renderer.tables["found"]) == (dim == 0.0)
+        assert bool(drawn.renderer.graph[TILE_VISIBILITY]) == (dim == 0.0)
         errors.append(reference.nrmse(drawn.color[..., :3].reshape(-1, 3), truth))
     assert errors[1] < 0.05, errors
 
@@ -169,8 +171,8 @@ def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monk
 def test_a_background_has_no_lights(device):
     """Nothing is looked at, and nothing is drawn of them."""
     drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), SMALL_SETTINGS)
-    assert drawn.renderer.tables["reach"] == {}
-    assert not drawn.target("predicted").any()
+    assert drawn.renderer.graph[LIGHT_INFLUENCE] == {}
+    assert not drawn.target("direct_prediction").any()
 
 
 def test_more_lights_than_fit_a_strip(device):

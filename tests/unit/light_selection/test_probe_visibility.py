@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import PROBES
+from ism_addon.gpu.gl.render_targets import size_of
+from ism_addon.resources import POSITION, PROBE, PROBES
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS as SETTINGS
@@ -18,8 +19,8 @@ EDGE = 0.02
 
 def scouted(drawn) -> dict[int, np.ndarray]:
     """Of each light, (H/2,W/2,2): rays that arrived, and rays."""
-    size = PROBES.size(*drawn.renderer.targets.sizes["position"])
-    return {int(index): texels(texture, size) / 255 for index, texture in drawn.renderer.tables["scouted"].items()}
+    size = size_of(PROBE, *drawn.renderer.graph.targets.sizes[POSITION])
+    return {int(index): texels(texture, size) / 255 for index, texture in drawn.renderer.graph[PROBES].items()}
 
 
 def shrunk(scene, part: float = 1e-3):

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import NO_OCCLUDER, Batch, batches
+from ism_addon.gpu.passes.shadow_maps.atlas import Batch, batches
 from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, FillHoles
-from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps
+from ism_addon.resources import ATLAS_BATCH, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAPS
 from tests.support.reference_maps import pull_push
 from tests.support.small_scenes import (
     MAPS,
@@ -33,15 +33,15 @@ def filled(device, depths: np.ndarray, threshold: float = 0.02) -> np.ndarray:
     batch = Batch(0, count, side, 2)
     settings = replace(MAPS, shadow=replace(MAPS.shadow, fill_threshold=threshold))
     renderer, frame = prepared(device, stage([], light()), settings)
-    frame.batch = batch
+    frame[ATLAS_BATCH] = batch
     atlas = np.full(batch.size[::-1], NO_OCCLUDER, np.float32)
     corners = [batch.corner(index) for index in range(count)]
     for depth, (x, y) in zip(depths, corners, strict=True):
         atlas[y : y + side, x : x + side] = depth
-    frame.targets.allocate("splats", SplatMaps.writes["splats"], batch.size)
-    put(frame.targets["splats"], atlas)
-    renderer.passes[FillHoles].draw(frame)
-    pixels = frame.targets.read("shadow_maps")[..., 0]
+    frame.graph.targets.allocate(SHADOW_MAP_SPLATS, batch.size)
+    put(frame[SHADOW_MAP_SPLATS], atlas)
+    renderer.graph.instance(FillHoles).execute(frame)
+    pixels = frame.graph.targets.read(SHADOW_MAPS)[..., 0]
     return np.array([pixels[y : y + side, x : x + side] for x, y in corners])
 
 
@@ -73,7 +73,7 @@ def test_the_maps_of_a_scene_against_numpy(device):
     settings = with_quality(shadows(), virtual_lights=5, map_size=64, map_points=1500)
     drawn = draw(device, stage([rubble()], light()), look((3.0, -3.0, 2.0)), settings)
     (batch,) = batches(5, 64, device.texture_size)
-    splats, maps = drawn.target("splats")[..., 0], drawn.target("shadow_maps")[..., 0]
+    splats, maps = drawn.target("shadow_map_splats")[..., 0], drawn.target("shadow_maps")[..., 0]
     for index in range(5):
         x, y = batch.corner(index)
         tile = np.s_[y : y + 64, x : x + 64]

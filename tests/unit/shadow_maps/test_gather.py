@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import batches
 from ism_addon.gpu.gl.shader_records import octahedron_from_directions
+from ism_addon.gpu.passes.shadow_maps.atlas import batches
 from ism_addon.gpu.passes.shadow_maps.fill_holes import FillHoles
 from ism_addon.gpu.passes.shadow_maps.gather import GatherLight
 from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import PlaceVirtualLights
-from ism_addon.gpu.passes.surfaces.gbuffer import GBuffer
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
+from ism_addon.resources import ATLAS_BATCH, CONTRIBUTING_LIGHTS, DIRECT_PREDICTION, NORMAL, POSITION
 from ism_addon.scene import LightShape
 from tests.support.reference import irradiance
 from tests.support.small_scenes import both, draw, from_above, light, prepared, put, quad, shadows, stage
@@ -30,19 +30,18 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
     renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
-    frame.tables["reaching"] = tuple(range(len(lights.shape)))
+    frame[CONTRIBUTING_LIGHTS] = tuple(range(len(lights.shape)))
     for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
-        renderer.run(kind, frame, Profile())
-    frame.targets.use_neutral("triangle", GBuffer.writes["triangle"])
+        renderer.graph.step(kind, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
-    for name, rows in (("position", surface), ("normal", packed)):
-        frame.targets.allocate(name, GBuffer.writes[name], size)
-        put(frame.targets[name], rows[None].astype(np.float32))
-    (frame.batch,) = batches(0, 8, device.texture_size)
+    for target, rows in ((POSITION, surface), (NORMAL, packed)):
+        frame.graph.targets.allocate(target, size)
+        put(frame[target], rows[None].astype(np.float32))
+    (frame[ATLAS_BATCH],) = batches(0, 8, device.texture_size)
     for kind in (SplatMaps, FillHoles, GatherLight):
-        renderer.run(kind, frame, Profile())
-    return frame.targets.read("irradiance")[0, :, :3].astype(float)
+        renderer.graph.step(kind, frame, Profile())
+    return frame.graph.targets.read(DIRECT_PREDICTION)[0, :, :3].astype(float)
 
 
 def unit(vectors) -> np.ndarray:

@@ -12,6 +12,7 @@ from ism_addon.gpu.culling.surface_bounds import LightBounds
 from ism_addon.gpu.passes.shadow_maps.light_importance import importance
 from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import allocate_virtual_lights
+from ism_addon.resources import MAP_POINTS, VIRTUAL_LIGHT_COUNTS
 from ism_addon.scene import LightShape
 from tests.scenes.rooms import rooms
 from tests.scenes.small import subdivided_box
@@ -29,7 +30,7 @@ def small(x: float, y: float, z: float, **more: object):
 
 def shared_out(device, scene, view, renderer=None, **quality: int) -> dict[int, int]:
     """Light points of each light that counts."""
-    return draw(device, scene, view, with_quality(MAPS, **quality), renderer).renderer.tables["points_per_light"]
+    return draw(device, scene, view, with_quality(MAPS, **quality), renderer).renderer.graph[VIRTUAL_LIGHT_COUNTS]
 
 
 def drawn_rooms(device, idle: dict[str, int], **changes: object):
@@ -78,29 +79,29 @@ def test_shares_know_no_unit():
 @pytest.mark.parametrize("why", ["turned away", "elsewhere"])
 def test_lights_that_reach_nothing_have_no_points(device, why):
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
-    counts = drawn.renderer.tables["points_per_light"]
+    counts = drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS]
     assert set(counts) == set(HERE)
     assert sum(counts.values()) == drawn.profile.counts["virtual_lights"] == 60
     assert drawn.profile.counts["lights_used"] == 5
     assert drawn.color[..., :3].mean() == pytest.approx(alone.color[..., :3].mean(), rel=0.01)
     everything = drawn_rooms(device, {why: 40}, shortcuts=False)
-    assert set(everything.renderer.tables["points_per_light"]) == set(range(45))
+    assert set(everything.renderer.graph[VIRTUAL_LIGHT_COUNTS]) == set(range(45))
 
 
 def test_lights_that_reach_nothing_have_no_surface_points(device):
     """Their light points would be all that looks at them."""
-    alone, among_others = (drawn_rooms(device, idle).renderer.tables for idle in ({}, {"turned away": 40}))
-    assert among_others["map_points"][1].size == alone["map_points"][1].size > 0
+    alone, among_others = (drawn_rooms(device, idle).renderer.graph[MAP_POINTS] for idle in ({}, {"turned away": 40}))
+    assert among_others.buffer.size == alone.buffer.size > 0
 
 
 def test_hidden_lights_keep_one_point_each_for_maps_alone_tell_that_they_are_hidden(device):
-    counts = drawn_rooms(device, {"hidden": 40}).renderer.tables["points_per_light"]
+    counts = drawn_rooms(device, {"hidden": 40}).renderer.graph[VIRTUAL_LIGHT_COUNTS]
     assert set(counts) > set(HERE)
     assert sum(counts.values()) == 60
 
 
 def test_faint_lights_have_points_nowhere_but_in_the_dark(device):
-    counts = drawn_rooms(device, {"faint": 40}).renderer.tables["points_per_light"]
+    counts = drawn_rooms(device, {"faint": 40}).renderer.graph[VIRTUAL_LIGHT_COUNTS]
     assert len(set(counts) - set(HERE)) <= 4
 
 
@@ -111,12 +112,12 @@ def test_a_small_move_of_the_camera_draws_no_map(device, metres):
     beside[:3, 3] += metres
     moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, virtual_lights=60)
     first = draw(device, scene, view, settings)
-    counts = first.renderer.tables["points_per_light"]
+    counts = first.renderer.graph[VIRTUAL_LIGHT_COUNTS]
     again = draw(device, scene, moved, settings, first.renderer)
     rows = again.profile.rows
     assert rows["CullLights"].drawn
     assert not rows["PlaceVirtualLights"].drawn + rows["SplatMaps"].drawn + rows["FillHoles"].drawn
-    assert again.renderer.tables["points_per_light"] == counts
+    assert again.renderer.graph[VIRTUAL_LIGHT_COUNTS] == counts
     assert np.array_equal(again.color, draw(device, scene, moved, settings).color)
 
 
@@ -126,11 +127,11 @@ def test_shares_know_nothing_of_the_pictures_before(device):
     sky = look((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), SIZE)
     settings = with_quality(MAPS, samples=5, virtual_lights=60)
     first = draw(device, scene, view, settings)
-    color, counts = first.color, first.renderer.tables["points_per_light"]
+    color, counts = first.color, first.renderer.graph[VIRTUAL_LIGHT_COUNTS]
     there = draw(device, scene, sky, settings, first.renderer)
-    assert there.renderer.tables["points_per_light"] == {}
+    assert there.renderer.graph[VIRTUAL_LIGHT_COUNTS] == {}
     back = draw(device, scene, view, settings, first.renderer)
-    assert back.renderer.tables["points_per_light"] == counts
+    assert back.renderer.graph[VIRTUAL_LIGHT_COUNTS] == counts
     assert np.array_equal(back.color, color)
 
 
@@ -140,15 +141,15 @@ def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
     assert shared_out(device, scene, from_above(6.0), virtual_lights=20) == {0: 0, 1: 20}
     unshadowed = replace(scene, lights=replace(lights, casts_shadow=np.zeros(2, bool)))
     drawn = draw(device, unshadowed, from_above(6.0), MAPS)
-    assert drawn.renderer.tables["points_per_light"] == {0: 0, 1: 0}
+    assert drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS] == {0: 0, 1: 0}
     assert drawn.color[..., :3].max() > 0.1
 
 
 def test_where_nothing_is_seen_no_map_is_drawn(device):
     drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), MAPS)
-    assert drawn.renderer.tables["points_per_light"] == {}
+    assert drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS] == {}
     assert not drawn.profile.rows["SplatMaps"].drawn + drawn.profile.rows["FillHoles"].drawn
-    assert not drawn.target("irradiance")[..., :3].any()
+    assert not drawn.target("direct_prediction")[..., :3].any()
 
 
 def test_the_picture_is_right_on_average(device):
@@ -161,5 +162,5 @@ def test_the_picture_is_right_on_average(device):
     truth, _ = reference.picture(scene, view, 12)
     settings = with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=16384)
     found = draw(device, scene, view, settings)
-    assert set(found.renderer.tables["points_per_light"]) == {0, 1, 2}
+    assert set(found.renderer.graph[VIRTUAL_LIGHT_COUNTS]) == {0, 1, 2}
     assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)

@@ -9,6 +9,7 @@ import pytest
 from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.sample_points import SamplePoints
 from ism_addon.gpu.profile import Profile
+from ism_addon.resources import POINT_CLOUD
 from ism_addon.sampling import triangle_areas
 from tests.support import reference
 from tests.support.small_scenes import MAPS, light, placed, prepared, quad, rubble, stage
@@ -127,4 +128,4 @@ def test_points_are_exact_far_from_the_worlds_origin():
 def test_the_pass_makes_at_least_the_points_that_a_map_sees(device):
     renderer, frame = prepared(device, stage([rubble()], light()), MAPS)
     renderer.run(SamplePoints, frame, Profile())
-    assert len(frame.tables["cloud"]) >= MAPS.quality.map_points
+    assert len(frame[POINT_CLOUD]) >= MAPS.quality.map_points

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import NO_OCCLUDER, batches
+from ism_addon.gpu.passes.shadow_maps.atlas import batches
 from ism_addon.gpu.passes.shadow_maps.select_points import MAP_POINT
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
+from ism_addon.resources import MAP_POINTS, NO_OCCLUDER, VIRTUAL_LIGHT_COUNTS
 from tests.support.reference_maps import disc_map, map_directions
 from tests.support.small_scenes import draw, light, look, quad, rubble, shadows, stage, with_quality
 
@@ -19,18 +20,17 @@ RIM = 2e-3
 def maps(drawn, count: int, map_size: int, device) -> np.ndarray:
     """(S,side,side) the maps of the only batch."""
     (batch,) = batches(count, map_size, device.texture_size)
-    atlas = drawn.target("splats")[..., 0]
+    atlas = drawn.target("shadow_map_splats")[..., 0]
     corners = [batch.corner(index) for index in range(count)]
     return np.array([atlas[y : y + batch.side, x : x + batch.side] for x, y in corners])
 
 
 def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     """(S,side,side) of the same points and the same light points, by numpy."""
-    tables = drawn.renderer.tables
+    graph = drawn.renderer.graph
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
-    _, _, points = virtual_light_tables(scene.lights, tables["points_per_light"], 0, anchor)
-    subsets, buffer = tables["map_points"]
-    discs = np.frombuffer(buffer.read(), MAP_POINT)
+    _, _, points = virtual_light_tables(scene.lights, graph[VIRTUAL_LIGHT_COUNTS], 0, anchor)
+    subsets, discs = graph[MAP_POINTS].ranges, np.frombuffer(graph[MAP_POINTS].buffer.read(), MAP_POINT)
     found = []
     for index, point in enumerate(points):
         turns = subsets[point["light"]]

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.frame import TILE_SIZE
 from ism_addon.gpu.passes.surfaces.select_tiles import MIN_NEIGHBOUR_RATIO, MIN_TILE_PROBABILITY, UNIFORM_SAMPLES
+from ism_addon.resources import TILE_SAMPLE_COUNTS, TILE_SIZE
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, texels, with_quality
 
@@ -14,7 +14,7 @@ FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
 def counted(drawn) -> np.ndarray:
     """(rows,columns): the samples that each block took part in."""
-    return texels(drawn.renderer.tables["counts"], drawn.renderer.last[0].blocks)[..., 0]
+    return texels(drawn.renderer.graph[TILE_SAMPLE_COUNTS], drawn.renderer.last[0].tiles)[..., 0]
 
 
 def test_every_block_takes_part_in_the_first_samples_and_then_not_every_one(device):
@@ -55,7 +55,7 @@ def test_the_blocks_that_vary_take_part_most(device):
     plate = quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))
     scene, view = stage([FLOOR, plate], light(axis_u=(0.5, 0, 0), axis_v=(0, -0.5, 0))), from_above(8.0, (96, 96))
     drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=64))
-    varies = drawn.target("sum_correction")[..., 3].reshape(12, TILE_SIZE, 12, TILE_SIZE).max((1, 3)) > 0.0
+    varies = drawn.target("sum_residual")[..., 3].reshape(12, TILE_SIZE, 12, TILE_SIZE).max((1, 3)) > 0.0
     assert 4 <= varies.sum() < 72
     assert counted(drawn)[varies].mean() > 1.5 * counted(drawn)[~varies].mean()
     assert counted(drawn)[varies].max() == 64

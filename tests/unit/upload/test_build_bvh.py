@@ -10,6 +10,7 @@ from ism_addon.gpu.accel.blas import build_blas
 from ism_addon.gpu.accel.bvh import GRID_EXTENT
 from ism_addon.gpu.buffers.mesh_buffers import packed_corners
 from ism_addon.parallel import LARGE
+from ism_addon.resources import BLAS, TLAS
 from tests.scenes.small import subdivided_box
 from tests.support import reference
 from tests.support.rays import compare, occluded, rays, truth
@@ -178,22 +179,22 @@ def moved(scene):
 def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
     scene, view = stage([rubble(5000), rubble(10, seed=1)], light()), look((3.0, -3.0, 2.0))
     first = draw(device, scene, view)
-    trees, textures = first.renderer.tables["mesh_trees"], first.renderer.tables["casters"]
+    trees, textures = first.renderer.graph[BLAS], first.renderer.graph[TLAS]
     second = draw(device, moved(scene), view, renderer=first.renderer)
     assert first.profile.counts["bytes_uploaded"] > 32 * 5000
     assert second.profile.counts["bytes_uploaded"] < 2000
     assert second.profile.rows["BuildBLAS"].drawn == 0
-    assert second.renderer.tables["mesh_trees"] is trees
-    assert second.renderer.tables["casters"]["tree_starts"] is textures["tree_starts"]
-    assert second.renderer.tables["casters"]["casters"] is not textures["casters"]
+    assert second.renderer.graph[BLAS] is trees
+    assert second.renderer.graph[TLAS]["tree_starts"] is textures["tree_starts"]
+    assert second.renderer.graph[TLAS]["casters"] is not textures["casters"]
 
 
 def test_a_mesh_that_did_not_change_keeps_its_tree(device):
     still, changing = rubble(500), rubble(300, seed=1)
     first = draw(device, stage([still, changing], light()), look((3.0, -3.0, 2.0)))
-    before = first.renderer.tables["mesh_trees"].trees
+    before = first.renderer.graph[BLAS].trees
     draw(device, stage([rubble(300, seed=2), still], light()), look((3.0, -3.0, 2.0)), renderer=first.renderer)
-    after = first.renderer.tables["mesh_trees"].trees
+    after = first.renderer.graph[BLAS].trees
     assert after[1] is before[0]
     assert after[0] is not before[1]
 

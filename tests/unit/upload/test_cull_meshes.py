@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.resources import MESH_BUFFERS, RESIDENT_MESHES
 from ism_addon.settings import Method
 from tests.support.rays import truth
 from tests.support.small_scenes import (
@@ -27,7 +28,7 @@ FLOOR = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
 
 
 def wanted(drawn) -> tuple[int, ...]:
-    return drawn.renderer.tables["wanted"]
+    return drawn.renderer.graph[RESIDENT_MESHES]
 
 
 def with_one_at(place, lights=None, size: float = 0.2):
@@ -120,7 +121,7 @@ def test_renderers_that_share_meshes_want_their_own(device):
     elsewhere = replace(VIEW, view_from_world=placed(offset=(-1.3, 0.0, -10.0)))
     one = draw(device, scene, VIEW)
     other = draw(device, scene, elsewhere)
-    assert one.renderer.tables["geometry"] is other.renderer.tables["geometry"]
+    assert one.renderer.graph[MESH_BUFFERS] is other.renderer.graph[MESH_BUFFERS]
     assert wanted(one) == (0,)
     again = draw(device, scene, elsewhere, renderer=one.renderer)
     assert np.array_equal(again.color, other.color)

@@ -117,12 +117,12 @@ class InstanceReader:
         meshes = (row.reading.mesh for row in placed)
         of_row = [numbers.setdefault(mesh, len(numbers)) for mesh in meshes if mesh is not None]
         groups = {owner: self._links.of(owner) for owner in {row.linked_by for row in placed}}
-        instances = Instances(
-            mesh=np.array(of_row, np.int32),
+        instances = Instances.of(
+            mesh=of_row,
             world_from_object=matrices[upright],
-            visible=np.array([row.visible for row in placed], np.bool_),
-            casts_shadow=np.array([row.casts_shadow for row in placed], np.bool_),
-            groups=np.array([groups[row.linked_by] for row in placed], np.uint32),
+            visible=[row.visible for row in placed],
+            casts_shadow=[row.casts_shadow for row in placed],
+            groups=[groups[row.linked_by] for row in placed],
         )
         return tuple(numbers), instances
 

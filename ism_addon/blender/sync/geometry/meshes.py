@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ....scene import Mesh
+from ....scene.arrays import array_facts
 from ....scene.limits import is_within
 from . import triangulate
 from .raw_meshes import Raw, joined, starts
@@ -18,7 +19,10 @@ SMALL_MESH = 1 << 12
 #: The cosine between a face's normal and its triangles' where it is as good as plane.
 PLANE = 1.0 - 1e-6
 
-NO_UVS = np.zeros((0, 3, 2), np.float32)
+#: The type of a triangle's material.
+MATERIAL_INDEX = array_facts(Mesh)["materials"].dtype.type
+
+NO_UVS = array_facts(Mesh)["uvs"].empty()
 
 
 class Reading(NamedTuple):
@@ -95,7 +99,7 @@ def _made(raws: list[Raw]) -> list[Reading]:
     if mended.ndim != normals.ndim and len(raws) > 1:
         return [_made([each])[0] for each in raws]  # some keep their normals by vertex
     uvs = NO_UVS if raw.uvs is None else _finite(raw.uvs)[corners]
-    whole = Mesh(positions=positions, triangles=vertices, normals=mended, uvs=uvs, materials=materials)
+    whole = Mesh.of(positions=positions, triangles=vertices, normals=mended, uvs=uvs, materials=materials)
     lengths = counted(used, [len(each.positions) for each in raws]), counted(kept, of_meshes)
     found = [whole if len(vertices) else None] if len(raws) == 1 else _apart(whole, *lengths)
     without_area, out_of_reach = counted(reachable & ~kept, of_meshes), counted(~reachable, of_meshes)
@@ -216,5 +220,5 @@ def _finite(uvs: np.ndarray) -> np.ndarray:
 def _materials(raw: Raw) -> np.ndarray:
     """(T,) uint32: the material of each triangle, into Materials."""
     if raw.slots is None:
-        return np.broadcast_to(np.uint32(raw.materials[0]), raw.triangle_count)
-    return np.array(raw.materials, np.uint32)[raw.slots][triangulate.face_of_each(raw)]
+        return np.broadcast_to(MATERIAL_INDEX(raw.materials[0]), raw.triangle_count)
+    return np.array(raw.materials, MATERIAL_INDEX)[raw.slots][triangulate.face_of_each(raw)]

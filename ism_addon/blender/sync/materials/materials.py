@@ -85,10 +85,7 @@ class MaterialReader:
         rows = [row or GREY_ROW for row in self._rows]
         for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
             findings.include(found)
-        return Materials(
-            base_color=np.array([row.base_color for row in rows], np.float32).reshape(-1, 3),
-            image=np.array([row.image for row in rows], np.int32),
-        )
+        return Materials.of(base_color=[row.base_color for row in rows], image=[row.image for row in rows])
 
     def images(self) -> tuple[Image, ...]:
         """What Materials.image leads into."""

@@ -58,7 +58,7 @@ float cone_edge_term(vec2 from, vec2 edge, vec3 n, float reach, inout bool aroun
 }
 
 // Sides u, v, with u x v > 0. `edges`: 5, or 0 where it is not wanted; some drivers run both sides of an `if`.
-float cone_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) {
+float spread_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) {
     Outline o = outline(vec3(centre, 1.0), vec3(u, 0.0), vec3(v, 0.0), n);
     bool around = true;
     float sum = 0.0;
@@ -87,7 +87,7 @@ vec2 seen_directions(vec2 u, vec2 v, vec2 f) {
 }
 
 // Semi-axes u, v, with u x v > 0. Gauss's points in the directions from the foot; for `points` see cone_polygon.
-float cone_ellipse(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int points) {
+float spread_ellipse(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int points) {
     float area = u.x * v.y - u.y * v.x, sum = 0.0;
     vec2 f = vec2(centre.y * v.x - centre.x * v.y, u.y * centre.x - u.x * centre.y) / area;
     float outside = dot(f, f) - 1.0;

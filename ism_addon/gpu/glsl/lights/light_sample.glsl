@@ -3,13 +3,13 @@
 // ends and y along its chord at x, so every point can send light, and the estimate is unbiased.
 #include "lights/spread.glsl"
 
-struct LightSample { vec3 point; float irradiance; }; // m; an unbiased estimate of unshadowed_irradiance
+struct LightSample { vec3 point; float irradiance; }; // m; an unbiased estimate of light_irradiance
 
 // What the light would send if all of it were as near, as tilted and as bright as its point at `ray` from the receiver.
 float point_irradiance(Light light, vec3 ray, vec3 n) {
     float square = max(dot(ray, ray), 1e-30), height = max(-dot(light.normal, ray), 0.0);
     float area = length(cross(light.axis_u, light.axis_v)) * (light.shape == 0 ? 1.0 : 0.7853981633974483);
-    return area * max(dot(n, ray), 0.0) * height * spread(light, height, length(cross(light.normal, ray))) / (square * square);
+    return area * max(dot(n, ray), 0.0) * height * spread_falloff(light, height, length(cross(light.normal, ray))) / (square * square);
 }
 
 vec2 overlap(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); } // of two intervals
@@ -29,8 +29,8 @@ vec2 half_line(float slope, float height) {
     return slope < -1e-30 ? vec2(-1e30, end) : vec2(end, 1e30);
 }
 
-// The point that a place of the unit square stands for. Coordinates x, y lie in the light's plane, from its position.
-LightSample sample_light(Light light, vec3 p, vec3 n, vec2 place) {
+// The point that uv, of the unit square, stands for. Coordinates x, y lie in the light's plane, from its position.
+LightSample light_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
     float height = -dot(light.normal, centre), reach = height * light.spread_tangent;
     vec3 to_foot = -(centre + height * light.normal);
@@ -66,7 +66,7 @@ LightSample sample_light(Light light, vec3 p, vec3 n, vec2 place) {
         }
         if (cut) x = overlap(x, disc_extent(foot, reach, horizon));
     }
-    vec2 at = vec2(mix(x.x, x.y, place.x), 0.0);
+    vec2 at = vec2(mix(x.x, x.y, uv.x), 0.0);
     float part = at.x / width, whole = half_chord * (rectangle ? 1.0 : sqrt(max(1.0 - part * part, 0.0)));
     vec2 y = slope * at.x + vec2(-whole, whole);
     if (cut) y = overlap(y, half_line(horizon.y, horizon.x * at.x + horizon.z));
@@ -74,11 +74,11 @@ LightSample sample_light(Light light, vec3 p, vec3 n, vec2 place) {
         float off = at.x - foot.x, chord = sqrt(max(reach * reach - off * off, 0.0));
         y = overlap(y, foot.y + vec2(-chord, chord));
     }
-    at.y = mix(y.x, y.y, place.y);
+    at.y = mix(y.x, y.y, uv.y);
     float area = width * half_chord * (rectangle ? 4.0 : 3.141592653589793);
     float fraction = max(x.y - x.x, 0.0) * max(y.y - y.x, 0.0) / area;
     if (!rectangle && !cut && !near) { // the whole ellipse by equal areas
-        float radius = sqrt(place.x), angle = 6.283185307179586 * place.y;
+        float radius = sqrt(uv.x), angle = 6.283185307179586 * uv.y;
         at = radius * (cos(angle) * along_u + sin(angle) * along_v);
         fraction = 1.0;
     }

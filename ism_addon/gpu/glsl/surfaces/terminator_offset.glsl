@@ -2,7 +2,7 @@
 
 // Half of what Phong tessellation (Boubekeur & Alexa 2008) says, which is right on a sphere; or more, as far as all three
 // tangent planes, each raised to clear the triangle, leave room. Cycles lifts its shadow rays by the same.
-float height_over_triangle(vec3 b, vec3 corners[3], vec3 corner_normals[3]) {
+float terminator_offset(vec3 b, vec3 corners[3], vec3 corner_normals[3]) {
     vec3 p = b.x * corners[0] + b.y * corners[1] + b.z * corners[2];
     float bulge = 0.0, room = 1e30;
     for (int k = 0; k < 3; ++k) {

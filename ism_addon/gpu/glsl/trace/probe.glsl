@@ -1,17 +1,17 @@
 // One ray to a light from one of the pixels that a coarser pixel stands for.
-#include "surfaces/receiver.glsl"
+#include "lights/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
 uniform samplerBuffer lights;
-uniform ivec2 offset; // of the pixel
+uniform ivec2 pixel_offset; // of the pixel among those
 
-// Rays that arrived, and rays. `place` is that on the light, for the first of the pixels. Where the light sends something,
-// but not from the point that was drawn, nothing is known: that is half a ray. Where it sends nothing there is none.
-vec2 look(int light_index, uvec2 place, ivec2 coarse, int apart) {
-    Receiver here = receiver_at(min(apart * coarse + offset, last_pixel()));
-    if (!here.seen) return vec2(0.0);
-    Light light = fetch_Light(lights, light_index);
-    if (!receives(here, light)) return vec2(0.0, 1.0);
-    LightSample sampled = sample_light(light, here.position, here.normal, pixel_sequence(coarse, place));
-    if (sampled.irradiance > 0.0) return vec2(sees(here, sampled.point, light) ? 1.0 : 0.0, 1.0);
-    return unshadowed_irradiance(light, here.position, here.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
+// Rays that arrived, and rays. `light_uv` is that of the first of the pixels. Where the light sends something, but not
+// from the point that was drawn, nothing is known: that is half a ray. Where it sends nothing there is none.
+vec2 probe(int index, uvec2 light_uv, ivec2 coarse, int spacing) {
+    Surface surface = surface_at(min(spacing * coarse + pixel_offset, last_pixel()));
+    if (!surface.exists) return vec2(0.0);
+    Light light = fetch_Light(lights, index);
+    if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
+    LightSample point = light_sample(light, surface.position, surface.normal, pixel_sequence(coarse, light_uv));
+    if (point.irradiance > 0.0) return vec2(is_unoccluded(surface, point.point, light) ? 1.0 : 0.0, 1.0);
+    return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }

@@ -1,12 +1,12 @@
 // One shadow ray to a point of a light.
 #include "trace/traversal.glsl"
-#include "surfaces/receiver.glsl"
+#include "surfaces/surface.glsl"
 #include "lights/light_sample.glsl"
 
 // Cosine to a triangle below which the curved surface counts that it stands for: Cycles' default.
 const float GRAZING = 0.1;
 
-uniform uvec2 pixel_steps; // see sampling.py
+uniform uvec2 pixel_steps; // see sampling
 
 // A pixel's member of a sequence over the picture: neighbours in tiles of 2, 4, 8 and 16 pixels have neighbouring members
 // (in the order of Ahmed & Wonka 2020), so what they find on average is found by all of the light.
@@ -22,21 +22,21 @@ uint pixel_member(ivec2 at) {
 // Numbers in [0,1) of 32-bit fixed point, whose sums wrap: what float32 would round away, or repeat, is kept.
 vec2 unit_square(uvec2 number) { return vec2(number >> 8u) / 16777216.0; }
 
-// The place on a light for one pixel.
-vec2 pixel_sequence(ivec2 at, uvec2 place) { return unit_square(place + pixel_member(at) * pixel_steps); }
+// The light_uv of one pixel, from that of the first.
+vec2 pixel_sequence(ivec2 at, uvec2 light_uv) { return unit_square(light_uv + pixel_member(at) * pixel_steps); }
 
 // Rounding may put a point off its surface by this, m: to what lies on the surface, it must not be on the other side.
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 
 // Where light no longer comes from well above the triangle, a ray starts on the curved surface that it stands for. A light
 // may lie in a ceiling.
-bool sees(Receiver here, vec3 to, Light light) {
-    vec3 p = here.position, direction = normalize(to - p);
-    float smooth_cosine = abs(dot(here.normal, direction)), cosine = dot(here.facet, direction);
+bool is_unoccluded(Surface surface, vec3 to, Light light) {
+    vec3 p = surface.position, direction = normalize(to - p);
+    float smooth_cosine = abs(dot(surface.normal, direction)), cosine = dot(surface.geometric_normal, direction);
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
-    p += here.normal * (here.rise * clamp(grazing, 0.0, 1.0));
-    p += here.facet * rounding(p);
+    p += surface.normal * (surface.terminator_offset * clamp(grazing, 0.0, 1.0));
+    p += surface.geometric_normal * rounding(p);
     // A ray ends as exactly as it is known where it starts; a light may be closer to what it lights than that.
     to += light.normal * min(rounding(to) + rounding(p), 0.5 * dot(light.normal, p - to));
-    return !occluded(p, to, here.triangle, here.instance, light.blockers);
+    return !any_hit(p, to, surface.triangle, surface.instance, light.blockers);
 }

@@ -1,36 +1,36 @@
-// Whether anything stands between two points, by the trees of boxes of tree.py: one over the instances, in whose leaves
+// Whether anything stands between two points, by the trees of boxes of accel/bvh.py: one over the instances, in whose leaves
 // one over the triangles of a mesh begins. Four boxes are looked at together, for what takes long is to fetch them.
 // Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Moller 2013, for complete trees).
 // Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
 // that walk through both sides of every "if".
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
-uniform usamplerBuffer tree_nodes;
-uniform usamplerBuffer tree_starts;
-uniform usamplerBuffer caster_nodes;
+uniform usamplerBuffer blas_nodes;
+uniform usamplerBuffer blas_leaf_starts;
+uniform usamplerBuffer tlas_nodes;
 uniform samplerBuffer casters;
-uniform int caster_leaves;
-uniform vec3 casters_middle;
-uniform vec3 casters_scale;
+uniform int tlas_leaves;
+uniform vec3 tlas_centre;
+uniform vec3 tlas_scale;
 
 // Where a ray is in one tree: the node, and which of its siblings and of its ancestors' wait, four bits a level, the
-// latest eight levels in x. Node 0: nowhere.
-struct Place { int node; uvec2 trail; };
+// latest eight levels in x. Node 0 marks an empty stack.
+struct TraversalState { int node; uvec2 trail; };
 
-Place pop(Place here) {
-    if (here.trail.x == 0u) here = Place(here.node >> 16, uvec2(here.trail.y, 0u));
+TraversalState pop(TraversalState here) {
+    if (here.trail.x == 0u) here = TraversalState(here.node >> 16, uvec2(here.trail.y, 0u));
     int waiting = findLSB(here.trail.x), up = waiting & ~3;
     uvec2 trail = uvec2(here.trail.x >> up | here.trail.y << 1 << (31 - up), here.trail.y >> up);
     int node = (here.node >> (up >> 1) & ~3) | (waiting & 3);
-    return here.trail.x == 0u ? Place(0, uvec2(0u)) : Place(node, uvec2(trail.x & (trail.x - 1u), trail.y));
+    return here.trail.x == 0u ? TraversalState(0, uvec2(0u)) : TraversalState(node, uvec2(trail.x & (trail.x - 1u), trail.y));
 }
 
 vec3 avoid_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
 
-vec4 bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
+vec4 unpack_bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
 // On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see BOX_SLACK.
-Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec3 inverse_ray) {
+TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState here, vec3 origin, vec3 inverse_ray) {
     int at = 2 * (first_node + here.node);
     uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
@@ -40,17 +40,17 @@ Place descend(usamplerBuffer nodes, int first_node, Place here, vec3 origin, vec
     vec4 enter = vec4(0.0), leave = vec4(1.0);
     for (int k = 0; k < 3; ++k) {
         bool back = inverse_ray[k] < 0.0;
-        enter = max(enter, bytes(back ? high[k] : low[k]) * step[k] + first[k]);
-        leave = min(leave, bytes(back ? low[k] : high[k]) * step[k] + first[k]);
+        enter = max(enter, unpack_bytes(back ? high[k] : low[k]) * step[k] + first[k]);
+        leave = min(leave, unpack_bytes(back ? low[k] : high[k]) * step[k] + first[k]);
     }
     uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
     uint all = met.x | met.y | met.z | met.w;
     uvec2 trail = uvec2(here.trail.x << 4 | (all & (all - 1u)), here.trail.y << 4 | here.trail.x >> 28);
-    return all > 0u ? Place(4 * here.node + findLSB(all), trail) : pop(here);
+    return all > 0u ? TraversalState(4 * here.node + findLSB(all), trail) : pop(here);
 }
 
 bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
-    Corners corners = corners_of(triangle);
+    Corners corners = fetch_triangle(triangle);
     vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
     float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
@@ -58,30 +58,30 @@ bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
 }
 
 // By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
-bool occluded(vec3 from, vec3 to, int triangle, int instance, int blockers) {
-    vec3 whole_ray = avoid_zero(to - from), whole_inverse = 1.0 / (whole_ray * casters_scale);
-    vec3 whole_origin = (from - casters_middle) * casters_scale;
-    Place outside = Place(1, uvec2(0u));
+bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
+    vec3 whole_ray = avoid_zero(to - from), whole_inverse = 1.0 / (whole_ray * tlas_scale);
+    vec3 whole_origin = (from - tlas_centre) * tlas_scale;
+    TraversalState outside = TraversalState(1, uvec2(0u));
     bool hit = false;
     while (outside.node > 0) {
-        while (outside.node > 0 && outside.node < caster_leaves)
-            outside = descend(caster_nodes, 0, outside, whole_origin, whole_inverse);
+        while (outside.node > 0 && outside.node < tlas_leaves)
+            outside = next_leaf(tlas_nodes, 0, outside, whole_origin, whole_inverse);
         if (outside.node == 0) break;
-        Caster caster = fetch_Caster(casters, outside.node - caster_leaves);
+        Caster caster = fetch_Caster(casters, outside.node - tlas_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = inside * vec4(from, 1.0), ray = avoid_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
         int own = caster.instance == instance ? triangle : -1;
-        Place here = Place(linked(caster.groups, blockers) ? 1 : 0, uvec2(0u));
+        TraversalState here = TraversalState(is_linked(caster.link_groups, blockers) ? 1 : 0, uvec2(0u));
         while (here.node > 0) {
             while (here.node > 0 && here.node < caster.leaves)
-                here = descend(tree_nodes, caster.first_node, here, origin, inverse_ray);
-            int start = caster.first_start + here.node - caster.leaves;
-            int first = caster.first_triangle + int(texelFetch(tree_starts, start).x);
-            int last = here.node > 0 ? first + caster.per_leaf : first;
+                here = next_leaf(blas_nodes, caster.first_node, here, origin, inverse_ray);
+            int start = caster.first_leaf + here.node - caster.leaves;
+            int first = caster.first_triangle + int(texelFetch(blas_leaf_starts, start).x);
+            int last = here.node > 0 ? first + caster.triangles_per_leaf : first;
             for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != own);
-            here = hit ? Place(0, uvec2(0u)) : pop(here);
+            here = hit ? TraversalState(0, uvec2(0u)) : pop(here);
         }
-        outside = hit ? Place(0, uvec2(0u)) : pop(outside);
+        outside = hit ? TraversalState(0, uvec2(0u)) : pop(outside);
     }
     return hit;
 }

@@ -1,9 +1,9 @@
-// Triangles in the steps of their meshes' lattices, in two rows each: see packed_corners in buffers.py.
+// Triangles in the quanta of their meshes, in two rows each: see packed_corners in mesh_buffers.py.
 uniform usamplerBuffer corners;
 
 struct Corners { vec3 first; vec3 u; vec3 v; int material; }; // a corner, and from it to the other two
 
-Corners corners_of(int triangle) {
+Corners fetch_triangle(int triangle) {
     uvec4 one = texelFetch(corners, 2 * triangle), other = texelFetch(corners, 2 * triangle + 1);
     uvec4 last = (one & 127u) << uvec4(7, 14, 21, 28), material = (other & 127u) << uvec4(0, 7, 14, 21);
     ivec3 first = ivec3(one.xyz) >> 7;

@@ -1,18 +1,18 @@
-// What part of a light a pixel sees: between the pixels that scouted, as far as they show the surface that is here.
+// Visibility of a light at a pixel: interpolated between probes, as far as they show the same surface.
 #include "textures/bilateral_upsample.glsl"
-uniform sampler2D around; // see predict_visibility_probes.frag
-out vec2 prediction;      // part of the light, and whether that is in doubt
+uniform sampler2D probe_prediction; // see predict_visibility_probes.frag
+out vec2 prediction;                // visibility, and whether that is uncertain
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    Surface here = surface_at(at);
-    float sum = 0.0, weights = 0.0, doubt = 0.0;
+    Surface surface = surface_at(at);
+    float sum = 0.0, weights = 0.0, uncertain = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, here, PROBE_SPACING);
-        vec2 found = fetch(around, other.at).xy;
+        Neighbour other = neighbour(k, at, surface, PROBE_SPACING);
+        vec2 found = fetch(probe_prediction, other.at).xy;
         sum += other.weight * found.x;
         weights += other.weight;
-        doubt = max(doubt, other.weight > 0.0 ? found.y : 0.0);
+        uncertain = max(uncertain, other.weight > 0.0 ? found.y : 0.0);
     }
-    prediction = vec2(sum / weights, doubt);
+    prediction = vec2(sum / weights, uncertain);
 }

@@ -1,21 +1,21 @@
-// Whether any ray about a block arrived, and whether any did not.
+// Whether any ray about a tile arrived, and whether any was occluded.
 #include "textures/tile_index.glsl"
 uniform sampler2D rays; // that arrived, and all
-uniform int apart;      // pixels from one texel of them to the next
-out vec2 found;
+uniform int spacing;    // pixels from one texel of them to the next
+out vec2 any_ray;
 
-const int MARGIN = 2; // texels that the predictions of the block look beyond it
+const int MARGIN = 2; // texels beyond the tile that its predictions read
 
 void main() {
-    ivec2 block = block_here(), last = last_pixel() / apart;
-    ivec2 first = max(block * (TILE_SIZE / apart) - MARGIN, 0), end = min((block + 1) * (TILE_SIZE / apart) - 1 + MARGIN, last);
+    ivec2 tile = tile_index(), last = last_pixel() / spacing, side = ivec2(TILE_SIZE / spacing);
+    ivec2 first = max(tile * side - MARGIN, 0), end = min((tile + 1) * side - 1 + MARGIN, last);
     vec2 texel = texel_size(rays);
-    found = vec2(0.0);
+    any_ray = vec2(0.0);
     for (int y = first.y; y <= end.y; ++y) {
         for (int x = first.x; x <= end.x; ++x) {
             vec2 tap = fetch(rays, ivec2(x, y), texel).xy;
-            found = max(found, vec2(tap.x, tap.y - tap.x));
+            any_ray = max(any_ray, vec2(tap.x, tap.y - tap.x));
         }
     }
-    found = vec2(greaterThan(found, vec2(0.0)));
+    any_ray = vec2(greaterThan(any_ray, vec2(0.0)));
 }

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What TraceShadows and TraceFaintLights share: which rays correct a prediction, and shader variants by light."""
+"""Which rays correct a prediction, and shader variants by light."""
 
 from dataclasses import asdict, dataclass
 from typing import Self
 
 import numpy as np
 
+from ....resources import MEAN_LUMINANCE
 from ....sampling import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
 from ....scene import Lights, LightShape
 from ...frame import Frame
@@ -23,7 +24,7 @@ RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 @dataclass(frozen=True)
 class LightVariant:
-    """Of a light: what the others would need, many drivers would walk through too. Each is 0 or 1."""
+    """One shader variant a type of light: some drivers execute both branches. Each is 0 or 1."""
 
     rectangles: int
     ellipses: int
@@ -36,27 +37,24 @@ class LightVariant:
         return cls(int(rectangle), int(not rectangle), int(lights.spread[light] < np.pi))
 
 
-def shader_constants(kind: LightVariant, rays: int, places: int, min_probability: float) -> dict[str, int | float]:
-    """Constants of the shader for one type of light: `rays` is 0 or 1, `places` are the subpixel offsets of a grid."""
+def shader_constants(
+    variant: LightVariant, rays: int, subpixel_offsets: int, min_probability: float
+) -> dict[str, int | float]:
+    """Constants of the shader for one type of light: `rays` is 0 or 1; a grid has so many subpixel offsets."""
     return {
         "trace": rays,
-        "subpixel_offsets": places,
+        "subpixel_offsets": subpixel_offsets,
         "min_doubt": MIN_DOUBT,
         "min_probability": min_probability,
-        **asdict(kind),
+        **asdict(variant),
     }
 
 
 def ray_sequence() -> dict[str, tuple[int, ...]]:
-    """Uniforms: which ray of a pixel goes where on its light, and when it is its turn."""
+    """Uniforms: which ray of a pixel goes where on its light, and in which sample."""
     return {"ray_steps": fixed_point(RAY_INCREMENTS), "turn_steps": fixed_point(TURN_INCREMENTS)}
 
 
 def ray_threshold(frame: Frame) -> float:
     """The change of a pixel's luminance that a ray is traced for in any case."""
-    return RAY_THRESHOLD * frame.tables["brightness"] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)
-
-
-def count_lights(frame: Frame, lights: set[int]) -> None:
-    """Of all samples, the most lights that one was drawn with."""
-    frame.counts["lights_used"] = max(frame.counts["lights_used"], len(lights))
+    return RAY_THRESHOLD * frame[MEAN_LUMINANCE] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)

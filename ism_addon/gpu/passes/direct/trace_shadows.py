@@ -1,29 +1,55 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance by each light: what is predicted of it, and by shadow rays how far that is wrong.
+"""Irradiance by each light: a prediction, and by shadow rays how far that is wrong.
 
-With E the irradiance that nothing hides, exact, and p the predicted part of it, a ray to a point of the light that
-would send w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is
-right about a light all seen or all hidden, none on average elsewhere (a control variate). It is the ratio estimator of
-Heitz, Hill & McGuire 2018 in another form, whose samples can be added up. Rays are traced with a chance in proportion
-to how much they may change the picture, and weigh more the rarer they are. Where nothing is in doubt, rare ones only
-tell whether there should be doubt.
+With E the unshadowed irradiance, exact, and p the predicted visibility, a ray to a point of the light that would send
+w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is right about a
+light all visible or all occluded, none on average elsewhere (a control variate). It is the ratio estimator of Heitz,
+Hill & McGuire 2018 in another form, whose samples can be added up. The probability of a ray is in proportion to how
+much it may change the picture, and its weight is the inverse. Where nothing is uncertain, rare rays only test the
+prediction. Faint lights are drawn together, with one prediction a tile, see faint_lights.py.
 """
+
+from typing import Any
 
 import moderngl
 import numpy as np
 
+from ....resources import (
+    DEPTH,
+    DIRECT_PREDICTION,
+    DIRECT_RESIDUAL,
+    LIGHT_BUFFER,
+    LIGHT_INFLUENCE,
+    LIGHTS_USED,
+    MEAN_LUMINANCE,
+    PREDICTED_VISIBILITY,
+    PREDICTION,
+    PREDICTION_SURFACE,
+    RAY_COUNT,
+    RAY_COUNTS,
+    REDISCOVERED,
+    TILE_SIZE,
+    TILE_VISIBILITY,
+    TILES,
+    TLAS,
+)
 from ....sampling import LIGHT_INCREMENTS, PIXEL_INCREMENTS, TURN_INCREMENTS, fixed_point, members
 from ....scene import Change
-from ...frame import PREDICTION, TILE_SIZE, Frame, Pass
+from ...drawing import draw_tiles
+from ...frame import Frame, Pass, outputs
+from ...gl import driver_variants
 from ...gl.context import Device
-from ...gl.render_targets import Target
+from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
-from .ray_correction import RECORDS, LightVariant, count_lights, ray_sequence, ray_threshold, shader_constants
+from ...surface_inputs import SURFACE, surface_samplers
+from .faint_lights import FAINT_LIGHT, drawn_pairs, faint_light_pairs
+from .ray_correction import RECORDS, LightVariant, ray_sequence, ray_threshold, shader_constants
 
-#: The least chance of a ray.
+#: The least probability of a ray; and of one to a faint light.
 MIN_RAY_PROBABILITY = 0.1
+MIN_FAINT_RAY_PROBABILITY = 0.05
 
-#: The chance of a block in which nothing is in doubt, for a light that could be as bright there as the picture is on
+#: The probability that a tile without doubt is tested, for a light that could be as bright there as the picture is on
 #: average, and the most: where it is brighter, it is the worse if the prediction is wrong.
 CERTAIN_PROBABILITY = 0.03125
 MAX_CERTAIN_PROBABILITY = 0.5
@@ -32,102 +58,150 @@ MAX_CERTAIN_PROBABILITY = 0.5
 class TraceShadows(Pass):
     """Irradiance W/m² as predicted, and what rays add to it or take away."""
 
-    # Colours only say how much a ray is worth: a first sample has none, and later ones are always drawn.
-    reads = (
-        *("blocks", "position", "normal", "depth", "rise", "placement", "lights"),
-        *("casters", "reach", "predictions", "foreseen"),
+    inputs = (
+        *(*SURFACE, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, REDISCOVERED, TILE_VISIBILITY),
+        *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
-    writes = {"predicted": Target(4, "f4"), "correction": Target(4, "f4")}
-    makes = ("used",)  # lights that anything was drawn of
-    settings = ("shadow.enabled",)
-    depends_on = (Change.LIGHTS, Change.SAMPLE)
+    outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
 
     def __init__(self, device: Device):
         super().__init__(device)
-        self.all_seen = PREDICTION.create(device.gl, (1, 1))
-        PREDICTION.use_neutral(self.all_seen)
+        self.all_visible = create_neutral(device.gl, PREDICTION)
         self.framebuffers: dict[int, moderngl.Framebuffer] = {}
+        self.pairs_of: tuple[object, object] = (None, None)
+        self.pairs = np.zeros(0, FAINT_LIGHT)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0 and frame.fitted
+        return len(frame.scene.lights.shape) > 0
 
-    def draw(self, frame: Frame) -> None:
-        gl, lights = self.device.gl, frame.scene.lights
-        frame.targets.into("predicted", "correction").clear()
+    def execute(self, frame: Frame) -> None:
+        gl = self.device.gl
+        frame[RAY_COUNTS] = self.ray_counts(frame)
+        frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL).clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        shifts = members(LIGHT_INCREMENTS, 0, len(lights.shape))
-        frame.tables["used"] = used = set()
-        predicted, traced_draws = (
-            frame.targets.into("predicted"),
-            [],
-        )  # all of one target first: to change it takes time
-        for light, shift in enumerate(shifts):
+        used = self.draw_lights(frame) | self.draw_faint_lights(frame)
+        frame[LIGHTS_USED] = frozenset(used)
+        frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
+
+    def ray_counts(self, frame: Frame) -> dict[int, moderngl.Texture]:
+        """A RAY_COUNT texture for each light that rays are traced to; without any ray before the second sample."""
+        before, room = frame.get(RAY_COUNTS) or {}, driver_variants.sides(frame.size)
+        if frame.sample == 0:
+            return before
+        counts = {}
+        for light in frame[TILE_VISIBILITY] if frame.casts_shadows else ():
+            fits = light in before and before[light].size == room
+            counts[light] = before[light] if fits else create(self.device.gl, RAY_COUNT, frame.size)
+            if not fits or frame.sample == 1:
+                self.device.gl.framebuffer([counts[light]]).clear()
+        return counts
+
+    def draw_lights(self, frame: Frame) -> set[int]:
+        """Lights with predictions of their own; gives those that anything was drawn of."""
+        shifts, used = members(LIGHT_INCREMENTS, 0, len(frame.scene.lights.shape)), set()
+        predicted, traced_draws = frame.framebuffer(DIRECT_PREDICTION), []
+        for light, shift in enumerate(shifts):  # all of one target first: to change it takes time
             traced, shown = self.chosen(frame, light, shift[3])
             if not len(traced) + len(shown):
                 continue
             used.add(light)
-            kind = LightVariant.of(lights, light)
-            shared = {
-                **frame.receivers,
-                "lights": frame.tables["lights"],
-                "light_index": light,
-                "pixel_steps": fixed_point(PIXEL_INCREMENTS),
-                "depth": frame.targets["depth"],
-                "foreseen": frame.targets["foreseen"],
-                "prediction": frame.tables["predictions"][light] if self.casts(frame, light) else self.all_seen,
-            }
-            program = self.tile_program(*RECORDS, **shader_constants(kind, 0, 1, MIN_RAY_PROBABILITY))
-            bind(program, **shared)
-            self.draw_tiles(frame, predicted, program, shown)
+            variant, uniforms = LightVariant.of(frame.scene.lights, light), self.uniforms(frame, light)
+            program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
+            bind(program, **uniforms)
+            draw_tiles(frame, predicted, program, shown)
             frame.counts["pixels_refined"] += len(traced) * TILE_SIZE**2
             if len(traced):
-                places = {"shift": fixed_point(shift[:3]), **ray_sequence()}
-                traced_draws.append((light, kind, shared | places, traced))
-        for light, kind, uniforms, traced in traced_draws:
-            program = self.tile_program(
-                *RECORDS, **shader_constants(kind, 1, len(frame.grid.places), MIN_RAY_PROBABILITY)
-            )
-            bind(program, **uniforms, enough=ray_threshold(frame), **frame.tables["casters"])
-            self.draw_tiles(frame, self.into(frame, light), program, traced)
-        count_lights(frame, used)
+                sequences = {"light_uv_shift": fixed_point(shift[:3]), **ray_sequence()}
+                traced_draws.append((light, variant, uniforms | sequences, traced))
+        for light, variant, uniforms, traced in traced_draws:
+            constants = shader_constants(variant, 1, len(frame.grid.places), MIN_RAY_PROBABILITY)
+            program = self.tile_program(*RECORDS, **constants)
+            bind(program, **uniforms, ray_threshold=ray_threshold(frame), **frame[TLAS])
+            draw_tiles(frame, self.framebuffer(frame, light), program, traced)
+        return used
 
-    def into(self, frame: Frame, light: int) -> moderngl.Framebuffer:
+    def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
+        """Of a light's prediction."""
+        return {
+            **surface_samplers(frame),
+            "lights": frame[LIGHT_BUFFER],
+            "light_index": light,
+            "pixel_steps": fixed_point(PIXEL_INCREMENTS),
+            "depth": frame[DEPTH],
+            "prediction_surface": frame[PREDICTION_SURFACE],
+            "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
+        }
+
+    def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:
         """Of a light that has rays: the framebuffer that takes what they find, kept as long as its textures are."""
-        textures = *(frame.targets[name] for name in self.writes), frame.tables["seen"][light]
+        textures = frame[DIRECT_PREDICTION], frame[DIRECT_RESIDUAL], frame[RAY_COUNTS][light]
         kept = self.framebuffers.get(light)
         if kept is None or kept.color_attachments != textures:
-            for gone in self.framebuffers.keys() - frame.tables["seen"].keys():
+            for gone in self.framebuffers.keys() - frame[RAY_COUNTS].keys():
                 del self.framebuffers[gone]
             self.framebuffers[light] = self.device.gl.framebuffer(textures)
         return self.framebuffers[light]
 
     @staticmethod
-    def casts(frame: Frame, light: int) -> bool:
-        """Whether a light has shadows."""
-        return frame.traces and bool(frame.scene.lights.casts_shadow[light])
-
-    def chosen(self, frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
-        """Blocks where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
-        blocks, reach = frame.tables["blocks"], frame.tables["reach"].get(light)
-        casts = self.casts(frame, light)
-        if reach is None or (casts and light not in frame.tables["found"]):
-            return blocks[:0], blocks[:0]
-        column, row = blocks["block"].astype(np.int64).T
-        worth = (reach.worth & ~reach.dim)[row, column]
-        blocks, row, column = blocks[worth], row[worth], column[worth]
+    def chosen(frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
+        """Tiles where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
+        tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE].get(light)
+        casts = casts_shadow(frame, light)
+        if influence is None or (casts and light not in frame[TILE_VISIBILITY]):
+            return tiles[:0], tiles[:0]
+        column, row = tiles["tile"].astype(np.int64).T
+        own = (influence.contributes & ~influence.is_faint)[row, column]
+        tiles, row, column = tiles[own], row[own], column[own]
         if not casts:
-            return blocks[:0], blocks
-        seen, hidden = frame.tables["found"][light][row, column].T
-        doubtful = seen & hidden
+            return tiles[:0], tiles
+        any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
+        uncertain = any_visible & any_occluded
         if frame.sample == 0:
-            return blocks[:0], blocks[seen]
-        columns, rows = frame.blocks
+            return tiles[:0], tiles[any_visible]
+        columns, rows = frame.tiles
         phase = members(TURN_INCREMENTS[:1], 0, columns * rows)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
-        phase += blocks["number"] // len(frame.grid.places) * TURN_INCREMENTS[1]
-        chance = np.minimum(CERTAIN_PROBABILITY * reach.bright[row, column], MAX_CERTAIN_PROBABILITY)
-        turn = (blocks["number"] + 1.0) * chance + phase
-        sure = ~doubtful & (np.floor(turn) > np.floor(turn - chance))
-        blocks["chance"] = np.where(doubtful, 0.0, chance)
-        return blocks[doubtful | sure], blocks[seen & ~doubtful & ~sure]
+        phase += tiles["sample_index"] // len(frame.grid.places) * TURN_INCREMENTS[1]
+        probability = CERTAIN_PROBABILITY * influence.bound_over_mean[row, column]
+        probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
+        turn = (tiles["sample_index"] + 1.0) * probability + phase
+        tested = ~uncertain & (np.floor(turn) > np.floor(turn - probability))
+        tiles["ray_probability"] = np.where(uncertain, 0.0, probability)
+        return tiles[uncertain | tested], tiles[any_visible & ~uncertain & ~tested]
+
+    def draw_faint_lights(self, frame: Frame) -> set[int]:
+        """All lights that are faint somewhere, one draw for each type; gives those that anything was drawn of."""
+        rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
+        frame.counts["pixels_refined"] += rays * len(tiles) * TILE_SIZE**2
+        lights = np.unique(tiles["light"]).astype(int)
+        variants = {int(light): LightVariant.of(frame.scene.lights, light) for light in lights}
+        target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
+        for variant in dict.fromkeys(variants.values()):
+            constants = shader_constants(variant, rays, len(frame.grid.places), MIN_FAINT_RAY_PROBABILITY)
+            program = self.tile_program(*RECORDS, part="faint", **constants)
+            bind(
+                program,
+                **surface_samplers(frame),
+                lights=frame[LIGHT_BUFFER],
+                pixel_steps=fixed_point(PIXEL_INCREMENTS),
+                light_steps=fixed_point(LIGHT_INCREMENTS[:3]),
+                **ray_sequence(),
+                ray_threshold=ray_threshold(frame) if rays else 0.0,
+                **(frame[TLAS] if rays else {}),
+            )
+            of_variant = [light for light, own in variants.items() if own == variant]
+            draw_tiles(frame, target, program, tiles[np.isin(tiles["light"], of_variant)])
+        return set(variants)
+
+    def faint_tiles(self, frame: Frame) -> np.ndarray:
+        """Rows of TILE for each pair of a tile and a faint light that this sample draws."""
+        sources = frame[LIGHT_INFLUENCE], frame.get(REDISCOVERED)
+        if any(new is not old for new, old in zip(sources, self.pairs_of, strict=True)):
+            self.pairs_of, self.pairs = sources, faint_light_pairs(sources[0], sources[1] or {})
+        return drawn_pairs(self.pairs, frame[TILES], *frame.tiles, frame.sample)
+
+
+def casts_shadow(frame: Frame, light: int) -> bool:
+    """Whether a light has shadows."""
+    return frame.casts_shadows and bool(frame.scene.lights.casts_shadow[light])

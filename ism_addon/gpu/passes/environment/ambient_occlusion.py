@@ -12,11 +12,13 @@ from functools import cached_property
 import moderngl
 import numpy as np
 
+from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION, RAW_OCCLUSION
 from ....sampling import Dimension, rd_sequence, sequence
 from ....scene import Change
-from ...frame import Frame, Pass
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl import driver_variants
-from ...gl.render_targets import Target
+from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind
 
 #: Side of the random texture, as in the report.
@@ -25,19 +27,20 @@ NOISE_SIZE = 64
 #: Points a pixel and sample. Chosen with the report's budget in mind; more samples add more.
 SAMPLES = 16
 
+#: Points less far than this from a pixel's middle, across and up, are in it. px; a little is left to float32.
+SUBPIXEL_RADIUS = 0.49
+
 
 class AmbientOcclusion(Pass):
     """The part of the world's light that reaches each pixel: 1 is open."""
 
-    reads = ("depth", "position", "normal")
-    writes = {"occlusion": Target(1, "f2", neutral=(1.0,), divisor=2)}
-    settings = ("ssao",)
-    depends_on = (Change.VIEW, Change.SAMPLE)
+    inputs = DEPTH, POSITION, NORMAL, INSTANCE_BUFFERS, Change.VIEW, Change.SAMPLE, "ssao"
+    outputs = outputs(RAW_OCCLUSION)
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
         pixels = self.full_screen_program(points=SAMPLES, tile=NOISE_SIZE)
-        pixels.program["cone_points"].write(rd_sequence(0, SAMPLES, 3).astype("f4"))
+        pixels.program["directions"].write(rd_sequence(0, SAMPLES, 3).astype("f4"))
         return pixels
 
     @cached_property
@@ -48,21 +51,36 @@ class AmbientOcclusion(Pass):
         return texture
 
     def needed(self, frame: Frame) -> bool:
-        return frame.occludes
+        ssao = frame.settings.ssao
+        asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and frame.scene.world.radiance.any()
+        return bool(asked and not (frame.settings.shortcuts and projected_radius(frame, ssao.radius) < SUBPIXEL_RADIUS))
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
         frame.device.gl.enable_only(moderngl.NOTHING)
         bind(
             self.pixels.program,
-            depth=frame.targets["depth"],
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
+            depth=frame[DEPTH],
+            position=frame[POSITION],
+            normal=frame[NORMAL],
             random=self.random,
-            turn=sequence(Dimension.OCCLUSION_TURN, frame.sample, 1)[0, 0],
+            rotation=sequence(Dimension.OCCLUSION_TURN, frame.sample, 1)[0, 0],
             radius=ssao.radius,
             cone_sine=np.sin(ssao.cone_angle / 2.0),
             intensity=ssao.intensity,
             attenuation=ssao.attenuation,
         )
-        self.draw_pixels(frame, frame.targets.into("occlusion"), self.pixels)
+        draw_pixels(frame, frame.framebuffer(RAW_OCCLUSION), self.pixels)
+
+
+def projected_radius(frame: Frame, radius: float) -> float:
+    """How many pixels across or up, at most, anything visible is from points about it, `radius` m away or less."""
+    instances, clip = frame[INSTANCE_BUFFERS], clip_from_anchor(frame.view, frame.anchor)
+    across, up, ahead = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
+    of_boxes = clip[3, :3] @ instances.matrices
+    w = of_boxes[:, 3] + clip[3, 3] - np.einsum("nj,nj->n", np.abs(of_boxes[:, :3]), instances.half_sizes)
+    nearest = w.min(initial=np.inf) - radius * ahead
+    if nearest <= 0.0:
+        return float(np.inf)
+    # What is visible is within half a picture of its middle: so far it goes if only its depth changes.
+    return float(radius / nearest * max((across + ahead) * frame.view.width, (up + ahead) * frame.view.height) / 2.0)

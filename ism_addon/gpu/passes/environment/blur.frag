@@ -3,19 +3,19 @@
 #include "surfaces/surface.glsl"
 uniform sampler2D occlusion;
 uniform ivec2 along;
-out float smooth_occlusion;
+out float blurred_occlusion;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel() / 2;
-    Surface here = surface_at(full_from_half(at));
+    Surface surface = surface_at(full_from_half(at));
     vec2 texel = texel_size(position), half_texel = texel_size(occlusion);
     float sum = fetch(occlusion, at).x * 4.0, weights = 4.0;
     for (int k = -3; k <= 3; ++k) {
         ivec2 neighbour = at + k * along;
         if (k == 0 || any(lessThan(neighbour, ivec2(0))) || any(greaterThan(neighbour, last))) continue;
-        float weight = (4.0 - abs(float(k))) * alike(here, full_from_half(neighbour), texel);
+        float weight = (4.0 - abs(float(k))) * similarity(surface, full_from_half(neighbour), texel);
         sum += weight * fetch(occlusion, neighbour, half_texel).x;
         weights += weight;
     }
-    smooth_occlusion = sum / weights;
+    blurred_occlusion = sum / weights;
 }

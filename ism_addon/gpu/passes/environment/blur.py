@@ -9,39 +9,37 @@ from functools import cached_property
 
 import moderngl
 
-from ...frame import Frame, Pass
-from ...gl.render_targets import Target
+from ....resources import AMBIENT_OCCLUSION, DEPTH, HALF_BLURRED_OCCLUSION, NORMAL, POSITION, RAW_OCCLUSION
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 
 
 class BlurOcclusion(Pass):
     """The smoothed occlusion at half resolution."""
 
-    reads = ("position", "normal", "depth", "occlusion")
-    writes = {
-        "occlusion_across": Target(1, "f2", neutral=(1.0,), divisor=2),
-        "smooth_occlusion": Target(1, "f2", neutral=(1.0,), divisor=2),
-    }
+    inputs = POSITION, NORMAL, DEPTH, RAW_OCCLUSION
+    outputs = outputs(HALF_BLURRED_OCCLUSION, AMBIENT_OCCLUSION)
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
         return self.full_screen_program()
 
     def needed(self, frame: Frame) -> bool:
-        return frame.occludes
+        return not frame.is_neutral(RAW_OCCLUSION)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
         for source, into, along in (
-            ("occlusion", "occlusion_across", (1, 0)),
-            ("occlusion_across", "smooth_occlusion", (0, 1)),
+            (RAW_OCCLUSION, HALF_BLURRED_OCCLUSION, (1, 0)),
+            (HALF_BLURRED_OCCLUSION, AMBIENT_OCCLUSION, (0, 1)),
         ):
             bind(
                 self.pixels.program,
-                position=frame.targets["position"],
-                normals=frame.targets["normal"],
-                depth=frame.targets["depth"],
-                occlusion=frame.targets[source],
+                position=frame[POSITION],
+                normal=frame[NORMAL],
+                depth=frame[DEPTH],
+                occlusion=frame[source],
                 along=along,
             )
-            self.draw_pixels(frame, frame.targets.into(into), self.pixels)
+            draw_pixels(frame, frame.framebuffer(into), self.pixels)

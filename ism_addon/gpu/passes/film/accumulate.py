@@ -15,10 +15,24 @@ from dataclasses import replace
 
 import moderngl
 
+from ....resource_types import Lifetime, Target
+from ....resources import (
+    DEBUG_IMAGE,
+    SAMPLE_COLOR,
+    SAMPLE_HEADROOM,
+    SAMPLE_RESIDUAL,
+    SUM_COLOR,
+    SUM_HEADROOM,
+    SUM_RESIDUAL,
+    SUM_WEIGHTS,
+    TILE_PROBABILITIES,
+    TILE_SIZE,
+    TILES,
+)
 from ....scene import Change
-from ...frame import TILE_SIZE, Frame, Pass
+from ...drawing import draw_pixels, draw_tiles
+from ...frame import Frame, Pass, outputs
 from ...gl.draw_limit import TEXELS_PER_RAY
-from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind
 
 #: Pixels of margin from which on a filter is wide.
@@ -30,10 +44,19 @@ SAMPLES_PER_BLEND = 4
 #: A pixel's variance, over that of a Blackman-Harris filter that reaches 1 px: 1 / 12 / 0.076736.
 RELATIVE_VARIANCE = 1.08598
 
-SUMS = {**{name: Target(4, "f4") for name in ("sum", "sum_correction", "weights")}, "sum_headroom": Target(1, "f4")}
-#: Of wide filters: what of a sample counts at all, and the same after it is filtered in rows.
-TAKEN = {f"taken_{name}": replace(target, divisor=0) for name, target in SUMS.items()}
-ROWS = {f"rows_{name}": replace(target, divisor=0) for name, target in SUMS.items()}
+SUMS = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM
+
+
+def _of_wide_filters(prefix: str, about: str) -> tuple[Target, ...]:
+    return tuple(
+        replace(target, name=f"{prefix}_{target.name}", about=about, lifetime=Lifetime.SAMPLE, divisor=0, neutral=None)
+        for target in SUMS
+    )
+
+
+#: Of wide filters: what a sample adds to its own pixels, and the same after it is filtered in rows.
+SAMPLES = _of_wide_filters("sample", "What a sample adds to its own pixels")
+ROWS = _of_wide_filters("row", "The same, filtered in rows")
 
 
 def filter_margin(reach: float) -> int:
@@ -50,53 +73,59 @@ def rays_for(samples: int) -> float:
 
 
 class Accumulate(Pass):
-    """The sums of all samples so far: what was predicted, what corrects it, what may be added, and the weights."""
+    """The sums of all samples so far: of predictions, residuals, headroom and weights."""
 
-    reads = ("blocks", "chances", "color", "color_correction", "headroom", "shown")
-    writes = {**SUMS, **TAKEN, **ROWS}
-    settings = ("debug_view",)
-    depends_on = (Change.SAMPLE,)
+    inputs = (
+        *(TILES, TILE_PROBABILITIES, SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM, DEBUG_IMAGE),
+        *(Change.SAMPLE, "debug_view"),
+    )
+    outputs = outputs(*SUMS, *SAMPLES, *ROWS)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         gl = frame.device.gl
-        first, colored, reach = frame.sample == 0, frame.settings.debug_view == "color", frame.view.filter_width
-        adding = moderngl.NOTHING if first else moderngl.BLEND
+        is_first, is_render = frame.sample == 0, frame.settings.debug_view == SAMPLE_COLOR.name
+        margin, adding = filter_margin(frame.view.filter_width), moderngl.NOTHING if is_first else moderngl.BLEND
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        corrected = int(colored and not first)  # the first sample is predicted, no more; all blocks take part in it
+        has_residual = int(is_render and not is_first)  # the first sample is a prediction, of all tiles
         samples = {
-            "color": frame.targets["color" if colored else "shown"],
-            "correction": frame.targets["color_correction"],
-            "headroom": frame.targets["headroom"],
-            "chances": frame.tables["chances"],
+            "sample_color": frame[SAMPLE_COLOR if is_render else DEBUG_IMAGE],
+            "sample_residual": frame[SAMPLE_RESIDUAL],
+            "sample_headroom": frame[SAMPLE_HEADROOM],
         }
-        if filter_margin(reach) < WIDE_MARGIN:
+        if margin < WIDE_MARGIN:
             gl.enable_only(adding)
-            program = self.tile_program(margin=filter_margin(reach), corrected=corrected, whole=int(first))
-            bind(program, **samples, reach=reach)
-            rays = rays_for((2 * filter_margin(reach) + 1) ** 2)
-            around = 0 if first else filter_margin(reach)
-            self.draw_tiles(frame, frame.targets.into(*SUMS), program, margin=around, rays=rays)
+            program = self.tile_program(margin=margin, has_residual=has_residual, first_sample=int(is_first))
+            bind(
+                program,
+                **samples,
+                tile_probabilities=frame[TILE_PROBABILITIES],
+                filter_radius=frame.view.filter_width,
+            )
+            rays = rays_for((2 * margin + 1) ** 2)
+            draw_tiles(frame, frame.framebuffer(*SUMS), program, margin=0 if is_first else margin, rays=rays)
             return
         gl.enable_only(moderngl.NOTHING)
-        for name, target in (*TAKEN.items(), *ROWS.items()):
-            frame.targets.allocate(name, target, frame.targets.sizes["sum"])
-        taken = frame.targets.into(*TAKEN)
-        taken.clear()
-        program = self.tile_program(part="taken", corrected=corrected)
-        bind(program, **samples)
-        self.draw_tiles(frame, taken, program, rays=rays_for(1))
-        self.draw_lines(frame, TAKEN, ROWS)
+        for target in (*SAMPLES, *ROWS):
+            frame.allocate(target, frame.size)
+        own = frame.framebuffer(*SAMPLES)
+        own.clear()
+        program = self.tile_program(part="taken", has_residual=has_residual)
+        bind(program, **samples, tile_probabilities=frame[TILE_PROBABILITIES])
+        draw_tiles(frame, own, program, rays=rays_for(1))
+        self.draw_lines(frame, SAMPLES, ROWS)
         gl.enable_only(adding)
         self.draw_lines(frame, ROWS, SUMS)
 
-    def draw_lines(self, frame: Frame, source: dict[str, Target], into: dict[str, Target]) -> None:
+    def draw_lines(self, frame: Frame, source: tuple[Target, ...], into: tuple[Target, ...]) -> None:
         """Filter along rows or, into the sums, along columns."""
-        lines, reach = (
-            self.full_screen_program(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS)),
-            frame.view.filter_width,
+        radius = frame.view.filter_width
+        lines = self.full_screen_program(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS))
+        samplers = "lines_color", "lines_residual", "lines_weights", "lines_headroom"
+        bind(
+            lines.program,
+            **{sampler: frame[target] for sampler, target in zip(samplers, source, strict=True)},
+            tile_probabilities=frame[TILE_PROBABILITIES],
+            filter_radius=math.sqrt(radius * radius - RELATIVE_VARIANCE),
+            margin=filter_margin(radius),
         )
-        narrower = math.sqrt(reach * reach - RELATIVE_VARIANCE)
-        samplers = "taken", "taken_correction", "taken_weights", "taken_headroom"
-        textures = {sampler: frame.targets[name] for sampler, name in zip(samplers, source, strict=True)}
-        bind(lines.program, **textures, chances=frame.tables["chances"], reach=narrower, margin=filter_margin(reach))
-        self.draw_pixels(frame, frame.targets.into(*into), lines, rays_for(2 * filter_margin(reach) + 1))
+        draw_pixels(frame, frame.framebuffer(*into), lines, rays_for(2 * filter_margin(radius) + 1))

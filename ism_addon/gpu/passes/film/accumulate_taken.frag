@@ -1,22 +1,22 @@
 // The samples of one block for a wide filter, as they count for a pixel of chance 1: see accumulate.frag.
 #include "maths/luminance.glsl"
-uniform sampler2D color;
-uniform sampler2D correction;
-uniform sampler2D headroom;
-uniform sampler2D chances;
-flat in vec2 own_block;
-layout(location = 0) out vec4 sum;
-layout(location = 1) out vec4 sum_correction;
-layout(location = 2) out vec4 weights;
+uniform sampler2D sample_color;
+uniform sampler2D sample_residual;
+uniform sampler2D sample_headroom;
+uniform sampler2D tile_probabilities;
+flat in vec2 tile;
+layout(location = 0) out vec4 sum_color;
+layout(location = 1) out vec4 sum_residual;
+layout(location = 2) out vec4 sum_weights;
 layout(location = 3) out float sum_headroom;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    float weight = 1.0 / fetch(chances, ivec2(own_block)).x;
-    vec4 sampled = fetch(color, at), wrong = CORRECTED == 1 ? fetch(correction, at) : vec4(0.0);
+    float weight = 1.0 / fetch(tile_probabilities, ivec2(tile)).x;
+    vec4 sampled = fetch(sample_color, at), wrong = HAS_RESIDUAL == 1 ? fetch(sample_residual, at) : vec4(0.0);
     float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
-    sum = weight * sampled;
-    sum_correction = vec4(weight * wrong.rgb, amount * amount);
-    weights = weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), wrong.a);
-    sum_headroom = weight * fetch(headroom, at).x;
+    sum_color = weight * sampled;
+    sum_residual = vec4(weight * wrong.rgb, amount * amount);
+    sum_weights = weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), wrong.a);
+    sum_headroom = weight * fetch(sample_headroom, at).x;
 }

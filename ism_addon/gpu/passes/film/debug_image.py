@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any target as a picture: what settings.debug_view names, stretched to the picture's size."""
+"""Any target as an image: what settings.debug_view names, stretched to the picture's size."""
 
 from functools import cached_property
 
 import moderngl
 
-from ...frame import Frame, Pass
-from ...gl.render_targets import Target
+from ....resources import DEBUG_IMAGE, DEBUG_VIEWS, NORMAL, SAMPLE_COLOR
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
 
 
 class DebugImage(Pass):
     """The picture that is accumulated: the colour, or a target looked into."""
 
-    reads = ("color",)
-    writes = {"shown": Target(4, "f4")}
-    settings = ("debug_view",)
+    inputs = *DEBUG_VIEWS, "debug_view"
+    outputs = outputs(DEBUG_IMAGE)
 
     @cached_property
-    def pixels(self) -> dict[bool, moderngl.VertexArray]:
+    def shaders(self) -> dict[bool, moderngl.VertexArray]:
         stages = "glsl/full_screen.vert", f"{self.name_of()}.frag"
         programs = {
             integers: compile_program(self.device, *stages, integers=int(integers)) for integers in (False, True)
@@ -26,17 +26,18 @@ class DebugImage(Pass):
         return {integers: self.device.gl.vertex_array(program, []) for integers, program in programs.items()}
 
     def needed(self, frame: Frame) -> bool:
-        return frame.settings.debug_view != "color"
+        return frame.settings.debug_view != SAMPLE_COLOR.name
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
-        source = frame.targets[frame.settings.debug_view]
-        pixels = self.pixels[source.dtype == "u4"]
+        target = next(view for view in DEBUG_VIEWS if view.name == frame.settings.debug_view)
+        source = frame[target]
+        shader = self.shaders[source.dtype == "u4"]
         bind(
-            pixels.program,
+            shader.program,
             source=source,
-            octahedral=frame.settings.debug_view == "normal",
+            octahedral=target is NORMAL,
             components=source.components,
-            size=frame.targets.sizes[frame.settings.debug_view],
+            size=(1, 1) if frame.is_neutral(target) else frame.graph.targets.sizes[target],
         )
-        self.draw_pixels(frame, frame.targets.into("shown"), pixels)
+        draw_pixels(frame, frame.framebuffer(DEBUG_IMAGE), shader)

@@ -1,17 +1,17 @@
 // Of a block's pixels, the mean of their squared differences, and of their brightness.
 #include "textures/tile_index.glsl"
-uniform sampler2D resolved;
-uniform sampler2D earlier;
-out vec2 moved;
+uniform sampler2D image;
+uniform sampler2D half_samples_image;
+out vec2 difference_and_mean;
 
 void main() {
-    ivec2 block = block_here(), last = last_pixel();
-    vec2 texel = texel_size(resolved), earlier_texel = texel_size(earlier);
-    moved = vec2(0.0);
+    ivec2 tile = tile_index(), last = last_pixel();
+    vec2 texel = texel_size(image), earlier_texel = texel_size(half_samples_image);
+    difference_and_mean = vec2(0.0);
     for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
-        ivec2 at = min(block * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
-        vec3 now = fetch(resolved, at, texel).rgb, difference = now - fetch(earlier, at, earlier_texel).rgb;
-        moved += vec2(dot(difference, difference), dot(abs(now), vec3(1.0))) / 3.0;
+        ivec2 at = min(tile * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
+        vec3 now = fetch(image, at, texel).rgb, difference = now - fetch(half_samples_image, at, earlier_texel).rgb;
+        difference_and_mean += vec2(dot(difference, difference), dot(abs(now), vec3(1.0))) / 3.0;
     }
-    moved /= float(TILE_SIZE * TILE_SIZE);
+    difference_and_mean /= float(TILE_SIZE * TILE_SIZE);
 }

@@ -9,10 +9,19 @@ from functools import cached_property
 import moderngl
 import numpy as np
 
+from ....resources import (
+    CONVERGENCE,
+    DOUBLING_DIFFERENCE,
+    HALF_SAMPLES_IMAGE,
+    IMAGE,
+    SAMPLES_PER_TILE,
+    TILE_SIZE,
+)
 from ....scene import Change
-from ...frame import TILE_SIZE, Frame, Pass, from_tile_layout
-from ...gl.context import Device
-from ...gl.render_targets import Target
+from ...convergence import Convergence
+from ...drawing import draw_per_tile
+from ...frame import Frame, Pass, has_doubled, outputs
+from ...tiles import from_strips
 
 #: Samples before which no block is good enough: so many rays most things are met by, and as many a picture has by
 #: default.
@@ -28,39 +37,37 @@ def is_due(sample: int, samples: int) -> bool:
     if all are fewer. Tiles that are drawn least often may have no sample in a doubling: they keep the first estimate.
     """
     count = sample + 1
-    return count & sample == 0 and (sample == 0 or 4 * count > min(samples, MIN_SAMPLES_TO_STOP))
+    return has_doubled(count) and (sample == 0 or 4 * count > min(samples, MIN_SAMPLES_TO_STOP))
 
 
 class EstimateError(Pass):
-    """The error of each block, as long as samples double."""
+    """The error of each tile, whenever samples have doubled, and which tiles need no more."""
 
-    reads = ("resolved",)
-    writes = {"earlier": Target(4, "f4"), "moved": Target(2, "f4", divisor=TILE_SIZE, strips=True)}
-    settings = ("quality.error_threshold", "shortcuts")
-    depends_on = (Change.SAMPLE,)
-
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.counts = np.zeros((0, 0), np.float32)  # of the samples that blocks of the earlier picture had
+    inputs = IMAGE, SAMPLES_PER_TILE, Change.SAMPLE, "quality.error_threshold", "shortcuts"
+    outputs = outputs(CONVERGENCE, HALF_SAMPLES_IMAGE, DOUBLING_DIFFERENCE)
 
     @cached_property
-    def blocks(self) -> moderngl.VertexArray:
+    def of_tiles(self) -> moderngl.VertexArray:
         return self.full_screen_program(tile_size=TILE_SIZE)
 
-    def draw(self, frame: Frame) -> None:
-        error, quality = frame.tables["error"], frame.settings.quality
+    def execute(self, frame: Frame) -> None:
+        counts, quality = frame[SAMPLES_PER_TILE], frame.settings.quality
+        convergence = Convergence(counts.shape) if frame.sample == 0 else frame[CONVERGENCE]
+        convergence.counts = counts
         if is_due(frame.sample, quality.samples):
-            if frame.sample:
-                error.compare(self.moved(frame), self.counts)
-            self.device.gl.copy_framebuffer(frame.targets.into("earlier"), frame.targets.into("resolved"))
-            self.counts = error.counts.copy()
+            if frame.sample > 0:
+                convergence.update(self.squared_difference(frame))
+            frame.copy_target(HALF_SAMPLES_IMAGE, IMAGE)
+            convergence.half_counts = counts
         if frame.settings.shortcuts and quality.error_threshold > 0.0 and frame.sample + 1 >= MIN_SAMPLES_TO_STOP:
-            error.settle(quality.error_threshold)
+            convergence.stop_below(quality.error_threshold)
+        frame[CONVERGENCE] = convergence
 
-    def moved(self, frame: Frame) -> np.ndarray:
-        """(H,W) mean squares of the blocks' differences, over the picture's squared mean brightness."""
-        pictures = {name: frame.targets[name] for name in ("resolved", "earlier")}
-        self.draw_per_tile(frame, frame.targets.into("moved"), self.blocks, **pictures)
+    def squared_difference(self, frame: Frame) -> np.ndarray:
+        """(rows,columns) mean squares of the tiles' differences, over the image's squared mean luminance."""
+        images = {"image": frame[IMAGE], "half_samples_image": frame[HALF_SAMPLES_IMAGE]}
+        draw_per_tile(frame, frame.framebuffer(DOUBLING_DIFFERENCE), self.of_tiles, **images)
         self.device.wait()
-        square, bright = np.moveaxis(from_tile_layout(frame.targets.read("moved"), frame.blocks), -1, 0)
-        return square / max(float(bright.mean()) ** 2, FLOAT32_TINY)
+        texels = from_strips(frame.read(DOUBLING_DIFFERENCE), frame.tiles)
+        square, luminance = np.moveaxis(texels, -1, 0)
+        return square / max(float(luminance.mean()) ** 2, FLOAT32_TINY)

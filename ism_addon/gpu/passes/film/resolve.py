@@ -10,9 +10,20 @@ from functools import cached_property
 import moderngl
 import numpy as np
 
+from ....resources import (
+    IMAGE,
+    NEIGHBOUR_MEAN,
+    SIGNAL_AND_NOISE,
+    SUM_COLOR,
+    SUM_HEADROOM,
+    SUM_RESIDUAL,
+    SUM_WEIGHTS,
+    TILE_SAMPLE_COUNTS,
+    TILE_SIZE,
+)
 from ....scene import Change, Lights
-from ...frame import TILE_SIZE, Frame, Pass
-from ...gl.render_targets import Target
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 
 #: Stratified samples have less variance than independent ones, by this power of the number of rays. Chosen by the error
@@ -25,14 +36,13 @@ SIMILARITY_SHARPNESS = 20.0
 
 
 class Resolve(Pass):
-    """The sums as one picture."""
+    """The sums as one image."""
 
-    reads = ("sum", "sum_correction", "weights", "sum_headroom", "counts")
-    writes = {"near": Target(4, "f4"), "stand_out": Target(4, "f4"), "resolved": Target(4, "f4")}
-    depends_on = (Change.SAMPLE,)
+    inputs = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM, TILE_SAMPLE_COUNTS, Change.SAMPLE
+    outputs = outputs(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE, IMAGE)
 
     @cached_property
-    def near(self) -> moderngl.VertexArray:
+    def neighbours(self) -> moderngl.VertexArray:
         return self.full_screen_program(
             part="neighbours",
             tile_size=TILE_SIZE,
@@ -41,41 +51,35 @@ class Resolve(Pass):
         )
 
     @cached_property
-    def predicted(self) -> moderngl.VertexArray:
-        return self.full_screen_program(tile_size=TILE_SIZE, corrected=0)
+    def without_residual(self) -> moderngl.VertexArray:
+        return self.full_screen_program(tile_size=TILE_SIZE, has_residual=0)
 
     @cached_property
-    def corrected(self) -> moderngl.VertexArray:
-        return self.full_screen_program(tile_size=TILE_SIZE, corrected=1)
+    def with_residual(self) -> moderngl.VertexArray:
+        return self.full_screen_program(tile_size=TILE_SIZE, has_residual=1)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        if frame.sample > 0:  # the first one has no corrections
-            self.neighbour_statistics(frame)
-        pixels = self.corrected if frame.sample > 0 else self.predicted
+        sums = {
+            "sum_color": frame[SUM_COLOR],
+            "sum_residual": frame[SUM_RESIDUAL],
+            "sum_weights": frame[SUM_WEIGHTS],
+            "tile_sample_counts": frame[TILE_SAMPLE_COUNTS],
+        }
+        if frame.sample > 0:  # the first one has no residual
+            # What the neighbours' residuals are, and how they and the differences from them stand to their noise.
+            bind(self.neighbours.program, **sums)
+            draw_pixels(frame, frame.framebuffer(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE), self.neighbours)
+        shader = self.with_residual if frame.sample > 0 else self.without_residual
         bind(
-            pixels.program,
-            sum=frame.targets["sum"],
-            sum_correction=frame.targets["sum_correction"],
-            weights=frame.targets["weights"],
-            sum_headroom=frame.targets["sum_headroom"],
-            counts=frame.tables["counts"],
-            near=frame.targets["near"],
-            least=min_light(frame.scene.lights),
-            stand_out=frame.targets["stand_out"],
+            shader.program,
+            **sums,
+            sum_headroom=frame[SUM_HEADROOM],
+            neighbour_mean=frame[NEIGHBOUR_MEAN],
+            signal_and_noise=frame[SIGNAL_AND_NOISE],
+            min_light=min_light(frame.scene.lights),
         )
-        self.draw_pixels(frame, frame.targets.into("resolved"), pixels)
-
-    def neighbour_statistics(self, frame: Frame) -> None:
-        """What the neighbours' corrections are, and how they and the differences from them stand to their noise."""
-        bind(
-            self.near.program,
-            sum=frame.targets["sum"],
-            sum_correction=frame.targets["sum_correction"],
-            weights=frame.targets["weights"],
-            counts=frame.tables["counts"],
-        )
-        self.draw_pixels(frame, frame.targets.into("near", "stand_out"), self.near)
+        draw_pixels(frame, frame.framebuffer(IMAGE), shader)
 
 
 def min_light(lights: Lights) -> float:

@@ -8,36 +8,47 @@ from the half-resolution pixels that show the same surface.
 
 import moderngl
 
+from ....resources import (
+    AMBIENT_OCCLUSION,
+    BASE_COLOR,
+    DEPTH,
+    DIRECT_PREDICTION,
+    DIRECT_RESIDUAL,
+    NORMAL,
+    POSITION,
+    SAMPLE_COLOR,
+    SAMPLE_HEADROOM,
+    SAMPLE_RESIDUAL,
+    TILES,
+)
 from ....scene import Change
-from ...frame import Frame, Pass
-from ...gl.render_targets import Target
+from ...drawing import draw_tiles
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 
 
 class Shade(Pass):
     """The picture of one sample, alpha premultiplied, and what corrects it."""
 
-    reads = (
-        *("blocks", "position", "normal", "depth", "albedo"),
-        *("irradiance", "predicted", "correction", "smooth_occlusion"),
+    inputs = (
+        *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
+        *(Change.WORLD, Change.VIEW),
     )
-    writes = {"color": Target(4, "f4"), "color_correction": Target(4, "f4"), "headroom": Target(1, "f4")}
-    depends_on = (Change.WORLD, Change.VIEW)
+    outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        pixels = self.tile_program(occluded=int(frame.occludes))
+        program = self.tile_program(occluded=int(not frame.is_neutral(AMBIENT_OCCLUSION)))
         bind(
-            pixels,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            depth=frame.targets["depth"],
-            albedo=frame.targets["albedo"],
-            irradiance=frame.targets["irradiance"],
-            predicted=frame.targets["predicted"],
-            correction=frame.targets["correction"],
-            occlusion=frame.targets["smooth_occlusion"],
+            program,
+            position=frame[POSITION],
+            normal=frame[NORMAL],
+            depth=frame[DEPTH],
+            base_color=frame[BASE_COLOR],
+            direct_prediction=frame[DIRECT_PREDICTION],
+            direct_residual=frame[DIRECT_RESIDUAL],
+            ambient_occlusion=frame[AMBIENT_OCCLUSION],
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        self.draw_tiles(frame, frame.targets.into(*self.writes), pixels)
+        draw_tiles(frame, frame.framebuffer(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM), program)

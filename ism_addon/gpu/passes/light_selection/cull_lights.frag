@@ -1,15 +1,15 @@
-// What a block shows nearby, and what far off: the boxes around it, and the cones of its normals.
+// What a tile shows nearby, and what far off: boxes around it, and cones of its normals.
 #include "textures/tile_index.glsl"
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"
 uniform sampler2D position; // in alpha, the normal, packed
 uniform sampler2D depth;
-layout(location = 0) out vec4 lowest; // in alpha, whether there is any surface
-layout(location = 1) out vec4 highest;
-layout(location = 2) out vec4 facing; // the first normal; in alpha, the cosine of the cone's half angle about it
-layout(location = 3) out vec4 far_lowest;
-layout(location = 4) out vec4 far_highest;
-layout(location = 5) out vec4 far_facing;
+layout(location = 0) out vec4 tile_min; // in alpha, whether there is any surface
+layout(location = 1) out vec4 tile_max;
+layout(location = 2) out vec4 tile_normal_cone; // the first normal; in alpha, the cosine of the cone's half angle about it
+layout(location = 3) out vec4 far_tile_min;
+layout(location = 4) out vec4 far_tile_max;
+layout(location = 5) out vec4 far_tile_normal_cone;
 
 void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
     if (low.w == 0.0) cone.xyz = n;
@@ -19,22 +19,22 @@ void add(vec3 p, vec3 n, inout vec4 low, inout vec4 high, inout vec4 cone) {
 }
 
 void main() {
-    ivec2 first = block_here() * TILE_SIZE, last = last_pixel();
+    ivec2 first = tile_index() * TILE_SIZE, last = last_pixel();
     vec2 texel = texel_size(position), range = vec2(1e30, -1e30);
     for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
         float z = fetch(depth, min(first + ivec2(k % TILE_SIZE, k / TILE_SIZE), last), texel).x;
         if (z < BACKGROUND_DEPTH) range = vec2(min(range.x, z), max(range.y, z));
     }
     float middle = range.y > DEPTH_SPLIT_RATIO * range.x ? 0.5 * (range.x + range.y) : BACKGROUND_DEPTH;
-    lowest = far_lowest = vec4(vec3(1e15), 0.0);
-    highest = far_highest = vec4(-1e15);
-    facing = far_facing = vec4(0.0, 0.0, 1.0, 1.0);
+    tile_min = far_tile_min = vec4(vec3(1e15), 0.0);
+    tile_max = far_tile_max = vec4(-1e15);
+    tile_normal_cone = far_tile_normal_cone = vec4(0.0, 0.0, 1.0, 1.0);
     for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
         ivec2 at = min(first + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
         vec4 p = fetch(position, at, texel);
         if (p.w == 0.0) continue;
-        vec3 n = direction_from_octahedron(octahedron_of(p.w));
-        if (fetch(depth, at, texel).x < middle) add(p.xyz, n, lowest, highest, facing);
-        else add(p.xyz, n, far_lowest, far_highest, far_facing);
+        vec3 n = direction_from_octahedron(unpack_normal(p.w));
+        if (fetch(depth, at, texel).x < middle) add(p.xyz, n, tile_min, tile_max, tile_normal_cone);
+        else add(p.xyz, n, far_tile_min, far_tile_max, far_tile_normal_cone);
     }
 }

@@ -7,21 +7,44 @@ ProbeVisibility if it could be a large part of a tile's light, and by RetestOccl
 are negligible in a tile, all of them together, are left out for good.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import moderngl
 import numpy as np
 
 from ....parallel import parallel_map
+from ....resource_types import Target
+from ....resources import (
+    BACKGROUND_DEPTH,
+    CONTRIBUTING_LIGHTS,
+    CULLING_STATE,
+    DEPTH,
+    FAR_TILE_MAX,
+    FAR_TILE_MIN,
+    FAR_TILE_NORMAL_CONE,
+    LIGHT_BUFFER,
+    LIGHT_INFLUENCE,
+    POSITION,
+    PROBE,
+    REDISCOVERED,
+    TILE_MAX,
+    TILE_MIN,
+    TILE_NORMAL_CONE,
+    TILE_SIZE,
+    TLAS,
+)
 from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
+from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
-from ...frame import BACKGROUND_DEPTH, PROBES, RENEWED, TILE_SIZE, UNKNOWN_VISIBILITY, Frame, Pass, from_tile_layout
-from ...gl.context import Device
-from ...gl.render_targets import Target, pixels
+from ...drawing import draw_per_tile, draw_pixels
+from ...frame import Frame, Pass, Schedule, outputs
+from ...gl.render_targets import create, pixels
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
+from ...surface_inputs import SURFACE, surface_samplers
+from ...tiles import from_strips
 
 #: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
 #: for darker than this part of the picture's mean.
@@ -41,17 +64,15 @@ COARSE_TILE_SPACING = 4
 FEW_LIGHTS = 16
 MANY_LIGHTS = 64
 
-#: Of each light that rays are sent to: its number, and the place on it.
-TILE_PROBES = Target(3, "u4")
+#: Of each light that rays are sent to: its index, and the point on it in 32-bit fixed point.
+PROBED_LIGHTS = Target("probed_lights", "Index and light_uv", format="rgb32ui")
 
-#: What bounds a block.
-TILE_BOUNDS = Target(4, "f4", divisor=TILE_SIZE, strips=True)
+#: What bounds a tile: of near surfaces, then of far ones.
+NEAR_BOUNDS = TILE_MIN, TILE_MAX, TILE_NORMAL_CONE
+FAR_BOUNDS = FAR_TILE_MIN, FAR_TILE_MAX, FAR_TILE_NORMAL_CONE
 
 #: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
 PAIRS_AT_A_TIME = 1 << 15
-
-#: A light that may bring as much as this part of a block's light is looked for by ProbeVisibility wherever it may be.
-STRONG_FRACTION = 0.1
 
 #: So many times the picture's mean light is as bright as any.
 MAX_BOUND_OVER_MEAN = 100.0
@@ -59,54 +80,26 @@ MAX_BOUND_OVER_MEAN = 100.0
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 
-@dataclass(frozen=True)
-class LightInfluence:
-    """What a light may do to each block of the picture: arrays (rows, columns)."""
+@dataclass
+class CullingState:
+    """What all samples so far say of lights. The luminance of irradiance is in W/m²."""
 
-    worth: np.ndarray  # bool: whether it counts at all
-    against_dim: np.ndarray  # float32: how much it could be at most, against what is dim there; 1 if it is more
-    part: np.ndarray  # float32: of the light there, or of the picture's mean, that it could be at most; 1 if it is more
-    bright: (
-        np.ndarray
-    )  # float32: of the picture's mean light, that it could be at most; MAX_BOUND_OVER_MEAN if it is more
-    seen: np.ndarray  # float32: the part that is thought to be seen of it about the block
-
-    @cached_property
-    def dim(self) -> np.ndarray:
-        """(rows,columns) bool: whether it counts so little that a block's pixels need no prediction of their own."""
-        return self.worth & (self.against_dim < 1.0)
-
-    @property
-    def scouted(self) -> np.ndarray:
-        """(rows,columns) bool: whether ProbeVisibility has to look closely."""
-        return self.worth & ~self.dim & ((self.part >= STRONG_FRACTION) | (self.seen > 0.0))
+    surfaces: SurfaceBounds  # of all that tiles have shown
+    bounds: np.ndarray  # (L,rows,columns) float32: upper bounds of the luminance of each light's irradiance there
+    coarse_visibility: dict[int, np.ndarray]  # (rows,columns) by light
+    irradiance: np.ndarray  # (rows,columns): the luminance that is believed to arrive
 
 
 class CullLights(Pass):
-    """For each light that counts anywhere, where it does."""
+    """For each light that contributes anywhere, how much it can in each tile."""
 
-    reads = ("position", "normal", "placement", "depth", "lights", "casters")
-    writes = {
-        "lowest": TILE_BOUNDS,  # corner of the box around what a block shows; in alpha, whether any
-        "highest": TILE_BOUNDS,
-        "facing": TILE_BOUNDS,  # axis of the cone of its normals; in alpha, its cosine
-        **{f"far_{name}": TILE_BOUNDS for name in ("lowest", "highest", "facing")},
-    }
-    makes = ("reach", "reaching")
-    settings = ("shortcuts",)
-    depends_on = (Change.LIGHTS, Change.SAMPLE)
-
-    def __init__(self, device: Device):
-        super().__init__(device)
-        #: Of all samples so far; and the luminance (lights,rows,columns) of the irradiance that is possible there.
-        self.bounds: SurfaceBounds | None = None
-        self.most = np.zeros((0, 0, 0), np.float32)
-        #: Parts (rows,columns) of lights that are seen about blocks, and the luminance that is thought to arrive.
-        self.arrives: dict[int, np.ndarray] = {}
-        self.light = np.zeros((0, 0), np.float32)
+    schedule = Schedule.DOUBLING  # surfaces come to light
+    inputs = *SURFACE, DEPTH, LIGHT_BUFFER, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
+    feedback = (REDISCOVERED,)
+    outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS)
 
     @cached_property
-    def surfaces(self) -> moderngl.VertexArray:
+    def surface_bounds(self) -> moderngl.VertexArray:
         return self.full_screen_program(
             tile_size=TILE_SIZE, background_depth=BACKGROUND_DEPTH, depth_split_ratio=DEPTH_SPLIT_RATIO
         )
@@ -118,136 +111,144 @@ class CullLights(Pass):
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
 
-    def draw(self, frame: Frame) -> None:
-        if frame.sample not in RENEWED:  # surfaces come to light
-            return
-        frame.tables["reach"] = self.reached(frame) if frame.settings.shortcuts else without_culling(frame)
-        frame.tables["reaching"] = tuple(sorted(frame.tables["reach"]))
-
-    def reached(self, frame: Frame) -> dict[int, LightInfluence]:
-        """By all that was seen so far."""
-        seen = self.look(frame)
-        if frame.sample == 0:
-            self.bounds = seen
-            self.most, guess = self.light_on(frame, seen, np.flatnonzero(seen.seen))
-            self.arrives = self.probe_coarsely(frame)
-            there = sum((self.arrives[light] * guess[light] for light in self.arrives), np.zeros(frame.blocks[::-1]))
-            self.light = neighbourhood(there).mean((2, 3))
+    def execute(self, frame: Frame) -> None:
+        if frame.settings.shortcuts:
+            state = self.first_state(frame) if frame.sample == 0 else self.next_state(frame)
+            frame[CULLING_STATE] = state
+            influences = light_influences(state)
         else:
-            spotted = frame.tables["spotted"] if frame.traces else {}
-            for light, rays in self.probe_rays(frame, np.array(list(spotted), int), FINE_TILE_SPACING).items():
-                part = neighbourhood_visibility(rays, frame.scene.lights.spread[light] < np.pi)
-                self.arrives[light] = np.maximum(self.arrives[light], self.by_blocks(frame, part))
-            new = np.flatnonzero(~self.bounds.hold(seen))
-            self.bounds = self.bounds.joined(seen)
-            self.most = np.maximum(self.most, self.light_on(frame, self.bounds, new)[0])
-        return self.weighed()
+            influences = without_culling(frame)
+        frame[LIGHT_INFLUENCE] = influences
+        frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
-    def light_on(self, frame: Frame, bounds: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """Arrays (lights, rows, columns) of bounds and of estimates, for some surfaces: see surface_bounds.py."""
-        some, all_lamps = (
-            bounds.some(which),
-            LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space),
-        )
+    def first_state(self, frame: Frame) -> CullingState:
+        """By what the first sample shows."""
+        surfaces = self.bound_tiles(frame)
+        bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.seen))
+        visibility = self.probe_coarsely(frame, bounds)
+        none = np.zeros(frame.tiles[::-1])
+        arriving = sum((visibility[light] * estimates[light] for light in visibility), none)
+        return CullingState(surfaces, bounds, visibility, neighbourhood(arriving).mean((2, 3)))
+
+    def next_state(self, frame: Frame) -> CullingState:
+        """By all that was seen so far."""
+        state, shown = frame[CULLING_STATE], self.bound_tiles(frame)
+        visibility = dict(state.coarse_visibility)
+        rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
+        for light, influence in frame[LIGHT_INFLUENCE].items():
+            visibility[light] = influence.visibility_with(rediscovered.get(light))
+        for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
+            found = neighbourhood_visibility(rays, frame.scene.lights.spread[light] < np.pi)
+            visibility[light] = np.maximum(visibility[light], self.per_tile(frame, found))
+        new = np.flatnonzero(~state.surfaces.hold(shown))
+        surfaces = state.surfaces.joined(shown)
+        bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, new)[0])
+        return CullingState(surfaces, bounds, visibility, state.irradiance)
+
+    def irradiance(self, frame: Frame, surfaces: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
+        """Arrays (L,rows,columns) of bounds and of estimates, for some surfaces: see surface_bounds.py."""
+        some = surfaces.some(which)
+        lights = LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
         count, step = len(frame.scene.lights.shape), max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
-        columns, rows = frame.blocks
+        columns, rows = frame.tiles
         found = np.zeros((2, count, rows, columns), np.float32)
 
         def fill(first: int) -> None:
-            lights = slice(first, min(first + step, count))
-            near_and_far = np.zeros((2, lights.stop - first, 2, rows * columns), np.float32)
-            near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = irradiance_bound(some, all_lamps[lights])
-            found[:, lights] = near_and_far.max(2).reshape(2, -1, rows, columns)
+            own = slice(first, min(first + step, count))
+            near_and_far = np.zeros((2, own.stop - first, 2, rows * columns), np.float32)
+            near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = irradiance_bound(some, lights[own])
+            found[:, own] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
         parallel_map(fill, range(0, count, step), count * len(which))
         return list(found)
 
-    def look(self, frame: Frame) -> SurfaceBounds:
-        """What the blocks show, each nearby and far off."""
-        shown = {name: frame.targets[name] for name in ("position", "depth")}
-        self.draw_per_tile(frame, frame.targets.into(*self.writes), self.surfaces, **shown)
+    def bound_tiles(self, frame: Frame) -> SurfaceBounds:
+        """What the tiles show, each nearby and far off."""
+        targets = *NEAR_BOUNDS, *FAR_BOUNDS
+        shown = {"position": frame[POSITION], "depth": frame[DEPTH]}
+        draw_per_tile(frame, frame.framebuffer(*targets), self.surface_bounds, **shown)
         self.device.wait()
-        found = [from_tile_layout(frame.targets.read(name), frame.blocks) for name in self.writes]
+        found = [from_strips(frame.read(target), frame.tiles) for target in targets]
         near_and_far = np.array(found).reshape(2, 3, -1, 4)
         return SurfaceBounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
-    def probe_coarsely(self, frame: Frame) -> dict[int, np.ndarray]:
-        """(rows,columns) of each light that reaches any: the part that is seen of it about a block."""
-        casts, narrow = frame.scene.lights.casts_shadow & frame.traces, frame.scene.lights.spread < np.pi
-        reaching = np.flatnonzero(self.most.any((1, 2)))
-        asked = reaching[casts[reaching]]
-        if (
-            len(asked) > FEW_LIGHTS
-            and np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.blocks]) >= MANY_LIGHTS
-        ):
-            arrived = self.probe_rays(frame, asked, COARSE_TILE_SPACING)
+    def probe_coarsely(self, frame: Frame, bounds: np.ndarray) -> dict[int, np.ndarray]:
+        """(rows,columns) of each light whose bound (L,rows,columns) is above 0 anywhere: visibility about a tile."""
+        casts, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, frame.scene.lights.spread < np.pi
+        reaching = np.flatnonzero(bounds.any((1, 2)))
+        probed = reaching[casts[reaching]]
+        coarse_tiles = np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.tiles])
+        if len(probed) > FEW_LIGHTS and coarse_tiles >= MANY_LIGHTS:
+            arrived = self.probe_rays(frame, probed, COARSE_TILE_SPACING)
             sent = {light: rays.any() for light, rays in arrived.items()}
-            asked = np.array([k for k in asked if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
-        rays = self.probe_rays(frame, asked, FINE_TILE_SPACING)
-        certain = {light: np.full(frame.blocks[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
-        return certain | {k: self.by_blocks(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
+            probed = np.array([k for k in probed if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
+        rays = self.probe_rays(frame, probed, FINE_TILE_SPACING)
+        certain = {light: np.full(frame.tiles[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching}
+        return certain | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
-    def by_blocks(frame: Frame, found: np.ndarray) -> np.ndarray:
-        """(rows,columns) for each block, of what rays from every FINE_TILE_SPACING-th have found."""
-        columns, rows = frame.blocks
+    def per_tile(frame: Frame, found: np.ndarray) -> np.ndarray:
+        """(rows,columns) for each tile, of what rays from every FINE_TILE_SPACING-th have found."""
+        columns, rows = frame.tiles
         return found.repeat(FINE_TILE_SPACING, 0).repeat(FINE_TILE_SPACING, 1)[:rows, :columns]
 
-    def probe_rays(self, frame: Frame, lights: np.ndarray, apart: int) -> dict[int, np.ndarray]:
-        """(rows,columns,2) of each light: rays that arrived from every block, or each so far apart, and rays."""
-        gl, (columns, rows) = self.device.gl, (-(-count // apart) for count in frame.blocks)
+    def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
+        """(rows,columns,2) of each light: rays that arrived from every tile, or each so far apart, and rays."""
+        gl, (columns, rows) = self.device.gl, (-(-count // spacing) for count in frame.tiles)
         gl.enable_only(moderngl.NOTHING)
-        places, found = rd_sequence(0, len(frame.scene.lights.shape), 2), {}
+        light_uvs, found = rd_sequence(0, len(frame.scene.lights.shape), 2), {}
         for first in range(0, len(lights), self.device.texture_size // rows):
             some = lights[first : first + self.device.texture_size // rows]
-            asked = TILE_PROBES.create(gl, (len(some), 1))
-            rows_asked = np.array([(light, *fixed_point(places[light])) for light in some], np.uint32)
-            asked.write(rows_asked, viewport=(0, 0, len(some), 1))
+            probed = create(gl, PROBED_LIGHTS, (len(some), 1))
+            texels = np.array([(light, *fixed_point(light_uvs[light])) for light in some], np.uint32)
+            probed.write(texels, viewport=(0, 0, len(some), 1))
             bind(
                 self.rays.program,
-                **frame.receivers,
-                lights=frame.tables["lights"],
-                asked=asked,
-                rows=rows,
-                apart=apart * TILE_SIZE,
-                offset=(apart * TILE_SIZE // 2, apart * TILE_SIZE // 2),
+                **surface_samplers(frame),
+                lights=frame[LIGHT_BUFFER],
+                probed_lights=probed,
+                strip_rows=rows,
+                spacing=spacing * TILE_SIZE,
+                pixel_offset=(spacing * TILE_SIZE // 2, spacing * TILE_SIZE // 2),
                 pixel_steps=fixed_point(PIXEL_INCREMENTS),
-                **frame.tables["casters"],
+                **frame[TLAS],
             )
             size = columns, len(some) * rows
-            strips = PROBES.create(gl, size)
+            strips = create(gl, PROBE, size)
             target = gl.framebuffer([strips])
             target.viewport = 0, 0, *size
-            self.draw_pixels(frame, target, self.rays)
+            draw_pixels(frame, target, self.rays)
             self.device.wait()
             of_lights = pixels(strips)[: size[1], : size[0]]
             found |= zip(some, of_lights.reshape(len(some), rows, columns, 2), strict=True)
         return found
 
-    def weighed(self) -> dict[int, LightInfluence]:
-        """Which lights count where, by the most that each can bring."""
-        shown, found = self.bounds.seen.reshape(2, *self.light.shape).any(0), {}
-        average = max(float(self.light[shown].mean()) if shown.any() else 0.0, FLOAT32_TINY)
-        whole = np.maximum(self.light, average)
-        there, left_out = np.maximum(self.light, MIN_RELATIVE_IRRADIANCE * average), np.zeros_like(self.light)
-        parts = self.most / whole
-        for light in np.argsort(parts.sum((1, 2))):  # the faintest first
-            left_out += self.most[light]
-            worth = (self.most[light] > 0.0) & (left_out > MAX_CULLED_FRACTION * there)
-            if worth.any():
-                part = np.minimum(parts[light], 1.0)
-                seen = self.arrives.setdefault(int(light), np.zeros_like(part))
-                against_dim = np.minimum(self.most[light] / np.maximum(FAINT_FRACTION * there, FLOAT32_TINY), 1.0)
-                bright = np.minimum(self.most[light], MAX_BOUND_OVER_MEAN * average) / average
-                found[int(light)] = LightInfluence(worth, against_dim, part, bright, seen)
-        return found
+
+def light_influences(state: CullingState) -> dict[int, LightInfluence]:
+    """Which lights contribute where, by the most that each can bring."""
+    shown, found = state.surfaces.seen.reshape(2, *state.irradiance.shape).any(0), {}
+    mean = max(float(state.irradiance[shown].mean()) if shown.any() else 0.0, FLOAT32_TINY)
+    local, left_out = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
+    relative_bounds = state.bounds / np.maximum(state.irradiance, mean)
+    for light in np.argsort(relative_bounds.sum((1, 2))):  # the faintest first
+        bound = state.bounds[light]
+        left_out += bound
+        contributes = (bound > 0.0) & (left_out > MAX_CULLED_FRACTION * local)
+        if contributes.any():
+            found[int(light)] = LightInfluence(
+                contributes=contributes,
+                bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
+                relative_bound=np.minimum(relative_bounds[light], 1.0),
+                bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
+                coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
+            )
+    return found
 
 
 def without_culling(frame: Frame) -> dict[int, LightInfluence]:
-    """As if all lights counted for all blocks."""
-    whole = np.ones(frame.blocks[::-1], np.float32)
-    all_of_it = LightInfluence(whole > 0.0, whole, whole, whole, whole)
-    return {light: replace(all_of_it) for light in range(len(frame.scene.lights.shape))}
+    """As if all lights contributed to all tiles."""
+    ones = np.ones(frame.tiles[::-1], np.float32)
+    return {light: LightInfluence(ones > 0.0, ones, ones, ones, ones) for light in range(len(frame.scene.lights.shape))}
 
 
 def neighbourhood_visibility(rays: np.ndarray, narrow: bool) -> np.ndarray:

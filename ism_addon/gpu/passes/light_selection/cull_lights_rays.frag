@@ -1,12 +1,12 @@
-// One ray from each block, or from some, to each of several lights: a strip of the target for each.
+// One ray from each tile, or from some, to each of several lights: a strip of the target for each.
 #include "trace/probe.glsl"
-uniform usampler2D asked; // the number of each light, and the place on it
-uniform int rows;        // of a strip
-uniform int apart;       // px
-out vec2 seen; // rays that arrived, and rays
+uniform usampler2D probed_lights; // index of each light, and light_uv
+uniform int strip_rows;
+uniform int spacing; // px
+out vec2 rays; // that arrived, and all
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    uvec3 light = fetch(asked, ivec2(at.y / rows, 0)).xyz;
-    seen = look(int(light.x), light.yz, ivec2(at.x, at.y % rows), apart);
+    uvec3 light = fetch(probed_lights, ivec2(at.y / strip_rows, 0)).xyz;
+    rays = probe(int(light.x), light.yz, ivec2(at.x, at.y % strip_rows), spacing);
 }

@@ -1,7 +1,7 @@
 // One ray from every fourth pixel.
 #include "trace/probe.glsl"
 uniform int light_index;
-uniform uvec2 place;
-out vec2 seen; // rays that arrived, and rays
+uniform uvec2 light_uv;
+out vec2 rays; // that arrived, and all
 
-void main() { seen = look(light_index, place, ivec2(gl_FragCoord.xy), PROBE_SPACING); }
+void main() { rays = probe(light_index, light_uv, ivec2(gl_FragCoord.xy), PROBE_SPACING); }

@@ -1,50 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A close look at what each light reaches: one shadow ray from every fourth pixel, where CullLights asks for it."""
+"""Coarse visibility of each light: one shadow ray from every fourth pixel, where CullLights asks for it."""
 
 from dataclasses import asdict
 
 import moderngl
 
+from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
 from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
-from ...frame import PROBE_SPACING, PROBES, PROBES_PER_TILE_SIDE, Frame, Pass, tiles_where
+from ...drawing import draw_tiles
+from ...frame import Frame, Pass, Schedule, outputs
+from ...gl.render_targets import create, size_of
 from ...gl.shader_compiler import bind
+from ...surface_inputs import SURFACE, surface_samplers
+from ...tiles import PROBES_PER_TILE_SIDE, tiles_where
 from ..direct.ray_correction import RECORDS, LightVariant
 
 
 class ProbeVisibility(Pass):
-    """For each light that casts shadows and may be seen, whether a ray from every fourth pixel arrives."""
+    """For each light that casts shadows and may be visible, whether a ray from every fourth pixel arrives."""
 
-    reads = ("position", "normal", "placement", "rise", "lights", "casters", "reach")
-    makes = ("scouted",)
-    depends_on = (Change.VIEW, Change.LIGHTS)
+    schedule = Schedule.FIRST
+    inputs = *SURFACE, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
+    outputs = outputs(PROBES)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.traces and frame.sample == 0
+        return frame.casts_shadows
 
-    def draw(self, frame: Frame) -> None:
-        gl, view = self.device.gl, frame.view
-        size = PROBES.size(view.width, view.height)
-        casts = frame.scene.lights.casts_shadow
-        lights = [light for light, to in frame.tables["reach"].items() if casts[light] and to.scouted.any()]
-        scouted = {light: PROBES.create(gl, size) for light in lights}
+    def execute(self, frame: Frame) -> None:
+        gl, casts = self.device.gl, frame.scene.lights.casts_shadow
+        influences = frame[LIGHT_INFLUENCE]
+        lights = [light for light, influence in influences.items() if casts[light] and influence.to_probe.any()]
+        probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
         gl.enable_only(moderngl.NOTHING)
-        places = rd_sequence(0, len(casts), 2)
+        light_uvs = rd_sequence(0, len(casts), 2)
         for light in lights:
-            into = gl.framebuffer([scouted[light]])
+            into = gl.framebuffer([probes[light]])
             into.clear()
-            kind = LightVariant.of(frame.scene.lights, light)
-            program = self.tile_program(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(kind))
+            variant = LightVariant.of(frame.scene.lights, light)
+            program = self.tile_program(*RECORDS, probe_spacing=PROBE_SPACING, **asdict(variant))
             bind(
                 program,
-                **frame.receivers,
-                lights=frame.tables["lights"],
+                **surface_samplers(frame),
+                lights=frame[LIGHT_BUFFER],
                 light_index=light,
-                offset=(0, 0),
+                pixel_offset=(0, 0),
                 pixel_steps=fixed_point(PIXEL_INCREMENTS),
-                place=fixed_point(places[light]),
-                **frame.tables["casters"],
+                light_uv=fixed_point(light_uvs[light]),
+                **frame[TLAS],
             )
-            blocks = tiles_where(frame.tables["reach"][light].scouted)
-            self.draw_tiles(frame, into, program, blocks, block=PROBES_PER_TILE_SIDE)
-        frame.tables["scouted"] = scouted
+            draw_tiles(frame, into, program, tiles_where(influences[light].to_probe), side=PROBES_PER_TILE_SIDE)
+        frame[PROBES] = probes

@@ -12,21 +12,30 @@ from functools import cached_property
 
 import moderngl
 
-from ...atlas import MAP_SIZE_MULTIPLE, NO_OCCLUDER
-from ...frame import Frame, Pass
-from ...gl.render_targets import Target
+from ....resource_types import Target
+from ....resources import ATLAS_BATCH, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAPS
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
+from .atlas import MAP_SIZE_MULTIPLE
 
 LEVELS = MAP_SIZE_MULTIPLE.bit_length() - 1
-PULL_PUSH_LEVEL = Target(2, "f4", neutral=(NO_OCCLUDER, 0.0), divisor=0)  # depth in m, coverage
+
+
+def _level(name: str) -> Target:
+    return Target(name, "Depth in metres, coverage", format=SHADOW_MAPS.format, divisor=0, neutral=None)
+
+
+#: Of each level below the maps, 1 … LEVELS.
+PULLED = [_level(f"pulled_{level}") for level in range(1, LEVELS + 1)]
+PUSHED = [_level(f"pushed_{level}") for level in range(1, LEVELS)]
 
 
 class FillHoles(Pass):
     """The atlas of one batch without the holes."""
 
-    reads = ("splats",)
-    writes = {"shadow_maps": PULL_PUSH_LEVEL}
-    settings = ("shadow.fill_threshold",)
+    inputs = SHADOW_MAP_SPLATS, ATLAS_BATCH, "shadow.fill_threshold", "shadow.fill_holes"
+    outputs = outputs(SHADOW_MAPS, *PULLED, *PUSHED)
 
     @cached_property
     def steps(self) -> dict[str, moderngl.VertexArray]:
@@ -39,31 +48,29 @@ class FillHoles(Pass):
         return {name: self.device.gl.vertex_array(program, []) for name, program in programs.items()}
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats and frame.batch.count > 0 and frame.settings.shadow.fill_holes
+        return frame.casts_shadows and frame[ATLAS_BATCH].count > 0 and frame.settings.shadow.fill_holes
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
-        width, height = frame.batch.size
-        for level in range(1, LEVELS + 1):
-            frame.targets.allocate(f"pull {level}", PULL_PUSH_LEVEL, (width >> level, height >> level))
-            frame.targets.allocate(f"push {level}", PULL_PUSH_LEVEL, (width >> level, height >> level))
-        frame.targets.allocate("shadow_maps", PULL_PUSH_LEVEL, (width, height))
-        for level in range(1, LEVELS + 1):
-            self.step("pull", frame, f"pull {level}", level - 1)
+        width, height = frame[ATLAS_BATCH].size
+        for level, pulled in enumerate(PULLED, 1):
+            frame.allocate(pulled, (width >> level, height >> level))
+        for level, pushed in enumerate([SHADOW_MAPS, *PUSHED]):
+            frame.allocate(pushed, (width >> level, height >> level))
+        fine = [SHADOW_MAP_SPLATS, *PULLED]
+        for level in range(LEVELS):
+            self.step("pull", frame, fine[level], SHADOW_MAP_SPLATS, PULLED[level], level)
+        coarse = PULLED[-1]
         for level in reversed(range(LEVELS)):
-            self.step("push", frame, f"push {level}" if level else "shadow_maps", level)
+            into = PUSHED[level - 1] if level else SHADOW_MAPS
+            self.step("push", frame, fine[level], coarse, into, level)
+            coarse = into
 
-    def step(self, name: str, frame: Frame, into: str, level: int) -> None:
+    def step(self, name: str, frame: Frame, fine: Target, coarse: Target, into: Target, level: int) -> None:
         """Pull from `level` to the next coarser, or push to `level` from there."""
-        targets = frame.targets
-        above = f"push {level + 1}" if level + 1 < LEVELS else f"pull {LEVELS}"
         vertices = self.steps[name]
-        bind(
-            vertices.program,
-            fine=targets[f"pull {level}" if level else "splats"],
-            finest=level == 0,
-            coarse=targets[above if name == "push" else "splats"],
-            coarse_side=frame.batch.side >> (level + 1),
-            threshold=frame.settings.shadow.fill_threshold,
-        )
-        self.draw_pixels(frame, targets.into(into), vertices)
+        uniforms = {"fine": frame[fine], "finest": level == 0, "threshold": frame.settings.shadow.fill_threshold}
+        if name == "push":
+            uniforms |= {"coarse": frame[coarse], "coarse_side": frame[ATLAS_BATCH].side >> (level + 1)}
+        bind(vertices.program, **uniforms)
+        draw_pixels(frame, frame.framebuffer(into), vertices)

@@ -1,28 +1,23 @@
-// Irradiance: a light's exact value times the part of its light points that see the pixel, weighted by what they send.
-#include "surfaces/light_linking.glsl"
-#include "maths/octahedron.glsl"
+// Irradiance: a light's exact value times the part of its virtual lights that see the pixel, weighted by what they send.
+#include "lights/receiver_linking.glsl"
 #include "lights/light_sample.glsl"
 
-uniform sampler2D position;
-uniform sampler2D normals;
-uniform usampler2D triangles;
-uniform samplerBuffer memberships;
 uniform samplerBuffer lights;
-uniform samplerBuffer points_of_lights;
+uniform samplerBuffer virtual_light_ranges;
 uniform samplerBuffer virtual_lights;
-uniform sampler2D maps;
-uniform int light_count; // of those that count
-uniform ivec2 batch; // first light point, number of light points
+uniform sampler2D shadow_maps;
+uniform int light_count; // of those that contribute
+uniform ivec2 batch;     // first virtual light, number of virtual lights
 uniform int side;
 uniform int columns;
 uniform bool shadows;
 uniform float bias;
-out vec4 irradiance;
+out vec4 direct_prediction;
 
-// 1 where the light point whose map is number `index` sees the receiver: v from the light point, n its plane's normal,
+// 1 where the virtual light whose map is number `index` sees the receiver: v from the virtual light, n its plane's normal,
 // both in the light's space.
-float visibility(vec2 turn, int index, vec3 v, vec3 n) {
-    mat2 map_from_light = mat2(turn.x, -turn.y, turn.y, turn.x);
+float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
+    mat2 map_from_light = mat2(rotation.x, -rotation.y, rotation.y, rotation.x);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
     v += n * (bias * texel_angle * length(v));
     vec2 square = square_from_hemisphere(vec3(map_from_light * v.xy, max(v.z, 0.0)));
@@ -34,53 +29,49 @@ float visibility(vec2 turn, int index, vec3 v, vec3 n) {
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
     int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
     ivec2 corner = ivec2(index - row * columns, row) * side;
-    return fetch(maps, corner + texel).x >= receiver ? 1.0 : 0.0;
+    return fetch(shadow_maps, corner + texel).x >= receiver ? 1.0 : 0.0;
 }
 
-vec3 light_irradiance(Light light, PointsOfLight points, vec3 p, vec3 n, vec3 facet) {
+vec3 shadowed_irradiance(Light light, VirtualLightRange points, vec3 p, vec3 n, vec3 geometric_normal) {
     bool masked = shadows && light.casts_shadow != 0;
-    vec3 full = light.radiance * unshadowed_irradiance(light, p, n);
-    if (!masked) return batch.x == 0 ? full : vec3(0.0);
+    vec3 unshadowed = light.radiance * light_irradiance(light, p, n);
+    if (!masked) return batch.x == 0 ? unshadowed : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
     // Where no point of its own can light a receiver, those closest to where its light comes from say what is hidden.
-    vec3 from = light_from_anchor * (sample_light(light, p, n, vec2(0.5)).point - light.position);
+    vec3 from = light_from_anchor * (light_sample(light, p, n, vec2(0.5)).point - light.position);
     p = light_from_anchor * (p - light.position);
     n = light_from_anchor * n;
-    facet = light_from_anchor * facet;
+    geometric_normal = light_from_anchor * geometric_normal;
     float sent = 0.0, arrived = 0.0, close = 0.0, arrived_close = 0.0;
-    int last = full == vec3(0.0) ? 0 : points.first + points.count;
+    int last = unshadowed == vec3(0.0) ? 0 : points.first + points.count;
     for (int k = points.first; k < last; ++k) {
-        LightPoint point = fetch_LightPoint(virtual_lights, k);
-        vec3 v = vec3(p.xy - point.place, p.z);
+        VirtualLight point = fetch_VirtualLight(virtual_lights, k);
+        vec3 v = vec3(p.xy - point.light_uv, p.z);
         float square = dot(v, v);
         float weight = max(-dot(n, v), 0.0) * p.z / max(square * square, 1e-30);
-        weight *= spread(light, p.z, length(v.xy));
-        vec2 off = point.place - from.xy;
+        weight *= spread_falloff(light, p.z, length(v.xy));
+        vec2 off = point.light_uv - from.xy;
         float closeness = 1.0 / max(dot(off, off) * dot(off, off), 1e-30);
         sent += weight;
         close += closeness;
         int index = k - batch.x;
         if (index < 0 || index >= batch.y) continue;
-        float seen = visibility(point.turn, index, v, facet);
-        arrived += weight * seen;
-        arrived_close += closeness * seen;
+        float unoccluded = visibility(point.rotation, index, v, geometric_normal);
+        arrived += weight * unoccluded;
+        arrived_close += closeness * unoccluded;
     }
     if (close == 0.0) return vec3(0.0);
-    return full * (sent > 0.0 ? arrived / sent : arrived_close / close);
+    return unshadowed * (sent > 0.0 ? arrived / sent : arrived_close / close);
 }
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 p = fetch(position, at);
-    irradiance = vec4(0.0);
-    if (p.w == 0.0) return;
-    vec4 octahedra = fetch(normals, at);
-    vec3 n = direction_from_octahedron(octahedra.xy), facet = direction_from_octahedron(octahedra.zw);
-    int groups = fetch_Membership(memberships, int(fetch(triangles, at).y)).groups;
+    direct_prediction = vec4(0.0);
+    Surface surface = surface_at(ivec2(gl_FragCoord.xy));
+    if (!surface.exists) return;
     for (int k = 0; k < light_count; ++k) {
-        PointsOfLight points = fetch_PointsOfLight(points_of_lights, k);
+        VirtualLightRange points = fetch_VirtualLightRange(virtual_light_ranges, k);
         Light light = fetch_Light(lights, points.light);
-        if (light.receivers >= 0 && !linked(groups, light.receivers)) continue;
-        irradiance.rgb += light_irradiance(light, points, p.xyz, n, facet);
+        if (!is_lit_by(surface, light)) continue;
+        direct_prediction.rgb += shadowed_irradiance(light, points, surface.position, surface.normal, surface.geometric_normal);
     }
 }

@@ -11,56 +11,71 @@ from functools import cached_property
 
 import moderngl
 
+from ....resources import (
+    ATLAS_BATCH,
+    DIRECT_PREDICTION,
+    INSTANCE_BUFFERS,
+    LIGHT_BUFFER,
+    NO_OCCLUDER,
+    NORMAL,
+    POSITION,
+    PRIMITIVE,
+    SHADOW_MAP_SPLATS,
+    SHADOW_MAPS,
+    VIRTUAL_LIGHT_COUNTS,
+    VIRTUAL_LIGHT_RANGES,
+    VIRTUAL_LIGHTS,
+)
 from ....scene import Change
-from ...atlas import NO_OCCLUDER
-from ...frame import Frame, Pass
-from ...gl.render_targets import Target
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 
-#: Light points that are looked from, or lights, or pixels, in the time of a ray; as measured.
-POINTS = 30
+#: Virtual lights that are evaluated, or lights, or pixels, in the time of a ray; as measured.
+VIRTUAL_LIGHTS_PER_RAY = 30
 
 
 class GatherLight(Pass):
-    """Irradiance W/m² of each pixel: the sum over the batches of light points."""
+    """Irradiance W/m² of each pixel: the sum over the atlases of virtual lights."""
 
-    reads = ("position", "normal", "placement", "lights", "points_of_lights", "virtual_lights", "splats", "shadow_maps")
-    writes = {"irradiance": Target(4, "f4")}
-    settings = ("shadow.enabled", "shadow.method", "shadow.bias", "shadow.fill_holes")
-    depends_on = (Change.LIGHTS,)
+    inputs = (
+        *(POSITION, NORMAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS, VIRTUAL_LIGHT_RANGES),
+        *(VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
+        *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
+    )
+    outputs = outputs(DIRECT_PREDICTION)
 
     @cached_property
-    def pixels(self) -> moderngl.VertexArray:
+    def shader(self) -> moderngl.VertexArray:
         return self.full_screen_program(LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE, empty=NO_OCCLUDER)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0 and not frame.fitted
+        return len(frame.scene.lights.shape) > 0
 
-    def draw(self, frame: Frame) -> None:
-        frame.counts["lights_used"] = len(frame.tables["points_per_light"])
-        gl, batch, shadow = frame.device.gl, frame.batch, frame.settings.shadow
-        target = frame.targets.into("irradiance")
+    def execute(self, frame: Frame) -> None:
+        counts, batch, shadow = frame[VIRTUAL_LIGHT_COUNTS], frame[ATLAS_BATCH], frame.settings.shadow
+        frame.counts["lights_used"] = len(counts)
+        gl, target = frame.device.gl, frame.framebuffer(DIRECT_PREDICTION)
         if batch.first == 0:
             target.clear()
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(
-            self.pixels.program,
-            position=frame.targets["position"],
-            normals=frame.targets["normal"],
-            triangles=frame.targets["triangle"],
-            memberships=frame.tables["placement"].memberships,
-            lights=frame.tables["lights"],
-            points_of_lights=frame.tables["points_of_lights"],
-            virtual_lights=frame.tables["virtual_lights"],
-            maps=frame.targets["shadow_maps" if shadow.fill_holes else "splats"],
-            light_count=len(frame.tables["points_per_light"]),
+            self.shader.program,
+            position=frame[POSITION],
+            normal=frame[NORMAL],
+            primitive=frame[PRIMITIVE],
+            link_groups=frame[INSTANCE_BUFFERS].memberships,
+            lights=frame[LIGHT_BUFFER],
+            virtual_light_ranges=frame[VIRTUAL_LIGHT_RANGES],
+            virtual_lights=frame[VIRTUAL_LIGHTS],
+            shadow_maps=frame[SHADOW_MAPS if shadow.fill_holes else SHADOW_MAP_SPLATS],
+            light_count=len(counts),
             batch=(batch.first, batch.count),
             side=batch.side,
             columns=batch.columns,
             shadows=frame.casts_shadows,
             bias=shadow.bias,
         )
-        points = frame.tables["points_per_light"]
-        self.draw_pixels(frame, target, self.pixels, (1 + len(points) + sum(points.values())) / POINTS)
+        draw_pixels(frame, target, self.shader, (1 + len(counts) + sum(counts.values())) / VIRTUAL_LIGHTS_PER_RAY)

@@ -10,10 +10,11 @@ turns by a hundredth of a picture nine in ten change the points of one of twenty
 
 import numpy as np
 
+from ....resources import LIGHT_IMPORTANCE, POINT_CLOUD
 from ....sampling import rd_sequence
 from ....scene import Change
 from ...culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
-from ...frame import Frame, Pass
+from ...frame import Frame, Pass, outputs
 from .point_cloud import PointCloud
 
 #: Points of the cloud that the lights are seen from.
@@ -38,14 +39,13 @@ def importance(cloud: PointCloud, lamps: LightBounds) -> np.ndarray:
 class WeighLights(Pass):
     """What the points of each light would be off by."""
 
-    reads = ("cloud",)
-    makes = ("deviations",)
-    depends_on = (Change.LIGHTS,)
+    inputs = POINT_CLOUD, Change.LIGHTS
+    outputs = outputs(LIGHT_IMPORTANCE)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats
+        return frame.casts_shadows
 
-    def draw(self, frame: Frame) -> None:
-        frame.tables["deviations"] = importance(
-            frame.tables["cloud"], LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
+    def execute(self, frame: Frame) -> None:
+        frame[LIGHT_IMPORTANCE] = importance(
+            frame[POINT_CLOUD], LightBounds.of(frame.scene.lights, frame.anchor, frame.scene.working_space)
         )

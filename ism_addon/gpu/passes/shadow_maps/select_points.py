@@ -16,10 +16,11 @@ import moderngl
 import numpy as np
 
 from ....parallel import parallel_map
+from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD
 from ....sampling import rd_sequence
 from ....scene import Change, Lights
 from ...culling.surface_bounds import LightBounds
-from ...frame import Frame, Pass
+from ...frame import Frame, Pass, outputs
 from .point_cloud import PointCloud
 
 #: Subsets a light; its light points share them out.
@@ -35,6 +36,14 @@ class PointRange:
     first: int
     count: int
     maps: float  # that all discs would fill if none hid another, at most
+
+
+@dataclass(frozen=True)
+class MapPoints:
+    """The points of all lights' shadow maps."""
+
+    ranges: list[list[PointRange]]  # by light, SUBSETS_PER_LIGHT each
+    buffer: moderngl.Buffer | None  # rows of MAP_POINT; None without any
 
 
 def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
@@ -99,22 +108,19 @@ def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
 class SelectPoints(Pass):
     """A vertex buffer of all subsets, and where each light's lie in it."""
 
-    reads = ("cloud",)
-    compares = ("reaching",)
-    makes = ("map_points",)
-    settings = ("shadow.method", "quality.map_points", "shadow.splat_size")
-    depends_on = (Change.LIGHTS,)
+    inputs = POINT_CLOUD, CONTRIBUTING_LIGHTS, Change.LIGHTS, "quality.map_points", "shadow.splat_size"
+    outputs = outputs(MAP_POINTS)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats
+        return frame.casts_shadows
 
-    def draw(self, frame: Frame) -> None:
-        cloud, lights = frame.tables["cloud"], frame.scene.lights
+    def execute(self, frame: Frame) -> None:
+        cloud, lights = frame[POINT_CLOUD], frame.scene.lights
         count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
-        look = frame.pace.look
+        look, contributing = frame.pace.look, frame[CONTRIBUTING_LIGHTS]
 
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
-            if not lights.casts_shadow[light] or light not in frame.tables["reaching"]:
+            if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
             subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
@@ -132,6 +138,6 @@ class SelectPoints(Pass):
         ]
         look()
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
-        frame.tables["map_points"] = table, buffer
+        frame[MAP_POINTS] = MapPoints(table, buffer)
         frame.counts["bytes_uploaded"] += points.nbytes
         frame.counts["map_points"] = max((subset.count for row in table for subset in row), default=0)

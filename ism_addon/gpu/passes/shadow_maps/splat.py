@@ -11,16 +11,16 @@ the discs close to the light.
 """
 
 from functools import cached_property
-from typing import Any
 
 import moderngl
 import numpy as np
 
-from ...atlas import NO_OCCLUDER
-from ...frame import Frame, Pass
+from ....resources import ATLAS_BATCH, MAP_POINTS, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAP_VIEWS
+from ....scene import Change
+from ...frame import Frame, Pass, outputs
 from ...gl.draw_limit import portions
-from ...gl.render_targets import Target
 from ...gl.shader_compiler import bind, compile_program
+from .select_points import PointRange
 
 #: Rays in whose time processors are done with a disc: as many as are drawn at once take memory on them until then.
 RAYS_PER_DISC = 4.0
@@ -32,38 +32,33 @@ TEXELS = 30
 class SplatMaps(Pass):
     """The atlas of one batch: for each direction, the distance to the nearest disc."""
 
-    reads = ("map_points", "maps")
-    writes = {"splats": Target(1, "f4", neutral=(NO_OCCLUDER,), divisor=0)}
-    settings = (
-        "shadow.method",
-        "quality.map_size",
-    )
+    inputs = MAP_POINTS, SHADOW_MAP_VIEWS, ATLAS_BATCH, Change.SAMPLE
+    outputs = outputs(SHADOW_MAP_SPLATS)
 
     @cached_property
     def discs(self) -> moderngl.Program:
         return compile_program(self.device, f"{self.name_of()}.vert", f"{self.name_of()}.frag", empty=NO_OCCLUDER)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.splats and frame.batch.count > 0
+        return frame.casts_shadows and frame[ATLAS_BATCH].count > 0
 
-    def draw(self, frame: Frame) -> None:
-        gl, batch = frame.device.gl, frame.batch
-        frame.targets.allocate("splats", self.writes["splats"], batch.size)
-        atlas = frame.targets.into("splats")
+    def execute(self, frame: Frame) -> None:
+        gl, batch, points = frame.device.gl, frame[ATLAS_BATCH], frame[MAP_POINTS]
+        frame.allocate(SHADOW_MAP_SPLATS, batch.size)
+        atlas = frame.framebuffer(SHADOW_MAP_SPLATS)
         whole = atlas.viewport
         atlas.clear(NO_OCCLUDER)
-        subsets, points = frame.tables["map_points"]
-        if points is None:
+        if points.buffer is None:
             return
         atlas.use()
         gl.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         gl.blend_equation = moderngl.MIN
         bind(self.discs, side=batch.side)
-        discs = gl.vertex_array(self.discs, [(points, "3f 3f 1f", "position", "normal", "radius")])
+        discs = gl.vertex_array(self.discs, [(points.buffer, "3f 3f 1f", "position", "normal", "radius")])
         try:
             for index in range(batch.count):
-                turns = subsets[frame.tables["maps"][batch.first + index]["light"]]
-                subset = turns[(batch.first + index + frame.sample) % len(turns)]
+                subsets = points.ranges[frame[SHADOW_MAP_VIEWS][batch.first + index]["light"]]
+                subset = subsets[(batch.first + index + frame.sample) % len(subsets)]
                 if subset.count:
                     self.draw_map(frame, atlas, discs, index, subset)
         finally:
@@ -71,15 +66,15 @@ class SplatMaps(Pass):
             gl.blend_equation = moderngl.FUNC_ADD
 
     def draw_map(
-        self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: Any
+        self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: PointRange
     ) -> None:
         """That of one of the batch's light points, of one subset of the discs."""
-        batch = frame.batch
-        point, corner = frame.tables["maps"][batch.first + index], batch.corner(index)
+        batch = frame[ATLAS_BATCH]
+        view, corner = frame[SHADOW_MAP_VIEWS][batch.first + index], batch.corner(index)
         atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
-        tangent, normal = point["tangent"], point["normal"]
+        tangent, normal = view["tangent"], view["normal"]
         axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
-        bind(self.discs, light_point=point["position"], map_from_anchor=axes.ravel(), corner=corner)
+        bind(self.discs, virtual_light=view["position"], map_from_anchor=axes.ravel(), corner=corner)
         rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
         for part in portions(subset.count, rays):
             count = part.stop - part.start

@@ -1,6 +1,6 @@
 // A surface point becomes the square of the map that its disc can touch. Map space: z along the light's normal. m
 #include "maths/octahedron.glsl"
-uniform vec3 light_point;
+uniform vec3 virtual_light;
 uniform mat3 map_from_anchor;
 uniform int side;
 in vec3 position;
@@ -23,14 +23,14 @@ float stretch(vec3 d, float angle) {
 }
 
 void main() {
-    vec3 c = map_from_anchor * (position - light_point);
+    vec3 c = map_from_anchor * (position - virtual_light);
     float distance = length(c), angle = radius / distance;
     disc_centre = c;
     disc_normal = map_from_anchor * normal;
     disc_radius = radius;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 2.0 * float(side);
-    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or the light point itself
+    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or the virtual light itself
         gl_Position.x = 2.0;
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));

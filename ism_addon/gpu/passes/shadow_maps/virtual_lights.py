@@ -8,10 +8,18 @@ light's radiance and area are exact (see gather), its points only say how much o
 import numpy as np
 
 from ....radiometry import plane_normals
+from ....resources import (
+    CONTRIBUTING_LIGHTS,
+    LIGHT_IMPORTANCE,
+    SHADOW_MAP_VIEWS,
+    VIRTUAL_LIGHT_COUNTS,
+    VIRTUAL_LIGHT_RANGES,
+    VIRTUAL_LIGHTS,
+)
 from ....sampling import Dimension, points_on_light, proportional_counts, rd_sequence, sequence
 from ....scene import Change, Lights
 from ....spaces import orthonormal
-from ...frame import Frame, Pass
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 
 #: A light point as the maps' drawing needs it: the axes x and z of its map, in anchor space.
@@ -42,8 +50,8 @@ def virtual_light_tables(
     offsets = np.concatenate([np.zeros((0, 3)), *positions]) - lights.position[owners]
     angle = 2.0 * np.pi * rd_sequence(sample * len(owners), len(owners), 1)
     points = np.zeros(len(owners), VIRTUAL_LIGHT.dtype)
-    points["place"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents])[:, owners])
-    points["turn"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
+    points["light_uv"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents])[:, owners])
+    points["rotation"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
     maps = np.zeros(len(owners), SHADOW_MAP_VIEW)
     maps["position"] = offsets + (lights.position - anchor)[owners]
     maps["tangent"] = np.cos(angle) * tangents[owners] + np.sin(angle) * bitangents[owners]
@@ -54,26 +62,21 @@ def virtual_light_tables(
 class PlaceVirtualLights(Pass):
     """The tables of light points, and of which are whose."""
 
-    reads = ("deviations",)
-    compares = ("reaching",)
-    makes = ("points_per_light", "points_of_lights", "virtual_lights", "maps")
-    settings = ("quality.virtual_lights",)
-    depends_on = (Change.LIGHTS, Change.SAMPLE)
+    inputs = LIGHT_IMPORTANCE, CONTRIBUTING_LIGHTS, Change.LIGHTS, Change.SAMPLE, "quality.virtual_lights"
+    outputs = outputs(VIRTUAL_LIGHT_COUNTS, VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_VIEWS)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.lights.shape) > 0 and not frame.fitted
+        return len(frame.scene.lights.shape) > 0
 
-    def draw(self, frame: Frame) -> None:
-        lights, counts = frame.scene.lights, dict.fromkeys(frame.tables["reaching"], 0)
-        wanting = [light for light in counts if frame.splats and lights.casts_shadow[light]]
+    def execute(self, frame: Frame) -> None:
+        lights, counts = frame.scene.lights, dict.fromkeys(frame[CONTRIBUTING_LIGHTS], 0)
+        wanting = [light for light in counts if frame.casts_shadows and lights.casts_shadow[light]]
         if wanting:
-            counts |= allocate_virtual_lights(
-                wanting, frame.tables["deviations"], frame.settings.quality.virtual_lights
-            )
+            counts |= allocate_virtual_lights(wanting, frame[LIGHT_IMPORTANCE], frame.settings.quality.virtual_lights)
         of_lights, points, maps = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
-        frame.tables["points_per_light"] = counts
-        frame.tables["points_of_lights"] = VIRTUAL_LIGHT_RANGE.upload(self.device, of_lights)
-        frame.tables["virtual_lights"] = VIRTUAL_LIGHT.upload(self.device, points)
-        frame.tables["maps"] = maps
+        frame[VIRTUAL_LIGHT_COUNTS] = counts
+        frame[VIRTUAL_LIGHT_RANGES] = VIRTUAL_LIGHT_RANGE.upload(self.device, of_lights)
+        frame[VIRTUAL_LIGHTS] = VIRTUAL_LIGHT.upload(self.device, points)
+        frame[SHADOW_MAP_VIEWS] = maps
         frame.counts["virtual_lights"] = len(points)
         frame.counts["bytes_uploaded"] += of_lights.nbytes + points.nbytes

@@ -1,20 +1,20 @@
 // Of a block's pixels, the mean of their samples' variances, and of their luminances.
 #include "textures/tile_index.glsl"
 #include "maths/luminance.glsl"
-uniform sampler2D sum;
-uniform sampler2D sum_correction;
-uniform sampler2D weights; // of squared luminances, and of samples
-out vec2 noise;
+uniform sampler2D sum_color;
+uniform sampler2D sum_residual;
+uniform sampler2D sum_weights; // of squared luminances, and of samples
+out vec2 variance_and_mean;
 
 void main() {
-    ivec2 block = block_here(), last = last_pixel();
-    vec2 texel = texel_size(sum); // of all three
-    noise = vec2(0.0);
+    ivec2 tile = tile_index(), last = last_pixel();
+    vec2 texel = texel_size(sum_color); // of all three
+    variance_and_mean = vec2(0.0);
     for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
-        ivec2 at = min(block * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
-        vec2 weight = fetch(weights, at, texel).xy;
-        float mean = luminance(fetch(sum, at, texel).rgb + fetch(sum_correction, at, texel).rgb) / weight.y;
-        noise += vec2(max(weight.x / weight.y - mean * mean, 0.0), abs(mean));
+        ivec2 at = min(tile * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
+        vec2 weight = fetch(sum_weights, at, texel).xy;
+        float mean = luminance(fetch(sum_color, at, texel).rgb + fetch(sum_residual, at, texel).rgb) / weight.y;
+        variance_and_mean += vec2(max(weight.x / weight.y - mean * mean, 0.0), abs(mean));
     }
-    noise /= float(TILE_SIZE * TILE_SIZE);
+    variance_and_mean /= float(TILE_SIZE * TILE_SIZE);
 }

@@ -6,16 +6,31 @@ that for a given number of pixels drawn the least error is left (Neyman 1934). A
 it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import moderngl
 import numpy as np
 
+from ....resources import (
+    CONVERGENCE,
+    MEAN_LUMINANCE,
+    SAMPLES_PER_TILE,
+    SUM_COLOR,
+    SUM_RESIDUAL,
+    SUM_WEIGHTS,
+    TILE_PROBABILITIES,
+    TILE_SAMPLE_COUNTS,
+    TILE_SELECTION,
+    TILE_SIZE,
+    TILE_VARIANCE,
+    TILES,
+)
 from ....sampling import TURN_INCREMENTS, Dimension, members, sequence
 from ....scene import Change
-from ...convergence import Convergence
-from ...frame import TILE_SIZE, Frame, Pass, from_tile_layout, tiles_where
-from ...gl.render_targets import Target
+from ...drawing import draw_per_tile
+from ...frame import Frame, Pass, has_doubled, outputs
+from ...tiles import from_strips, tiles_where
 
 #: Samples that every block takes part in.
 UNIFORM_SAMPLES = 2
@@ -41,69 +56,86 @@ SUM_ROUNDING = 5e-4
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 
-class SelectTiles(Pass):
-    """The blocks that take part in this sample, and in how many each did so far."""
+@dataclass
+class TileSelection:
+    """How often each tile takes part, and when: arrays (rows,columns) float32."""
 
-    writes = {"noise": Target(2, "f4", divisor=TILE_SIZE, strips=True)}
-    makes = ("blocks", "counts", "chances", "error")
-    settings = ("shadow.method", "shortcuts")
-    depends_on = (Change.VIEW, Change.SAMPLE)
+    sample_counts: np.ndarray  # samples so far, of a tile that has converged those for its neighbours too
+    probabilities: np.ndarray
+    phases: np.ndarray  # in [0,1)
+
+
+class SelectTiles(Pass):
+    """The tiles that take part in this sample, and in how many each did so far."""
+
+    inputs = Change.VIEW, Change.SAMPLE, "shadow.method", "shortcuts"
+    feedback = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, CONVERGENCE
+    outputs = outputs(
+        *(TILES, TILE_SELECTION, SAMPLES_PER_TILE, TILE_SAMPLE_COUNTS, TILE_PROBABILITIES, TILE_VARIANCE),
+        MEAN_LUMINANCE,
+    )
 
     @cached_property
-    def means(self) -> moderngl.VertexArray:
+    def variance(self) -> moderngl.VertexArray:
         return self.full_screen_program(tile_size=TILE_SIZE)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
+        columns, rows = frame.tiles
         if frame.sample == 0:
-            self.start(frame)
-        elif frame.sample & (frame.sample - 1) == 0:  # as often as the number of samples has doubled
-            noise, frame.tables["brightness"] = self.so_far(frame)
-            unsettled = ~frame.tables["error"].settled
-            if frame.fitted and frame.settings.shortcuts and frame.sample >= UNIFORM_SAMPLES and unsettled.any():
-                self.allocate(noise, frame.tables["brightness"], unsettled)
-        error, turn = frame.tables["error"], sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
-        takes_part = (np.mod(self.phase + turn, 1.0) < self.chance) & neighbourhood_max(~error.settled)
-        frame.tables["blocks"] = self.blocks(frame, takes_part)
-        frame.counts["pixels_drawn"] += len(frame.tables["blocks"]) * TILE_SIZE**2
-        self.turns += takes_part
-        error.count(takes_part)
-        of_blocks = 0, 0, *frame.blocks
-        frame.tables["counts"].write(error.counts, of_blocks)
-        frame.tables["chances"].write(np.stack([self.chance, self.chance * ~error.settled], 2), of_blocks)
+            self.reset(frame)
+        selection, first = frame[TILE_SELECTION], frame.sample == 0
+        converged = np.zeros((rows, columns), bool) if first else frame[CONVERGENCE].converged
+        if has_doubled(frame.sample):
+            deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
+            adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
+            if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
+                selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged)
+        turn = sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
+        takes_part = np.mod(selection.phases + turn, 1.0) < selection.probabilities
+        takes_part &= neighbourhood_max(~converged)
+        frame[TILES] = self.tiles(frame, takes_part)
+        frame.counts["pixels_drawn"] += len(frame[TILES]) * TILE_SIZE**2
+        selection.sample_counts += takes_part
+        frame[SAMPLES_PER_TILE] = frame[SAMPLES_PER_TILE] + (takes_part & ~converged)
+        probabilities = np.stack([selection.probabilities, selection.probabilities * ~converged], 2)
+        frame[TILE_SAMPLE_COUNTS].write(frame[SAMPLES_PER_TILE], (0, 0, columns, rows))
+        frame[TILE_PROBABILITIES].write(probabilities, (0, 0, columns, rows))
 
-    def start(self, frame: Frame) -> None:
-        """All blocks, none drawn yet."""
-        gl, (columns, rows) = self.device.gl, frame.blocks
-        self.turns = np.zeros((rows, columns), np.float32)
-        self.chance = np.ones((rows, columns), np.float32)
-        self.phase = members(TURN_INCREMENTS[:1], 0, columns * rows).reshape(rows, columns)
-        frame.tables["error"] = Convergence((rows, columns))
-        for name, components in (("counts", 1), ("chances", 2)):
-            frame.tables[name] = Target(components, "f4").create(gl, frame.blocks)
+    @staticmethod
+    def reset(frame: Frame) -> None:
+        """All tiles, none drawn yet."""
+        columns, rows = frame.tiles
+        none, all_tiles = (np.full((rows, columns), value, np.float32) for value in (0.0, 1.0))
+        phases = members(TURN_INCREMENTS[:1], 0, columns * rows).reshape(rows, columns)
+        frame[TILE_SELECTION] = TileSelection(none, all_tiles, phases)
+        frame[SAMPLES_PER_TILE] = none.copy()
 
-    def allocate(self, noise: np.ndarray, brightness: float, unsettled: np.ndarray) -> None:
-        """Chances of blocks by their noise (H,W), if they, or others beside them, are not settled."""
-        rounding = SUM_ROUNDING * brightness / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
-        enough = max(float(np.quantile(noise[unsettled], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
-        chance = np.where(unsettled, noise / enough, 0.0) ** ALLOCATION_EXPONENT
-        chance = np.maximum(chance, MIN_NEIGHBOUR_RATIO * neighbourhood_max(chance))
-        self.chance = np.clip(chance, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
-
-    def blocks(self, frame: Frame, takes_part: np.ndarray) -> np.ndarray:
+    @staticmethod
+    def tiles(frame: Frame, takes_part: np.ndarray) -> np.ndarray:
         """Rows of TILE. Each tile goes through the places in a pixel at its own pace."""
-        blocks = tiles_where(takes_part)
-        blocks["number"] = self.turns[takes_part]
-        turn = blocks["number"].astype(np.int64) % len(frame.grid.places)
-        blocks["texel"], blocks["place"] = frame.grid.texels[turn], frame.grid.places[turn]
-        return blocks
+        tiles = tiles_where(takes_part)
+        tiles["sample_index"] = frame[TILE_SELECTION].sample_counts[takes_part]
+        index = tiles["sample_index"].astype(np.int64) % len(frame.grid.places)
+        tiles["visibility_texel"], tiles["subpixel_offset"] = frame.grid.texels[index], frame.grid.places[index]
+        return tiles
 
-    def so_far(self, frame: Frame) -> tuple[np.ndarray, float]:
-        """Standard deviation (H,W) of the luminance of the blocks' samples, and the whole picture's mean luminance."""
-        sums = {name: frame.targets[name] for name in ("sum", "sum_correction", "weights")}
-        self.draw_per_tile(frame, frame.targets.into("noise"), self.means, **sums)
+    def tile_statistics(self, frame: Frame) -> tuple[np.ndarray, float]:
+        """Standard deviation (rows,columns) of the luminance of tiles' samples, and the image's mean luminance."""
+        sums = {"sum_color": frame[SUM_COLOR], "sum_residual": frame[SUM_RESIDUAL], "sum_weights": frame[SUM_WEIGHTS]}
+        draw_per_tile(frame, frame.framebuffer(TILE_VARIANCE), self.variance, **sums)
         self.device.wait()
-        square, bright = np.moveaxis(from_tile_layout(frame.targets.read("noise"), frame.blocks), -1, 0)
-        return np.sqrt(square), float(bright.mean())
+        texels = from_strips(frame.read(TILE_VARIANCE), frame.tiles)
+        variance, luminance = np.moveaxis(texels, -1, 0)
+        return np.sqrt(variance), float(luminance.mean())
+
+
+def allocate(deviation: np.ndarray, mean_luminance: float, unfinished: np.ndarray) -> np.ndarray:
+    """Probabilities (rows,columns) of tiles by their deviation, if they, or others beside them, are unfinished."""
+    rounding = SUM_ROUNDING * mean_luminance / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
+    always = max(float(np.quantile(deviation[unfinished], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
+    probability = np.where(unfinished, deviation / always, 0.0) ** ALLOCATION_EXPONENT
+    probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
+    return np.clip(probability, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
 
 
 def neighbourhood_max(values: np.ndarray) -> np.ndarray:

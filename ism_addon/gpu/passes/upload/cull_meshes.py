@@ -4,15 +4,17 @@
 The others are not uploaded, and have no trees. A mesh that was needed once stays, as long as the scene has it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ....radiometry import plane_normals
+from ....resources import RESIDENT_MESHES
 from ....scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ...culling.frustum_culling import in_view
 from ...culling.frustum_slices import BORDER, visible_slices
 from ...culling.shaft_culling import meets_shaft
-from ...frame import Frame, Pass
-from ...gl.context import Device
+from ...frame import Frame, Pass, outputs
 from ...gl.frame_uniforms import clip_from_anchor
 
 #: What positions on the GPU may be off by, as a part of their coordinates.
@@ -22,27 +24,33 @@ POSITION_ROUNDING = 1e-6
 PAIRS_AT_A_TIME = 1 << 14
 
 
+@dataclass(frozen=True)
+class ResidentMeshes:
+    """Meshes of a scene that a picture of it has needed so far, by index, ascending."""
+
+    meshes: tuple[Mesh, ...]  # all of the scene
+    indices: tuple[int, ...]
+
+
 class CullMeshes(Pass):
-    """The numbers of the meshes that are needed."""
+    """The meshes that are needed."""
 
-    makes = ("wanted",)
-    settings = ("shadow.enabled", "shadow.method", "shortcuts")
-    depends_on = (Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW)
+    inputs = (
+        *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW),
+        *("shadow.enabled", "shadow.method", "shortcuts"),
+    )
+    outputs = outputs(RESIDENT_MESHES)
 
-    def __init__(self, device: Device):
-        super().__init__(device)
-        self.meshes: tuple[Mesh, ...] = ()
-        self.wanted = np.zeros(0, bool)
-
-    def draw(self, frame: Frame) -> None:
-        meshes, mesh = frame.scene.meshes, frame.scene.instances.mesh
-        if self.meshes is not meshes:
-            self.meshes, self.wanted = meshes, np.zeros(len(meshes), bool)
+    def execute(self, frame: Frame) -> None:
+        meshes, mesh, before = frame.scene.meshes, frame.scene.instances.mesh, frame.get(RESIDENT_MESHES)
+        resident = np.zeros(len(meshes), bool)
+        if before is not None and before.meshes is meshes:
+            resident[list(before.indices)] = True
         if not frame.settings.shortcuts:
-            self.wanted[mesh] = True
-        elif not self.wanted[mesh].all():
-            self.wanted[mesh[self.chosen(frame, ~self.wanted[mesh])]] = True
-        frame.tables["wanted"] = tuple(np.flatnonzero(self.wanted).tolist())
+            resident[mesh] = True
+        elif not resident[mesh].all():
+            resident[mesh[self.chosen(frame, ~resident[mesh])]] = True
+        frame[RESIDENT_MESHES] = ResidentMeshes(meshes, tuple(np.flatnonzero(resident).tolist()))
 
     @staticmethod
     def chosen(frame: Frame, others: np.ndarray) -> np.ndarray:
@@ -51,7 +59,7 @@ class CullMeshes(Pass):
         boxes = instance_boxes(scene, frame.anchor)
         seen = scene.instances.visible & boxes_in_view(frame, boxes)
         chosen, blockers = others & seen, np.flatnonzero(others & scene.instances.casts_shadow & ~seen)
-        if frame.traces and len(blockers) and seen.any():
+        if frame.traces_shadows and len(blockers) and seen.any():
             parts = visible_slices(boxes[..., seen], frame.view, frame.anchor)
             chosen[blockers] = occluders(scene, frame.anchor, boxes, parts, blockers)
         return chosen

@@ -5,9 +5,10 @@ import numpy as np
 
 from .... import scene
 from ....radiometry import plane_normals, spread_terms
+from ....resources import LIGHT_BUFFER
 from ....scene import Change
 from ....spaces import orthonormal
-from ...frame import Frame, Pass
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import LIGHT
 
 
@@ -25,13 +26,13 @@ def light_table(lights: scene.Lights, anchor: np.ndarray) -> np.ndarray:
 class UploadLights(Pass):
     """The table of lights."""
 
-    makes = ("lights",)
-    depends_on = (Change.LIGHTS,)
+    inputs = (Change.LIGHTS,)
+    outputs = outputs(LIGHT_BUFFER)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         table = light_table(frame.scene.lights, frame.anchor)
-        frame.tables["lights"] = LIGHT.upload(self.device, table)
+        frame[LIGHT_BUFFER] = LIGHT.upload(self.device, table)
         frame.counts["bytes_uploaded"] += table.nbytes

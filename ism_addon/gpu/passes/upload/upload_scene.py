@@ -1,71 +1,70 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
 
+from ....resources import (
+    BLAS,
+    INSTANCE_BUFFERS,
+    MATERIAL_BUFFERS,
+    MESH_BUFFERS,
+    RESIDENT_MESHES,
+    UV_BUFFERS,
+)
 from ....scene import Change
-from ...accel.blas import BLAS, DeferredBLAS
 from ...buffers.instance_buffers import InstanceBuffers, Owners
 from ...buffers.material_buffers import MaterialBuffers, TextureBuffer
 from ...buffers.mesh_buffers import MeshBuffers, UVBuffers
-from ...frame import Frame, Pass
-
-
-def blas_of(frame: Frame) -> dict[int, BLAS | DeferredBLAS] | None:
-    """Those of the wanted meshes, or None where rays have never asked for them."""
-    table = frame.tables.get("mesh_trees")
-    return table.made if table is not None and table.meshes == frame.scene.meshes else None
+from ...frame import Frame, Pass, outputs
 
 
 class UploadMeshes(Pass):
-    """Vertices and triangles of the wanted meshes."""
+    """Vertices and triangles of the resident meshes, in the order of their trees where rays have asked for those."""
 
-    reads = ("mesh_trees",)
-    compares = ("wanted",)
-    makes = ("geometry",)
-    depends_on = (Change.MESHES,)
+    inputs = Change.MESHES, RESIDENT_MESHES, BLAS
+    outputs = outputs(MESH_BUFFERS)
 
-    def draw(self, frame: Frame) -> None:
-        trees = blas_of(frame)
-        geometry = frame.shared(MeshBuffers, frame.scene.meshes, trees is not None)
-        frame.counts["bytes_uploaded"] += geometry.add(frame.tables["wanted"], trees or {})
-        frame.tables["geometry"] = geometry
+    def execute(self, frame: Frame) -> None:
+        blas = frame.get(BLAS)
+        trees = blas.made if blas is not None and blas.meshes == frame.scene.meshes else None
+        buffers = frame.shared(MeshBuffers, frame.scene.meshes, trees is not None)
+        frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, trees or {})
+        frame[MESH_BUFFERS] = buffers
 
 
 class UploadUVs(Pass):
-    """Texture coordinates of the wanted meshes."""
+    """Texture coordinates of the resident meshes."""
 
-    reads = ("geometry",)
-    makes = ("coordinates",)
+    inputs = (MESH_BUFFERS,)
+    outputs = outputs(UV_BUFFERS)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.images) > 0
 
-    def draw(self, frame: Frame) -> None:
-        coordinates = frame.shared(UVBuffers, frame.tables["geometry"])
-        frame.counts["bytes_uploaded"] += coordinates.follow()
-        frame.tables["coordinates"] = coordinates
+    def execute(self, frame: Frame) -> None:
+        buffers = frame.shared(UVBuffers, frame[MESH_BUFFERS])
+        frame.counts["bytes_uploaded"] += buffers.follow()
+        frame[UV_BUFFERS] = buffers
 
 
 class UploadInstances(Pass):
-    """The matrices of the instances."""
+    """The matrices and link groups of the instances."""
 
-    reads = ("geometry",)
-    makes = ("placement",)
-    depends_on = (Change.INSTANCES,)
+    inputs = Change.INSTANCES, MESH_BUFFERS
+    outputs = outputs(INSTANCE_BUFFERS)
 
-    def draw(self, frame: Frame) -> None:
-        geometry = frame.tables["geometry"]
-        placement = InstanceBuffers(self.device, geometry, frame.scene.instances, frame.anchor)
-        placement.own(lambda pairs: frame.shared(Owners, geometry, pairs))
-        frame.tables["placement"] = placement
-        frame.counts["bytes_uploaded"] += placement.bytes
+    def execute(self, frame: Frame) -> None:
+        meshes = frame[MESH_BUFFERS]
+        buffers = InstanceBuffers(self.device, meshes, frame.scene.instances, frame.anchor)
+        buffers.own(lambda pairs: frame.shared(Owners, meshes, pairs))
+        frame[INSTANCE_BUFFERS] = buffers
+        frame.counts["bytes_uploaded"] += buffers.bytes
 
 
 class UploadMaterials(Pass):
     """Materials and images."""
 
-    makes = ("surfaces",)
-    depends_on = (Change.MATERIALS,)
+    inputs = (Change.MATERIALS,)
+    outputs = outputs(MATERIAL_BUFFERS)
 
-    def draw(self, frame: Frame) -> None:
+    def execute(self, frame: Frame) -> None:
         texels = frame.shared(TextureBuffer, frame.scene.images)
-        frame.tables["surfaces"] = frame.shared(MaterialBuffers, frame.scene.materials, texels)
+        frame[MATERIAL_BUFFERS] = frame.shared(MaterialBuffers, frame.scene.materials, texels)

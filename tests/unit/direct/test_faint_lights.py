@@ -7,10 +7,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct import trace_faint_lights
-from ism_addon.gpu.passes.direct.trace_faint_lights import TraceFaintLights
+from ism_addon.gpu.passes.direct import faint_lights
+from ism_addon.gpu.passes.direct.trace_shadows import TraceShadows
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.resources import TILES
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
@@ -36,8 +37,8 @@ def turns(device, part: float) -> tuple[dict, dict]:
         list(renderer.sample(scene, view, settings, sample, Profile()))
         if sample > 0:
             frame, _ = renderer.last
-            had.update(map(tuple, renderer.passes[TraceFaintLights].chosen(frame)["block"]))
-            took_part.update(map(tuple, frame.tables["blocks"]["block"]))
+            had.update(map(tuple, renderer.graph.instance(TraceShadows).faint_tiles(frame)["tile"]))
+            took_part.update(map(tuple, frame[TILES]["tile"]))
     return had, took_part
 
 
@@ -48,13 +49,13 @@ def test_the_fainter_a_light_is_the_rarer_is_its_turn(device):
     assert len(both) > 10
     assert 0.4 < rarely / sum(could_too[block] for block in both) / (often / sum(could[block] for block in both)) < 0.7
     for block in both:
-        assert trace_faint_lights.MIN_LIGHT_PROBABILITY * could_too[block] - 2 < fainter[block] <= could_too[block]
+        assert faint_lights.MIN_LIGHT_PROBABILITY * could_too[block] - 2 < fainter[block] <= could_too[block]
 
 
 def test_what_it_adds_is_the_same_on_average(device, monkeypatch):
     settings = with_quality(SMALL_SETTINGS, samples=SAMPLES)
     rarely = draw(device, *faint(0.002), settings)
-    monkeypatch.setattr(trace_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
+    monkeypatch.setattr(faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
     always = draw(device, *faint(0.002), settings)
     without, exactly = (
         draw(device, *stage, replace(settings, shortcuts=False)).color[..., 0].sum(dtype=np.float64)

@@ -5,9 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Distance in a map where no disc is. m
-NO_OCCLUDER = 1e30
-
 #: Sides of maps are multiples of this, so that pull_push can halve them.
 MAP_SIZE_MULTIPLE = 8
 

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The acceleration structures of all meshes that a picture needs, as tables and on the GPU."""
+
+from functools import cached_property
+
+import numpy as np
+
+from ...scene import Mesh
+from ..buffers.small_meshes import in_groups, joined
+from ..gl.context import Device
+from .blas import BLAS, DeferredBLAS
+
+
+class BLASTable:
+    """The trees of the resident meshes, and what of them instances ask for, as arrays: made when first asked for."""
+
+    def __init__(self, meshes: tuple[Mesh, ...], made: dict[int, BLAS | DeferredBLAS]):
+        """`meshes` are all of the scene, `made` has the trees by index."""
+        self.meshes, self.made = meshes, made
+        #: (M,): where in the arrays below a mesh of the scene is; -1 for those that are not.
+        self.rows = np.full(len(meshes), -1)
+        self.rows[list(made)] = np.arange(len(made))
+
+    @cached_property
+    def trees(self) -> tuple[BLAS, ...]:
+        """One a resident mesh."""
+        return tuple(each.tree for each in self.made.values())
+
+    @cached_property
+    def boxes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of all that have P parts, for each such P: which (W,) they are, and middles and halves (3,N,P) of the parts.
+
+        Which of them it is by mesh: -1 for others.
+        """
+        counts, found = np.array([len(tree.parts) for tree in self.trees], np.int64), []
+        for count in np.unique(counts).tolist():
+            own = np.flatnonzero(counts == count)
+            which = np.full(len(counts), -1)
+            which[own] = np.arange(len(own))
+            parts = np.concatenate([self.trees[number].parts for number in own]).astype(np.float64)
+            low, high = parts.reshape(-1, count, 2, 3).transpose(2, 3, 0, 1)
+            found.append((which, (low + high) / 2.0, (high - low) / 2.0))
+        return found
+
+    @cached_property
+    def leaves(self) -> np.ndarray:
+        """(W,) int64."""
+        return np.array([tree.leaves for tree in self.trees], np.int64)
+
+    @cached_property
+    def per_leaf(self) -> np.ndarray:
+        """(W,) int64: triangles."""
+        return np.array([tree.per_leaf for tree in self.trees], np.int64)
+
+
+class BLASBuffers:
+    """Trees of meshes one behind the other."""
+
+    def __init__(self, device: Device, trees: tuple[BLAS, ...]):
+        self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
+        self.first_leaves = np.cumsum([0] + [tree.leaves for tree in trees])
+        self.nodes = device.room(2 * int(self.first_nodes[-1]), 4, "u4")
+        self.leaf_starts = device.room(int(self.first_leaves[-1]), 1, "u4")
+        for group in in_groups([tree.leaves for tree in trees]):  # small ones in one write
+            some, first = trees[group], group.start
+            self.nodes.write(joined([rows_of(tree.nodes) for tree in some]), 2 * int(self.first_nodes[first]))
+            self.leaf_starts.write(joined([tree.starts for tree in some]), int(self.first_leaves[first]))
+        self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees)
+
+
+def rows_of(nodes: np.ndarray) -> np.ndarray:
+    """(2 N,4) uint32: NODEs as an array holds them, two rows each."""
+    return nodes.view(np.uint32).reshape(-1, 4)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How passes draw: some tiles, all pixels, or a texel for each tile; no draw longer than a card may take."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..resources import TILE_SIZE, TILES
+from .frame import Frame
+from .gl.draw_limit import TEXELS_PER_RAY, portions, rectangles
+from .gl.render_targets import draw_into
+from .gl.shader_compiler import bind
+from .tiles import TILE_LAYOUT
+
+
+def draw_tiles(
+    frame: Frame,
+    target: moderngl.Framebuffer,
+    program: moderngl.Program,
+    tiles: np.ndarray | None = None,
+    margin: int = 0,
+    side: int = TILE_SIZE,
+    rays: float = 1.0,
+) -> None:
+    """Draw the pixels of rows of TILE, or of all that take part in this sample, and `margin` px around them.
+
+    A tile has `side` pixels along a side in this target. A pixel takes the time of so many `rays`, see draw_limit.
+    """
+    tiles = frame[TILES] if tiles is None else tiles
+    if not len(tiles):
+        return
+    columns, rows = frame.tiles
+    whole = 0, 0, columns * side, rows * side
+    draw_into(target)
+    own = target.viewport
+    if own != whole:
+        target.viewport = whole
+    frame.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
+    size = side + 2 * margin
+    bind(program, tile_counts=(columns, rows), size=float(size))
+    try:
+        for part in portions(len(tiles), rays * size * size):
+            frame.pace.ask(rays * size * size * (part.stop - part.start))
+            frame.device.points.draw(program, tiles[part], TILE_LAYOUT)
+    finally:
+        if own != whole:
+            target.viewport = own
+
+
+def draw_per_tile(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any) -> None:
+    """Draw a target that has a texel for each tile, in strips, by a shader that asks for its tile_index."""
+    frame.device.gl.enable_only(moderngl.NOTHING)
+    bind(shader.program, columns=frame.tiles[0], strip=target.viewport[2], **uniforms)
+    draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # of two images, about
+
+
+def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0) -> None:
+    """Draw all pixels of a target by the triangle that covers them; each takes the time of so many `rays`."""
+    draw_into(target)
+    size = target.viewport[2:]
+    try:
+        for part in rectangles(size, rays):
+            frame.pace.ask(rays * part[2] * part[3])
+            if part[2:] != size:
+                target.scissor = part
+            shader.render(moderngl.TRIANGLES, vertices=3)
+    finally:
+        if part[2:] != size:
+            target.scissor = None  # type: ignore[assignment] # None resets it

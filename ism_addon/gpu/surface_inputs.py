@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shaders that include surfaces/receiver.glsl read of the G-buffer."""
+
+from typing import Any
+
+from ..resource_types import Resource
+from ..resources import INSTANCE_BUFFERS, NORMAL, POSITION, PRIMITIVE, TERMINATOR_OFFSET
+from .frame import Frame
+
+#: Among the inputs of their passes.
+SURFACE: tuple[Resource[Any], ...] = POSITION, NORMAL, PRIMITIVE, TERMINATOR_OFFSET, INSTANCE_BUFFERS
+
+
+def surface_samplers(frame: Frame) -> dict[str, Any]:
+    """Samplers by name. Base color only scales the probability of rays: alone, it makes no pass new."""
+    return {
+        "position": frame[POSITION],
+        "normal": frame[NORMAL],
+        "primitive": frame[PRIMITIVE],
+        "base_color": frame[TERMINATOR_OFFSET],
+        "link_groups": frame[INSTANCE_BUFFERS].memberships,
+    }

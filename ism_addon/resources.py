@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that passes hand to one another, by name: render targets, buffers and tables, with their units.
+
+A pass declares which of them it reads and which it makes, see gpu/frame.py. `frame[NORMAL]` is a texture and
+`frame[TILES]` an array, as the types here say. Distances are in metres, in anchor space (see spaces.py), and light is
+in the scene's working colour space.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .resource_types import Channel, Lifetime, Resource, Target
+
+if TYPE_CHECKING:
+    import moderngl
+    import numpy as np
+
+    from .gpu.accel.blas_table import BLASBuffers, BLASTable
+    from .gpu.buffers.instance_buffers import InstanceBuffers
+    from .gpu.buffers.material_buffers import MaterialBuffers
+    from .gpu.buffers.mesh_buffers import MeshBuffers, UVBuffers
+    from .gpu.convergence import Convergence
+    from .gpu.culling.light_influence import LightInfluence
+    from .gpu.gl.buffer_texture import BufferTexture
+    from .gpu.passes.light_selection.cull_lights import CullingState
+    from .gpu.passes.shadow_maps.atlas import Batch
+    from .gpu.passes.shadow_maps.point_cloud import PointCloud
+    from .gpu.passes.shadow_maps.select_points import MapPoints
+    from .gpu.passes.surfaces.select_tiles import TileSelection
+    from .gpu.passes.upload.cull_meshes import ResidentMeshes
+
+#: Pixels along a side of a tile: what takes part in a sample as a whole, or does not.
+TILE_SIZE = 8
+
+#: Pixels from one probe ray to the next, along either side.
+PROBE_SPACING = 2
+
+#: Depth of the background, as in Cycles' depth pass. m
+BACKGROUND_DEPTH = 1e10
+
+#: Distance in a shadow map where no occluder is. m
+NO_OCCLUDER = 1e30
+
+_SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
+
+# The scene, on the GPU.
+RESIDENT_MESHES: Resource[ResidentMeshes] = Resource(
+    "resident_meshes", "Meshes that a picture has needed so far", _SCENE, by_value=True
+)
+BLAS: Resource[BLASTable] = Resource("blas", "Bottom-level acceleration structures, one a resident mesh", _SCENE)
+BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the GPU, one behind the other", _SCENE)
+TLAS: Resource[dict[str, Any]] = Resource(
+    "tlas", "Top-level acceleration structure over instances: uniforms of glsl/trace/traversal.glsl", _SCENE
+)
+MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and triangles of resident meshes", _SCENE)
+UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
+INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
+MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
+LIGHT_BUFFER: Resource[BufferTexture] = Resource("light_buffer", "Rows of LIGHT", _SCENE)
+
+# Which tiles take part in a sample.
+TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")
+TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "How often each tile is drawn, and when", _PICTURE)
+SAMPLES_PER_TILE: Resource[np.ndarray] = Resource(
+    "samples_per_tile", "(rows,columns) float32: samples that the pixels of a tile are the mean of", _PICTURE
+)
+TILE_SAMPLE_COUNTS = Target("tile_sample_counts", "The same as a texture", _PICTURE, format="r32f", divisor=TILE_SIZE)
+TILE_PROBABILITIES = Target(
+    "tile_probabilities",
+    "Probability that a tile takes part; the same, or 0 for a tile that has converged",
+    format="rg32f",
+    divisor=TILE_SIZE,
+)
+TILE_VARIANCE = Target(
+    "tile_variance",
+    "Variance of a tile's samples, in squares of luminance; their mean luminance",
+    format="rg32f",
+    divisor=TILE_SIZE,
+    strips=True,
+)
+MEAN_LUMINANCE: Resource[float] = Resource("mean_luminance", "Of all samples so far, W/(sr m²)", _PICTURE)
+
+# What the camera sees.
+VISIBILITY_BUFFER = Target(
+    "visibility_buffer",
+    "Triangle, counted from 1, and instance, in a grid finer than the pixels that several samples share",
+    _PICTURE,
+    format="rg32ui",
+    divisor=0,
+)
+VISIBILITY_DEPTH = Target("visibility_depth", "Depth buffer of visibility_buffer", format="depth32f", divisor=0)
+PRIMITIVE = Target(
+    "primitive",
+    "The nearest triangle, counted from 1, each in a colour of its own, and its instance",
+    format="rg32ui",
+    label="Triangles",
+)
+DEPTH = Target(
+    "depth",
+    "Distance along the view's axis, in metres: white from one on",
+    format="r32f",
+    neutral=(BACKGROUND_DEPTH,),
+    label="Depth",
+)
+POSITION = Target(
+    "position",
+    "Place of the nearest surface, in metres, as red, green and blue; in alpha the normal, packed",
+    label="Position",
+)
+NORMAL = Target(
+    "normal",
+    "Direction of the nearest surface, as red, green and blue. Stored as octahedra: shading, geometric normal",
+    label="Normal",
+)
+BASE_COLOR = Target(
+    "base_color", "Colour of the nearest surface, without light; in alpha terminator_offset", label="Base Color"
+)
+TERMINATOR_OFFSET = Channel(
+    "terminator_offset", "How far shadow rays start above a triangle with smooth normals, in metres", of=BASE_COLOR
+)
+
+
+# Which lights matter where.
+def _of_tiles(name: str, about: str) -> Target:
+    return Target(name, about, divisor=TILE_SIZE, strips=True)
+
+
+TILE_MIN = _of_tiles("tile_min", "Low corner of the box around near surfaces; in alpha, whether there are any")
+TILE_MAX = _of_tiles("tile_max", "High corner of that box")
+TILE_NORMAL_CONE = _of_tiles("tile_normal_cone", "Axis of the cone of their normals; the cosine of its angle")
+FAR_TILE_MIN = _of_tiles("far_tile_min", "tile_min of far surfaces")
+FAR_TILE_MAX = _of_tiles("far_tile_max", "tile_max of far surfaces")
+FAR_TILE_NORMAL_CONE = _of_tiles("far_tile_normal_cone", "tile_normal_cone of far surfaces")
+CULLING_STATE: Resource[CullingState] = Resource(
+    "culling_state", "What surfaces of all samples say of lights", _PICTURE
+)
+LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
+    "light_influence", "Of each light that contributes anywhere, how much it can in each tile", _PICTURE
+)
+CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
+    "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
+)
+PROBE = Target("probe", "Of one light: probe rays that arrived, and rays", format="rg8", divisor=PROBE_SPACING)
+PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
+RETESTS = Target(
+    "retests",
+    "Sums over rays that arrived: of the light's index plus one, of its square, and of ones",
+    _PICTURE,
+    divisor=PROBE_SPACING,
+)
+RETEST_CANDIDATES: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
+    "retest_candidates",
+    "Lights (N,) believed occluded; cumulative probabilities (N rows columns,) of their tiles",
+    _PICTURE,
+)
+REDISCOVERED: Resource[dict[int, np.ndarray]] = Resource(
+    "rediscovered", "Lights that retests found since the last doubling; (rows,columns) bool: the tiles", _PICTURE
+)
+
+# Direct light: what is predicted, and what corrects it. Both methods write direct_prediction.
+PREDICTION = Target(
+    "prediction",
+    # In eight bits the visibility would be off by up to 0.002, which stays in the picture until corrections of that
+    # size stand out of their noise.
+    "Of one light: predicted visibility, and whether that is uncertain",
+    format="rg16f",
+    neutral=(1.0, 0.0),
+)
+PREDICTED_VISIBILITY: Resource[dict[int, moderngl.Texture]] = Resource(
+    "predicted_visibility", "PREDICTION textures by light", _PICTURE
+)
+RAY_COUNT = Target("ray_count", "Of one light: rays that arrived so far, and rays", format="rg32f")
+RAY_COUNTS: Resource[dict[int, moderngl.Texture]] = Resource("ray_counts", "RAY_COUNT textures by light", _PICTURE)
+ALL_PROBES: Resource[dict[int, moderngl.Texture]] = Resource(
+    "all_probes", "probes, and PROBE textures without any ray for lights that were rediscovered", _PICTURE
+)
+TILE_VISIBILITY: Resource[dict[int, np.ndarray]] = Resource(
+    "tile_visibility",
+    "Of each light that arrives anywhere, (rows,columns,2) bool: whether any ray about a tile arrived; was occluded",
+    _PICTURE,
+)
+PROBE_PREDICTION = Target(
+    "probe_prediction",
+    "The visibility of one light that the probe rays around a pixel predict. Ray Traced only",
+    format="rg16f",
+    divisor=PROBE_SPACING,
+    label="Probe Prediction",
+)
+PREDICTION_SURFACE = Target(
+    "prediction_surface",
+    "Positions that visibility was predicted for, with their normals packed. Ray Traced only",
+    _PICTURE,
+    label="Prediction Positions",
+)
+DIRECT_PREDICTION = Target(
+    "direct_prediction",
+    "The lights' irradiance as predicted, W/m²; in alpha, by how much its luminance may rise",
+    label="Predicted Direct Light",
+)
+DIRECT_RESIDUAL = Target(
+    "direct_residual",
+    "What shadow rays add to the prediction, or take away; in alpha the luminance in doubt. Ray Traced only",
+    label="Direct Residual",
+)
+LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that anything was drawn of")
+
+# Imperfect shadow maps.
+POINT_CLOUD: Resource[PointCloud] = Resource("point_cloud", "Random points on all triangles that cast shadows", _SCENE)
+LIGHT_IMPORTANCE: Resource[np.ndarray] = Resource(
+    "light_importance", "(L,): error of a light's irradiance with one virtual light, relative to other lights'", _SCENE
+)
+VIRTUAL_LIGHT_COUNTS: Resource[dict[int, int]] = Resource("virtual_light_counts", "By light")
+VIRTUAL_LIGHT_RANGES: Resource[BufferTexture] = Resource("virtual_light_ranges", "Rows of VIRTUAL_LIGHT_RANGE")
+VIRTUAL_LIGHTS: Resource[BufferTexture] = Resource("virtual_lights", "Rows of VIRTUAL_LIGHT")
+SHADOW_MAP_VIEWS: Resource[np.ndarray] = Resource("shadow_map_views", "Rows of SHADOW_MAP_VIEW")
+MAP_POINTS: Resource[MapPoints] = Resource("map_points", "The points of each light's shadow maps", _SCENE)
+ATLAS_BATCH: Resource[Batch] = Resource("atlas_batch", "The virtual lights whose maps are in the atlas", by_value=True)
+SHADOW_MAP_SPLATS = Target(
+    "shadow_map_splats",
+    "The shadow maps as the points leave them, with holes. Imperfect Shadow Maps only",
+    format="r32f",
+    divisor=0,
+    neutral=(NO_OCCLUDER,),
+    label="Splats",
+)
+SHADOW_MAPS = Target(
+    "shadow_maps",
+    "The shadow maps when their holes are filled: metres, and coverage. Imperfect Shadow Maps only",
+    format="rg32f",
+    divisor=0,
+    neutral=(NO_OCCLUDER, 0.0),
+    label="Shadow Maps",
+)
+
+
+# The world's light.
+def _occlusion(name: str, about: str, label: str) -> Target:
+    return Target(name, about, format="r16f", divisor=2, neutral=(1.0,), label=label)
+
+
+RAW_OCCLUSION = _occlusion(
+    "raw_occlusion", "Ambient occlusion as it is found, with noise: white is open", "Ambient Occlusion (Raw)"
+)
+HALF_BLURRED_OCCLUSION = _occlusion(
+    "half_blurred_occlusion",
+    "Ambient occlusion, blurred in rows but not yet in columns",
+    "Ambient Occlusion (Blurred in X)",
+)
+AMBIENT_OCCLUSION = _occlusion("ambient_occlusion", "Ambient occlusion as it darkens the render", "Ambient Occlusion")
+
+# A sample, and the sums of all samples.
+SAMPLE_COLOR = Target("sample_color", "The render itself; alpha premultiplied", label="Render")
+SAMPLE_RESIDUAL = Target(
+    "sample_residual",
+    "What shadow rays add to the render, or take away; in alpha the luminance in doubt. Ray Traced only",
+    label="Residual",
+)
+SAMPLE_HEADROOM = Target(
+    "sample_headroom",
+    "How much brighter uncertain light may yet make the render. Ray Traced only",
+    format="r32f",
+    label="Maximum Increase",
+)
+DEBUG_IMAGE = Target("debug_image", "The debug view, stretched to the picture's size")
+SUM_COLOR = Target("sum_color", "Weighted sums of sample_color", _PICTURE)
+SUM_RESIDUAL = Target("sum_residual", "Of sample_residual; in alpha, squares of weighted luminances", _PICTURE)
+SUM_WEIGHTS = Target(
+    "sum_weights", "Of squared luminances, of samples, of residuals' luminances, of luminances in doubt", _PICTURE
+)
+SUM_HEADROOM = Target("sum_headroom", "Of sample_headroom", _PICTURE, format="r32f")
+NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of the pixels about a pixel; in alpha its own weight")
+SIGNAL_AND_NOISE = Target(
+    "signal_and_noise", "Squares of a pixel's difference from its neighbours', and their noise; of these, likewise"
+)
+IMAGE = Target("image", "The render of all samples so far, alpha premultiplied")
+HALF_SAMPLES_IMAGE = Target("half_samples_image", "The image at half as many samples", _PICTURE)
+DOUBLING_DIFFERENCE = Target(
+    "doubling_difference",
+    "Mean square of a tile's difference from half_samples_image; mean luminance",
+    format="rg32f",
+    divisor=TILE_SIZE,
+    strips=True,
+)
+CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which are good enough", _PICTURE)
+
+#: By name.
+RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in globals().values() if isinstance(each, Resource)}
+
+#: Targets that can be looked at, the render first.
+DEBUG_VIEWS = [SAMPLE_COLOR] + [
+    each for each in RESOURCES.values() if isinstance(each, Target) and each.label and each is not SAMPLE_COLOR
+]

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images that materials show."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import Arrays, array
+
+
+@dataclass(frozen=True, eq=False)
+class Image(Arrays):
+    """Texels as they are stored: sRGB-encoded, bottom row first."""
+
+    texels: np.ndarray = array("uint8 H W 4")
+    repeat: bool = True  # else the border texels go on for ever

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes, and the boxes around them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .arrays import UNIT_VECTOR, Arrays, array, index
+from .limits import MAX_DISTANCE
+
+#: Vertices of a mesh that is bounded together with others.
+FEW = 1 << 12
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh(Arrays):
+    """Triangles in object space. T triangles, V vertices; corners are stored per triangle."""
+
+    positions: np.ndarray = array("float32 V 3", "m", most=MAX_DISTANCE)
+    triangles: np.ndarray = index("uint32 T 3", into="positions")
+    #: Of shading: of the vertices, or of the corners.
+    normals: np.ndarray = array("float32 V 3 or T 3 3", UNIT_VECTOR)
+    #: As many as triangles, or none.
+    uvs: np.ndarray = array("float32 U 3 2")
+    materials: np.ndarray = index("uint32 T", into="materials")
+
+    @property
+    def corner_normals(self) -> np.ndarray:
+        """(T,3,3) unit shading normals of the corners."""
+        return self.normals if self.normals.ndim == 3 else self.normals[self.triangles]
+
+    @cached_property
+    def box(self) -> np.ndarray:
+        """(2,3) float64: lowest and highest corner."""
+        return np.stack([self.positions.min(0), self.positions.max(0)]).astype(np.float64)
+
+
+def bounding_boxes(meshes: Sequence[Mesh]) -> np.ndarray:
+    """(M,2,3) float64: Mesh.box of each. Those of small meshes that nobody has asked for yet are found together."""
+    new = [mesh for mesh in meshes if "box" not in vars(mesh) and len(mesh.positions) <= FEW]
+    if new:
+        counts = np.array([len(mesh.positions) for mesh in new])
+        positions, first = np.concatenate([mesh.positions for mesh in new]), np.cumsum(counts) - counts
+        corners = [either.reduceat(positions, first, 0) for either in (np.minimum, np.maximum)]
+        for mesh, box in zip(new, np.stack(corners, 1).astype(np.float64), strict=True):
+            vars(mesh)["box"] = box  # where cached_property looks
+    return np.concatenate([np.zeros((0, 3)), *(mesh.box for mesh in meshes)]).reshape(-1, 2, 3)

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light from everywhere."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import Arrays, array
+from .limits import MAX_DISTANCE
+
+
+@dataclass(frozen=True, eq=False)
+class World(Arrays):
+    """The light from everywhere, and what stands behind the scene."""
+
+    radiance: np.ndarray = array("float32 3", "W/(sr m²)", most=MAX_DISTANCE)

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of numbers in docs/limits.md, made from the constants that set them."""
+
+from ism_addon.gpu.buffers.mesh_buffers import MAX_TRIANGLES
+from ism_addon.scene import MAX_LINK_GROUPS
+from ism_addon.scene.limits import MAX_DISTANCE, MAX_RADIANCE
+from ism_addon.setting_limits import MAX_TEXTURE_LINES, TEXTURE_WIDTH, WIDEST_FILTER
+
+ROWS = {
+    "triangles of all meshes, instances not counted": f"{MAX_TRIANGLES:,}",
+    "groups of objects that lights are linked to": f"{MAX_LINK_GROUPS}",
+    "distance from the world's origin": f"{MAX_DISTANCE:,.0f} m",
+    "radiance of a light": f"{MAX_RADIANCE:g} W/(sr m²)",
+    "texels of all images at their size": f"{TEXTURE_WIDTH * MAX_TEXTURE_LINES:,}",
+    "width of the pixel filter": f"{WIDEST_FILTER:g} px",
+}
+
+
+def table() -> str:
+    return "\n".join(["| what | at most |", "|---|---|", *(f"| {what} | {most} |" for what, most in ROWS.items())])

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tables of docs/settings.md, made from settings.py."""
+
+from dataclasses import Field
+
+from ism_addon.choices import Choice
+from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, Settings, setting_fields
+
+#: Where scripts find the settings, what they are about, and the class that declares them.
+HOMES = {
+    "scene.ism.shadow": ("Look of the shadows", SECTIONS["shadow"]),
+    "scene.ism.ssao": ("Look of the ambient occlusion", SECTIONS["ssao"]),
+    "scene.ism.render` and `scene.ism.viewport": ("Quality of final renders and of the viewport", type(VIEWPORT)),
+    "scene.ism": ("For developers", Settings),
+}
+UNITS = {"DISTANCE": " m", "TIME_ABSOLUTE": " s", "PIXEL": " px"}
+
+
+def tables() -> str:
+    """A heading and a table for each group; below it the values of settings that are one of a few names."""
+    parts = []
+    for home, (title, section) in HOMES.items():
+        members = list(setting_fields(section))
+        rows = [row(section, member, control) for member, control in members]
+        head = ["| name | in the panels | default | range | what it does |", "|---|---|---|---|---|"]
+        parts += [f"### {title}: `{home}`", "\n".join([*head, *rows])]
+        parts += [values(member) for member, _ in members if isinstance(member.default, Choice)]
+    return "\n\n".join(parts)
+
+
+def row(section: type, member: Field, control: Control) -> str:
+    """One setting. Angles are stored in radians and shown in degrees."""
+    bounds = (control.low, control.high)
+    allowed = "–" if None in bounds else " to ".join(number(control, bound) for bound in bounds)
+    cells = f"`{member.name}`", control.label, default(section, member, control), allowed, f"{control.meaning}."
+    return f"| {' | '.join(cells)} |"
+
+
+def default(section: type, member: Field, control: Control) -> str:
+    """What a setting is by itself; two values where the viewport has another than final renders."""
+    value = member.default
+    if section is not type(VIEWPORT):
+        return shown(control, value)
+    if not hasattr(FINAL, member.name):
+        return f"viewport only: {shown(control, value)}"
+    own, viewport = getattr(FINAL, member.name), getattr(VIEWPORT, member.name)
+    return shown(control, own) + (f", viewport {shown(control, viewport)}" if own != viewport else "")
+
+
+def shown(control: Control, value: object) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return f"`{value}`" if isinstance(value, str) else number(control, value)
+
+
+def number(control: Control, value: float) -> str:
+    """A value with its unit."""
+    if control.unit == "ANGLE":
+        return f"{value:.4g} rad"
+    text = f"{value:,.0f}" if value == int(value) else f"{value:g}"
+    return text + UNITS.get(control.unit, "")
+
+
+def values(member: Field) -> str:
+    """The names that a setting may have."""
+    rows = [f"| `{choice}` | {choice.label} | {choice.meaning}. |" for choice in type(member.default)]
+    return "\n".join([f"| `{member.name}` | in the panels | meaning |", "|---|---|---|", *rows])
