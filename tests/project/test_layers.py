@@ -31,7 +31,6 @@ SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".fr
 FOLDERS = sorted({Path(name).parent.as_posix() for name in SOURCES if name.startswith(("ism_addon/", "tests/"))})
 PURE = (
     "atomic_files",
-    "quoting",
     "color",
     "settings",
     "render_passes",

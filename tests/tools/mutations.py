@@ -50,8 +50,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a rare shadow ray counts no more than a frequent one",
-        "(seen.x - known.x) / turn.chance",
-        "(seen.x - known.x)",
+        "(rays.x - predicted.x) / ray.probability",
+        "(rays.x - predicted.x)",
         ("test_trace_shadows", "test_picture"),
     ),
     Mutation(
@@ -62,8 +62,8 @@ MUTATIONS = (
     ),
     Mutation(
         "lights are culled that bring as much as all others",
-        "left_out > MAX_CULLED_FRACTION * there",
-        "left_out > there",
+        "left_out > MAX_CULLED_FRACTION * local",
+        "left_out > local",
         ("test_cull_lights", "test_shortcuts"),
     ),
     Mutation(
@@ -80,19 +80,19 @@ MUTATIONS = (
     ),
     Mutation(
         "another world leaves the picture as it was",
-        "depends_on = (Change.WORLD, Change.VIEW)",
-        "depends_on = (Change.VIEW,)",
+        "*(Change.WORLD, Change.VIEW),",
+        "Change.VIEW,",
         ("test_edits", "test_reuse"),
     ),
     Mutation(
         "instances that moved are seen where they were",
-        '            frame.tables["placement"],\n',
-        "",
+        "inputs = MESH_BUFFERS, INSTANCE_BUFFERS, Change.VIEW",
+        "inputs = MESH_BUFFERS, Change.VIEW",
         ("test_edits", "test_reuse"),
     ),
     Mutation(
         "pixels at a tile's border do not care how rare the tile beside them is",
-        ".y / fetch(chances, ivec2(own_block)).x",
+        ".y / fetch(tile_probabilities, ivec2(tile)).x",
         ".y",
         ("test_accumulate", "test_select_tiles"),
     ),
@@ -148,8 +148,8 @@ MUTATIONS = (
     ),
     Mutation(
         "ambient occlusion looks twice as far as its radius",
-        "direction * radius * sqrt(reach)",
-        "direction * 2.0 * radius * sqrt(reach)",
+        "direction * radius * sqrt(distance)",
+        "direction * 2.0 * radius * sqrt(distance)",
         ("test_ambient_occlusion",),
     ),
     Mutation(
@@ -160,9 +160,9 @@ MUTATIONS = (
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
-        "float all = full / own_chance;",
-        "float all = full;",
-        ("test_trace_faint_lights",),
+        "float scaled = unshadowed / tile_probability;",
+        "float scaled = unshadowed;",
+        ("test_faint_lights",),
     ),
 )
 
