@@ -29,7 +29,8 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_thread import RenderThread
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO
-from tests.studio import MAPS, SMALL_SETTINGS, both, light, look, no_lights, quad, rubble, stage, with_quality
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, light, look
+from tests.support.small_scenes import no_lights, quad, rubble, stage, with_quality
 
 FLOOR, FOLDER = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), Path(os.environ["MESA_SHADER_CACHE_DIR"])
 CHECKS = Image(np.random.default_rng(0).integers(0, 255, (8, 8, 4), np.uint8), True)
