@@ -200,19 +200,25 @@ def first_failure(tests: list[str], root: Path, seconds: float) -> str:
 
 
 def notice(mutation: Mutation, root: Path, everything: bool, seconds: float) -> str:
-    """The test that notices a mutation, which is undone afterwards; "" if none does."""
+    """The test that notices a mutation, which is undone afterwards; "" if none does.
+
+    Raises ValueError if that test fails without the mutation too.
+    """
     path = place(mutation, root)
     whole = path.read_bytes()
     path.write_bytes(whole.replace(mutation.old.encode(), mutation.new.encode()))
     try:
         found = first_failure(test_files(mutation.tests, root), root, seconds)
-        return found or (first_failure(["tests"], root, 20.0 * seconds) if everything else "")
+        found = found or (first_failure(["tests"], root, 20.0 * seconds) if everything else "")
     finally:
         path.write_bytes(whole)
+    if found and first_failure([found], root, seconds):
+        raise ValueError(f"{found} fails without a mutation")
+    return found
 
 
 def run(mutations: dict[int, Mutation], root: Path, everything: bool, seconds: float) -> int:
-    """Print a row of a table for each mutation by its number: how many survived."""
+    """Print a row of a table for each mutation by its number: how many survived. Raises as notice does."""
     survived = 0
     print("| # | what breaks | where | noticed by |\n|---|---|---|---|", flush=True)
     for number, mutation in mutations.items():
