@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import Field, replace
 from typing import Any
 
-from .quoting import shortened
 from .scene import Image, View
+from .scene.quoting import shortened
 from .settings import SECTIONS, Control, Settings, setting_fields
 
 #: px. Wider ones take long, and show nothing but a blur; Blender has filters of up to 500.

@@ -20,10 +20,10 @@ import numpy as np
 
 from . import old_names
 from .atomic_files import atomic_write
-from .quoting import shortened
 from .scene import Scene, View
 from .scene.arrays import ArrayFacts, Arrays, array_facts
 from .scene.limits import MAX_DISTANCE, is_invertible, spans_plane
+from .scene.quoting import shortened
 from .settings import Choice, Settings
 
 VERSION = 3

@@ -11,8 +11,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..quoting import shortened
 from .limits import is_within
+from .quoting import shortened
 
 #: The unit of directions, whose length is 1.
 UNIT_VECTOR = "unit vector"

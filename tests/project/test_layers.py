@@ -23,7 +23,7 @@ OF_PASSES = [path for path in SHADERS if path.is_relative_to(STAGES)]
 #: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
 COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_program"}
 #: Shaders that have the name of a step of their pass.
-STEPS = {"visibility_buffer": "gbuffer", "pull": "fill_holes", "push": "fill_holes"}
+STEPS = {"pull": "fill_holes", "push": "fill_holes"}
 #: Files of a folder, at most.
 MOST_FILES = 14
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
@@ -31,7 +31,6 @@ SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".fr
 FOLDERS = sorted({Path(name).parent.as_posix() for name in SOURCES if name.startswith(("ism_addon/", "tests/"))})
 PURE = (
     "atomic_files",
-    "quoting",
     "color",
     "settings",
     "render_passes",
@@ -44,6 +43,8 @@ PURE = (
     "choices",
     "old_names",
     "snapshot",
+    "resource_types",
+    "resources",
 )
 
 
@@ -84,10 +85,19 @@ def name_of(module: Path) -> str:
 
 
 def imports_of(module: Path) -> list[tuple[int, str]]:
-    """(line, name) of each import: names of ours begin with a dot and are counted from ism_addon."""
+    """(line, name) of each import: names of ours begin with a dot and are counted from ism_addon.
+
+    But of those that only type checkers follow.
+    """
     package = module.relative_to(ADDON).parts[:-1]
-    found = []
-    for node in ast.walk(ast.parse(module.read_text("utf-8"))):
+    found, tree = [], ast.parse(module.read_text("utf-8"))
+    of_types = [
+        node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+    ]
+    unfollowed = {id(node) for block in of_types for part in block.body for node in ast.walk(part)}
+    for node in ast.walk(tree):
+        if id(node) in unfollowed:
+            continue
         if isinstance(node, ast.Import):
             found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and not node.level:

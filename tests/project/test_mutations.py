@@ -39,6 +39,12 @@ def test_who_notices(small_project, old, new, noticed):
     assert (small_project / "ism_addon" / "numbers.py").read_bytes() == before
 
 
+def test_a_test_that_fails_anyway_notices_nothing(small_project):
+    (small_project / "tests" / "test_numbers.py").write_text("def test_one():\n    assert False\n")
+    with pytest.raises(ValueError, match="fails without a mutation"):
+        notice(Mutation("a number", "1, 2", "1, 3", ("test_numbers",)), small_project, everything=False, seconds=60.0)
+
+
 @pytest.mark.parametrize("old", ["THREE", ", "], ids=["gone", "not only once"])
 def test_a_text_that_is_not_there_once_is_an_error(small_project, old):
     with pytest.raises(ValueError, match="times in the package"):

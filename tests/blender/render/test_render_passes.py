@@ -7,7 +7,7 @@ import pytest
 
 from ism_addon import render_passes
 from ism_addon.blender.sync import camera, scene_reader
-from tests.pictures.test_render_passes import ADDED, compare, expected
+from tests.unit.test_render_passes import ADDED, compare, expected
 
 from .test_engine import HEIGHT, WIDTH
 from .test_engine import rendered as rendered

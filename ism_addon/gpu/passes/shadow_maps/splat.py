@@ -10,7 +10,10 @@ largest point (llvmpipe: 255 texels) is cut to that. Maps of half as many texels
 the discs close to the light.
 """
 
+from __future__ import annotations
+
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -20,7 +23,9 @@ from ....scene import Change
 from ...frame import Frame, Pass, outputs
 from ...gl.draw_limit import portions
 from ...gl.shader_compiler import bind, compile_program
-from .select_points import PointRange
+
+if TYPE_CHECKING:
+    from .select_points import PointRange
 
 #: Rays in whose time processors are done with a disc: as many as are drawn at once take memory on them until then.
 RAYS_PER_DISC = 4.0

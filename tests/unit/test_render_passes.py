@@ -12,12 +12,11 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.render_passes import COMBINED, RENDER_PASSES, RenderPass
 from ism_addon.resources import BASE_COLOR, POSITION
 from ism_addon.scene import Materials, Scene, View
+from tests.pictures.test_cli import call as call
 from tests.scenes.small import sphere_in_corner, view
 from tests.support import reference
 from tests.support.jobs import ended
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
-
-from .test_cli import call as call
 
 #: Rows that the product's table has not, of targets that exist.
 ADDED = (
