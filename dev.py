@@ -163,7 +163,7 @@ def main() -> int:
         machine.prepare()
         return bench(arguments.name, arguments.output, further)
     if arguments.verb in ("test", "stress"):
-        machine.prepare("git", "glslangValidator")
+        machine.prepare("git", "glslangValidator", "lavapipe")
         if arguments.verb == "stress":
             return stress(further)
         return test(further, arguments.all, arguments.any_pace)

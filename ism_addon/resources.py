@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .gpu.accel.blas_table import BLASBuffers, BLASTable
-    from .gpu.atlas import Batch
     from .gpu.buffers.instance_buffers import InstanceBuffers
     from .gpu.buffers.material_buffers import MaterialBuffers
     from .gpu.buffers.mesh_buffers import MeshBuffers, UVBuffers
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.gl.buffer_texture import BufferTexture
     from .gpu.passes.light_selection.cull_lights import CullingState
+    from .gpu.passes.shadow_maps.atlas import Batch
     from .gpu.passes.shadow_maps.point_cloud import PointCloud
     from .gpu.passes.shadow_maps.select_points import MapPoints
     from .gpu.passes.surfaces.select_tiles import TileSelection

@@ -11,6 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.jobs.render_thread import shared
+from ..render_passes import asked_for
 from . import app_handlers
 from .render import persistent_data, render_statistics
 from .viewport import redraw_timer
@@ -43,11 +44,8 @@ class ISMRenderEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
-        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
-        if renderlayer.use_pass_z:
-            self.register_pass(scene, renderlayer, "Depth", 1, "Z", "VALUE")
-        if renderlayer.use_pass_normal:
-            self.register_pass(scene, renderlayer, "Normal", 3, "XYZ", "VECTOR")
+        for each in asked_for(renderlayer):
+            self.register_pass(scene, renderlayer, each.name, len(each.channels), each.channels, each.kind)
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         from .render import final_render

@@ -9,7 +9,11 @@ from dataclasses import Field, replace
 from pathlib import Path
 from typing import Any
 
-from .. import snapshot
+import numpy as np
+
+from .. import render_passes, snapshot
+from ..atomic_files import atomic_write
+from ..render_passes import COMBINED, RenderPass
 from ..scene import View
 from ..setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..settings import SECTIONS, Choice, Control, DebugView, Settings, help_text, setting_fields
@@ -24,6 +28,14 @@ def parser() -> argparse.ArgumentParser:
     line = argparse.ArgumentParser(prog="python -m ism_addon.gpu", description="Draw a snapshot of a scene.")
     line.add_argument("snapshot", type=Path, help="an .npz that the add-on or ism_addon.snapshot wrote")
     line.add_argument("-o", "--output", type=Path, default=Path("out.png"), help="the PNG to write (%(default)s)")
+    for each in render_passes.RENDER_PASSES:
+        line.add_argument(
+            f"--output-{each.identifier}",
+            dest=each.name,
+            type=Path,
+            metavar="FILE",
+            help=f"an .npy to write the {each.name} pass to: float32, {each.channels}, bottom row first",
+        )
     line.add_argument(
         "--size",
         type=size,
@@ -95,6 +107,12 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
     return replace(settings, debug_view=options.show or settings.debug_view, shortcuts=shortcuts)
 
 
+def outputs(options: argparse.Namespace) -> dict[RenderPass, Path]:
+    """The render passes that have a file of their own, and which."""
+    files = {each: getattr(options, each.name) for each in render_passes.RENDER_PASSES}
+    return {each: file for each, file in files.items() if file}
+
+
 def resized(view: View, width: int, height: int) -> View:
     """The view at another size, with square pixels and the same field of view across."""
     clip_from_view = view.clip_from_view.copy()
@@ -127,7 +145,8 @@ def run(options: argparse.Namespace) -> int:
     """Draw what is asked for and write it: main's exit status."""
     try:
         scene, view, settings = snapshot.load(options.snapshot)
-        request = Request(scene, resized(view, *options.size) if options.size else view, chosen(settings, options))
+        view = resized(view, *options.size) if options.size else view
+        request = Request(scene, view, chosen(settings, options), tuple({COMBINED: None} | outputs(options)))
     except (OSError, ValueError) as reason:
         print(reason, file=sys.stderr)
         return 1
@@ -140,6 +159,9 @@ def run(options: argparse.Namespace) -> int:
         return 1
     try:
         write_png(options.output, display_from_linear(picture.color))
+        for each, path in outputs(options).items():
+            with atomic_write(path) as file:
+                np.save(file, picture.passes[each.name])
     except OSError as reason:
         print(reason, file=sys.stderr)
         return 1

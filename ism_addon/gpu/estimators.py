@@ -9,7 +9,6 @@ from typing import Protocol
 
 from ..resources import ATLAS_BATCH, VIRTUAL_LIGHT_COUNTS
 from ..settings import Method, Settings
-from .atlas import batches
 from .frame import Frame, Pass
 from .passes.direct.predict_visibility import PredictVisibility
 from .passes.direct.trace_shadows import TraceShadows
@@ -17,6 +16,7 @@ from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
 from .passes.light_selection.probe_visibility import ProbeVisibility
 from .passes.light_selection.retest_occluded import RetestOccluded
+from .passes.shadow_maps.atlas import batches
 from .passes.shadow_maps.fill_holes import FillHoles
 from .passes.shadow_maps.gather import GatherLight
 from .passes.shadow_maps.light_importance import WeighLights

@@ -7,23 +7,22 @@ occlusion").
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 
+from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
-from ..resources import BACKGROUND_DEPTH, CONVERGENCE, DEPTH, IMAGE, NORMAL
+from ..resources import CONVERGENCE
 from ..sampling import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import Settings
 from ..spaces import anchor_of, camera_position
-from .atlas import batches
 from .convergence import Convergence
 from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
-from .gl.shader_records import directions_from_octahedron
 from .graph import Graph
 from .memory_estimate import check, needed
 from .passes.film.accumulate import Accumulate, filter_margin
@@ -32,6 +31,7 @@ from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
 from .passes.film.shade import Shade
 from .passes.light_selection.cull_lights import CullLights
+from .passes.shadow_maps.atlas import batches
 from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
 from .passes.surfaces.visibility_buffer import VisibilityBuffer
@@ -40,6 +40,7 @@ from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
 from .passes.upload.upload_scene import UploadInstances, UploadMaterials, UploadMeshes, UploadUVs
 from .profile import Profile
+from .read_back import image
 from .submission import Submission, never
 
 #: What changed in the scene goes to the GPU. Triangles lie in the order of their trees.
@@ -161,11 +162,18 @@ class Renderer:
 
     def picture(self) -> np.ndarray:
         """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first. Raises as Device.check."""
-        self.graph.step(AT_LAST, *self.last)
-        self.pace.finish()
-        color = self.graph.targets.read(IMAGE)
-        self.device.check()  # else it might be whatever was in memory
-        return color
+        return self.images([COMBINED])[COMBINED.name]
+
+    def images(self, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
+        """Render passes (H,W,channels) by name, bottom row first: filtered ones of all samples so far, others of the
+        newest. Raises as Device.check."""
+        frame, profile = self.last
+        if any(each.filtered for each in wanted):
+            self.graph.step(AT_LAST, frame, profile)
+            self.pace.finish()
+        found = {each.name: image(self.graph.targets, each, frame.anchor) for each in wanted}
+        self.device.check()  # else they might be whatever was in memory
+        return found
 
     @property
     def error(self) -> Convergence:
@@ -176,14 +184,6 @@ class Renderer:
     def pixel_pass_seconds(profile: Profile) -> float:
         """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
         return sum(profile.rows[kind.__name__].ms for kind in PASSES if any_target(kind)) / 1e3
-
-    def depth_and_normal(self) -> tuple[np.ndarray, np.ndarray]:
-        """Depth (H,W) m and world-space shading normals (H,W,3) of the newest sample, bottom row first. Raises too."""
-        depth, packed = self.graph.targets.read(DEPTH)[..., 0], self.graph.targets.read(NORMAL)
-        self.device.check()
-        normal = directions_from_octahedron(packed[..., :2])
-        normal[depth >= BACKGROUND_DEPTH] = 0.0
-        return depth, normal
 
     def release(self) -> None:
         """Free the GPU's memory."""

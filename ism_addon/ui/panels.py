@@ -4,7 +4,7 @@
 
 import bpy
 
-from .. import settings
+from .. import render_passes, settings
 from .presets import ISM_RENDER_PT_presets
 
 
@@ -113,8 +113,9 @@ class ISM_VIEWLAYER_PT_passes(ISMPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Include")
-        column.prop(context.view_layer, "use_pass_z", text="Depth")
-        column.prop(context.view_layer, "use_pass_normal")
+        for each in render_passes.RENDER_PASSES:
+            if each.switch:
+                column.prop(context.view_layer, each.switch, text=each.name)
 
 
 class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):

@@ -28,7 +28,7 @@ def edit(shader: Path, old: str, new: str) -> None:
 
 
 def test_shaders_are_read_again(worker, shaders):
-    settings = replace(SMALL_SETTINGS, debug_view="albedo")
+    settings = replace(SMALL_SETTINGS, debug_view="base_color")
     before = worker.start(request(settings), "client")
     assert ended(before)
     edit(shaders / "passes/film/debug_image.frag", "texel.rgb, 1.0);", "vec3(0.25), 1.0);")

@@ -43,9 +43,13 @@ def test_a_user_who_may_not_install_gets_the_command(monkeypatch):
     assert f"\n    sudo sh -c '{command}'\n" in exit.value.code
 
 
-@pytest.mark.parametrize(("program", "package"), [("glslangValidator", "glslang-tools"), ("git", "git")])
+@pytest.mark.parametrize(
+    ("program", "package"),
+    [("glslangValidator", "glslang-tools"), ("git", "git"), ("lavapipe", "mesa-vulkan-drivers")],
+)
 def test_a_program_that_is_missing_is_looked_for_in_its_package(monkeypatch, tmp_path, program, package):
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(machine, "VULKAN_DRIVERS", tmp_path)
     assert package in machine.missing_packages(program)
 
 

@@ -34,6 +34,7 @@ PURE = (
     "quoting",
     "color",
     "settings",
+    "render_passes",
     "setting_limits",
     "scene",
     "spaces",
@@ -67,7 +68,7 @@ FLOORS = {
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
     "ui": Floor(
-        ("atomic_files", "choices", "old_names", "settings", "ui"),
+        ("atomic_files", "choices", "old_names", "settings", "render_passes", "resources", "resource_types", "ui"),
         BLENDER_PACKAGES,
         "panels must show, and tests of them run, without OpenGL",
     ),

@@ -10,7 +10,7 @@ import platform
 import struct
 from collections import Counter
 
-import glcontext
+from tests.support.gl_stand_in import StandIn, stand_in
 
 #: What changes nothing but a counter, and goes on to the function: both addresses are put in. By processor.
 STUBS = {
@@ -38,11 +38,11 @@ def word(address: int) -> bytes:
     return struct.pack("<Q", address)
 
 
-class Calls:
-    """Of one context, as glcontext's are: it gives moderngl, and whoever asks, the counters in place of functions."""
+class Calls(StandIn):
+    """Of one context: it gives moderngl, and whoever asks, the counters in place of functions."""
 
     def __init__(self, context: object):
-        self.context = context
+        super().__init__(context)
         self.stub = STUBS[platform.machine()]
         self.page = mmap.mmap(-1, ROOM * STRIDE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
         self.start = ctypes.addressof(ctypes.c_char.from_buffer(self.page))
@@ -59,15 +59,6 @@ class Calls:
         self.page[place * STRIDE : place * STRIDE + len(stub)] = stub
         return self.start + place * STRIDE
 
-    def __enter__(self) -> object:
-        return self.context.__enter__()
-
-    def __exit__(self, *reason: object) -> object:
-        return self.context.__exit__(*reason)
-
-    def release(self) -> None:
-        self.context.release()
-
     @property
     def so_far(self) -> Counter:
         """How often each function was called."""
@@ -76,18 +67,7 @@ class Calls:
 
 def counting(monkeypatch) -> list[Calls]:
     """Lets all contexts that are opened from now on count: they are in the list."""
-    opened: list[Calls] = []
-    backend = glcontext.get_backend_by_name
-
-    def counted(name: str):
-        def open_and_count(*arguments: object, **settings: object) -> Calls:
-            opened.append(Calls(backend(name)(*arguments, **settings)))
-            return opened[-1]
-
-        return open_and_count
-
-    monkeypatch.setattr(glcontext, "get_backend_by_name", counted)
-    return opened
+    return stand_in(monkeypatch, Calls)
 
 
 def made(calls: Counter) -> int:

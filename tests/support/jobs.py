@@ -4,6 +4,7 @@
 import time
 
 from ism_addon.gpu.jobs.job import Job, Request
+from ism_addon.render_passes import RENDER_PASSES
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, with_quality
 
@@ -12,7 +13,7 @@ LONG = with_quality(SMALL_SETTINGS, samples=60_000)
 
 
 def request(settings=SMALL_SETTINGS, make=box_over_plane, size=(24, 16)) -> Request:
-    return Request(*make(*size), settings)
+    return Request(*make(*size), settings, RENDER_PASSES)
 
 
 def ended(job: Job, limit: float = 30.0) -> bool:

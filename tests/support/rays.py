@@ -8,7 +8,7 @@ import numpy as np
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
-from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS
+from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
@@ -25,7 +25,7 @@ out float told;
 void main() {
     vec2 own = texelFetch(owners, gl_VertexID).xy;
     vec3 from = texelFetch(starts, gl_VertexID).xyz, to = texelFetch(ends, gl_VertexID).xyz;
-    told = occluded(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
+    told = any_hit(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
 }
 """
 
@@ -34,8 +34,8 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
     renderer, view = Renderer(device), look(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, shortcuts=False), 0, Profile())
-    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, BuildTLAS):
-        renderer.run(kind, frame, Profile())
+    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
+        renderer.graph.step(kind, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), ASK])
     program = device.gl.program(vertex_shader=shader, varyings=["told"])

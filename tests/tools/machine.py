@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 #: What bpy links (4.2 to 5.2) and moderngl opens, and Debian's package of each. The packages bring what they need.
 LIBRARIES = {
@@ -22,12 +23,14 @@ LIBRARIES = {
     "libgomp.so.1": "libgomp1",
     "libxkbcommon.so.0": "libxkbcommon0",
 }
-#: Debian's packages of programs that are not called like them.
-PROGRAMS = {"glslangValidator": "glslang-tools"}
+#: Debian's packages of what is not called like them.
+PACKAGES = {"glslangValidator": "glslang-tools", "lavapipe": "mesa-vulkan-drivers"}
+#: Where drivers of Vulkan are described.
+VULKAN_DRIVERS = Path("/usr/share/vulkan/icd.d")
 
 
 def prepare(*programs: str) -> None:
-    """Install the missing libraries and programs, or exit with the command that does."""
+    """Install the missing libraries and programs, of which "lavapipe" is one, or exit with the command that does."""
     missing = missing_packages(*programs)
     if not missing:
         return
@@ -51,8 +54,17 @@ def missing_packages(*programs: str) -> list[str]:
     missing = {package for library, package in LIBRARIES.items() if not _loads(library)}
     if importlib.util.find_spec("ensurepip") is None:
         missing.add(f"python{sys.version_info.major}.{sys.version_info.minor}-venv")
-    missing |= {PROGRAMS.get(program, program) for program in programs if shutil.which(program) is None}
+    missing |= {PACKAGES.get(program, program) for program in programs if not _is_there(program)}
     return sorted(missing)
+
+
+def lavapipe() -> list[Path]:
+    """The descriptions of Mesa's Vulkan for processors, one for each kind of processor; none where it is missing."""
+    return sorted(VULKAN_DRIVERS.glob("lvp_icd*.json"))
+
+
+def _is_there(program: str) -> bool:
+    return bool(lavapipe() if program == "lavapipe" else shutil.which(program))
 
 
 def _loads(library: str) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.atlas import ATLAS_TEXELS, MAP_SIZE_MULTIPLE, batches
+from ism_addon.gpu.passes.shadow_maps.atlas import ATLAS_TEXELS, MAP_SIZE_MULTIPLE, batches
 from tests.scenes.small import box_over_plane
 from tests.support.reference import nrmse
 from tests.support.small_scenes import MAPS, draw, with_quality

@@ -5,17 +5,15 @@ import time
 from collections.abc import Callable
 
 import bpy
-import numpy as np
 
 from ...gpu.jobs.job import Job, Picture, Request
 from ...gpu.jobs.render_thread import shared
+from ...render_passes import asked_for
 from ...scene import View
 from ...setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..sync import camera
 from . import persistent_data, read_settings, render_statistics
 
-#: Blender's name of a pass, and the part of a Picture that goes into it.
-RENDER_PASSES = {"Combined": "color", "Depth": "depth", "Normal": "normal"}
 WAIT = 0.1  # s: how long a wish to cancel can go unnoticed
 SHOW_EVERY = 1.0  # s: an intermediate picture costs a copy and a redraw
 
@@ -37,7 +35,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     if not engine.is_preview:
         for warning in (*scene.warnings, *images_beyond_limits(scene.images), *beyond_limits(chosen)):
             engine.report({"WARNING"}, warning)
-    surfaces = layer.use_pass_z or layer.use_pass_normal
+    passes = asked_for(layer)
     try:
         for view_name in view_names:
             engine.active_view_set(view_name)
@@ -45,7 +43,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
             if view_name == view_names[0] and not engine.is_preview:
                 for warning in view_beyond_limits(view):
                     engine.report({"WARNING"}, warning)
-            job = shared.start(Request(scene, view, chosen, surfaces), shares.client)
+            job = shared.start(Request(scene, view, chosen, passes), shares.client)
             if not _render_view(engine, job, view, layer.name, view_name):
                 break
     except camera.CameraError as error:
@@ -110,11 +108,11 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
 
 
 def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> None:
-    for name, part in RENDER_PASSES.items():
+    for name, image in picture.passes.items():
         target = passes.find_by_name(name, view_name)
         if target is not None:
             # Blender takes nothing else here; it copies in 3 ms what `rect = array` takes a second for.
-            target.rect.foreach_set(np.ascontiguousarray(getattr(picture, part), np.float32).reshape(-1))
+            target.rect.foreach_set(image.reshape(-1))
 
 
 def _tell_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> None:

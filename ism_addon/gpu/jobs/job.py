@@ -4,10 +4,12 @@
 import math
 import threading
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...render_passes import COMBINED, RenderPass
 from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
@@ -23,7 +25,7 @@ class Request:
     scene: Scene
     view: View
     settings: Settings
-    surfaces: bool = True  # whether depth and normals are wanted too
+    passes: tuple[RenderPass, ...] = (COMBINED,)  # the images that are wanted
     coarse: int = 0  # px of the view along either side of one in the first picture, which comes the sooner; 0 if
     # nobody waits for that, but only for the last one
 
@@ -32,10 +34,13 @@ class Request:
 class Picture:
     """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
 
-    color: np.ndarray  # (H,W,4) float32 linear, alpha premultiplied
-    depth: np.ndarray | None  # (H,W) float32 m along the view's axis, 1e10 where nothing is
-    normal: np.ndarray | None  # (H,W,3) float32 world space
+    passes: Mapping[str, np.ndarray]  # (H,W,channels) float32 by the render pass's name
     samples: int
+
+    @property
+    def color(self) -> np.ndarray:
+        """(H,W,4) float32 linear, alpha premultiplied."""
+        return self.passes[COMBINED.name]
 
 
 class Job:

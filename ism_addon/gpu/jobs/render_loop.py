@@ -8,6 +8,7 @@ from itertools import chain
 
 import numpy as np
 
+from ...render_passes import COMBINED
 from ...settings import Quality
 from ..convergence import Convergence
 from ..gl.context import Device
@@ -113,11 +114,12 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
         for _ in coarse_renderer.sample(*sample, low_latency=True, cancelled=cancelled):
             coarse_renderer.device.check()
             yield
-        job._picture = Picture(coarse_renderer.picture(), None, None, 0)
+        job._picture = Picture(coarse_renderer.images([COMBINED]), 0)
         job.tell(first_seconds=coarse_renderer.pixel_pass_seconds(profile))
         yield
     next_picture, ended_by = start, ""
-    surfaces: tuple[np.ndarray | None, np.ndarray | None] = None, None
+    filtered = [each for each in request.passes if each.filtered]
+    of_first_sample: dict[str, np.ndarray] = {}
     while not ended_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
         for _ in renderer.sample(*sample, low_latency=request.coarse > 0, cancelled=cancelled):
@@ -126,8 +128,8 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
             yield
         renderer.device.check()
         now = time.perf_counter()
-        if job.samples_done == 0 and request.surfaces:
-            surfaces = renderer.depth_and_normal()
+        if job.samples_done == 0:
+            of_first_sample = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
         ended_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
         if ended_by:
@@ -137,7 +139,7 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
             request.scene, job.samples_done, now - start, renderer.error.image_error, ended_by
         )
         if ended_by or now >= next_picture:
-            job._picture = Picture(renderer.picture(), *surfaces, job.samples_done)
+            job._picture = Picture(renderer.images(filtered) | of_first_sample, job.samples_done)
             shown = time.perf_counter()
             next_picture = shown + (shown - now) * (1.0 - DISPLAY_TIME_FRACTION) / DISPLAY_TIME_FRACTION
         job.tell()

@@ -11,7 +11,7 @@ from tests.gui.stage import Stage, Steps
 
 #: Of debug views: what they show at a place of the studio, linear.
 TARGETS = {
-    "albedo": ((0.0, 0.0, 0.0), (0.8, 0.8, 0.8)),
+    "base_color": ((0.0, 0.0, 0.0), (0.8, 0.8, 0.8)),
     "normal": ((-0.9, -0.6, 0.6), (0.5, 0.0, 0.5)),  # on the cube's side to the front
 }
 
@@ -29,7 +29,7 @@ def debug_views(stage: Stage) -> Steps:
         texel = shown[round((1.0 - up) * len(shown)), round(across * len(shown[0]))]
         expected = [1.055 * value ** (1.0 / 2.4) - 0.055 if value else 0.0 for value in linear]
         stage.measured(f"{name}: off by", 255 * np.abs(texel - expected).max(), "/255", must=2)
-    stage.scene.ism.debug_view = "color"
+    stage.scene.ism.debug_view = "sample_color"
     yield from stage.rested()
     stage.measured("the picture again, RMSE", 255 * rmse(first, stage.pixels("again")), "/255", must=1, aim=0)
     jobs = engine.jobs()

@@ -168,7 +168,7 @@ def test_soak_of_viewports(scene, census, within, rounds):
         edit(chance)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         asked = reader.read(depsgraph), camera.final_view(depsgraph), read_settings.read(scene, "viewport")
-        job = shared.start(Request(*asked, surfaces=False, coarse=patience.choice([1, 4])), "viewport")
+        job = shared.start(Request(*asked, coarse=patience.choice([1, 4])), "viewport")
         while patience.random() < 0.9 and not job.finished:
             job.wait(0.01)
         assert not job.error

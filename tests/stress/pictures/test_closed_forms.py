@@ -57,7 +57,7 @@ def strip(lamp: Lights, part: float) -> Lights:
     ("settings", "bound"),
     [
         (with_quality(SMALL_SETTINGS, samples=256), 5e-3),
-        (with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=1 << 15), 5e-2),
+        (with_quality(MAPS, samples=8, virtual_lights=32, map_size=128, map_points=1 << 15), 5e-2),
     ],
     ids=["rays", "maps"],
 )

@@ -96,7 +96,7 @@ def test_faces_that_lie_on_each_other(device, within, linear):
 
 #: Shadow maps have holes, and texels that are wide: of all light so much may come through.
 BOTH = pytest.mark.parametrize(
-    ("settings", "leak"), [(SETTINGS, 1e-9), (replace(MAPS, quality=Quality(samples=4)), 0.2)], ids=["rays", "maps"]
+    ("settings", "leak"), [(SETTINGS, 1e-9), (replace(MAPS, quality=Quality(samples=1)), 0.2)], ids=["rays", "maps"]
 )
 
 
@@ -199,7 +199,7 @@ def test_the_shadow_of_a_wire(device, within, width):
     scene = stage([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0)), wire], lamp)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
     view, settings = from_above(0.4, (64, 64)), with_quality(SMALL_SETTINGS, samples=1024)
-    open_floor = draw(device, unshadowed(scene), view, settings).color[..., 0]
+    open_floor = draw(device, unshadowed(scene), view, SMALL_SETTINGS).color[..., 0]  # without noise
     missing = (open_floor - draw(device, scene, view, settings).color[..., 0]).sum() / open_floor.sum()
     within(abs(float(missing) - width / 0.9 / 0.4), 1e-3)
 

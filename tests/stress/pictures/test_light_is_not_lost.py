@@ -20,7 +20,7 @@ RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_thre
 MAPS = replace(
     RAYS,
     shadow=Shadow(method=Method.SHADOW_MAPS),
-    quality=replace(RAYS.quality, virtual_lights=16, map_size=64, map_points=8192),
+    quality=replace(RAYS.quality, samples=16, virtual_lights=16, map_size=64, map_points=8192),
 )
 FILTER = 1.5  # px
 #: Of a light: its shape, and its height as a part of its width.
@@ -49,10 +49,10 @@ def over_a_plate(shape: str, size: float, degrees: float, seen: bool) -> tuple[S
     return scene, replace(view, view_from_world=view.view_from_world @ placed(offset=(-0.3, -0.2, 0.0)))
 
 
-def ratio_to_cycles(device, scene: Scene, view: View, settings: Settings) -> float:
-    """Of the pictures' means."""
+def ratio_to_cycles(device, scene: Scene, view: View, settings: Settings, samples: int = 32) -> float:
+    """Of the pictures' means. Over a plate, 16 to 512 samples of Cycles' give means within 0.1 %."""
     into_blender(scene, view)
-    truth = direct_light(128, FILTER)[..., :3].mean()
+    truth = direct_light(samples, FILTER)[..., :3].mean()
     return float(draw(device, *out_of_blender(), settings).color[..., :3].mean() / truth)
 
 
@@ -93,7 +93,7 @@ def test_panels_that_look_over_a_floor(device, within, size, part):
 def test_something_stands_before_a_panel(device, within, part):
     scene, view = behind_a_floor(10.0, part)
     post = quad((-0.5, 0.0, 0.0), (1.0, 0, 0), (0, 0, 5.0 * part))
-    within(abs(ratio_to_cycles(device, *into_stage(scene, view, post), RAYS) - 1.0), 0.005)
+    within(abs(ratio_to_cycles(device, *into_stage(scene, view, post), RAYS, 128) - 1.0), 0.005)
 
 
 def into_stage(scene: Scene, view: View, mesh) -> tuple[Scene, View]:

@@ -16,7 +16,7 @@ in vec3 b;
 in vec3 p0; in vec3 p1; in vec3 p2;
 in vec3 n0; in vec3 n1; in vec3 n2;
 out float told;
-void main() { told = height_over_triangle(b, vec3[3](p0, p1, p2), vec3[3](n0, n1, n2)); }
+void main() { told = terminator_offset(b, vec3[3](p0, p1, p2), vec3[3](n0, n1, n2)); }
 """
 
 

@@ -48,7 +48,7 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     place = np.zeros((*drawn.part.shape, 2))
     blocks = drawn.renderer.graph[TILES]
     column, row = blocks["tile"].astype(int).T
-    place[row, column] = blocks["place"]
+    place[row, column] = blocks["subpixel_offset"]
     height, width = values.shape[:2]
     pixels = place.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[:height, :width]
     if filter_margin(reach) >= WIDE_MARGIN:  # all count as at the centres, and the filter is narrower by a pixel
@@ -74,7 +74,7 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, th
     blue = replace(scene.lights, radiance=scene.lights.radiance * np.float32([0.1, 0.5, 1.0]))
     scene, view = replace(scene, lights=blue, working_space=space), replace(view, filter_width=reach)
     settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
-    sums = {name: np.zeros((32, 48, 4)) for name in ("sum", "sum_correction", "weights")}
+    sums = {name: np.zeros((32, 48, 4)) for name in ("sum_color", "sum_residual", "sum_weights")}
     sums["sum_headroom"] = np.zeros((32, 48, 1))
     ones = np.ones((32, 48, 1))
     for sample in range(20 if reach < 2.0 else 18):
@@ -83,18 +83,18 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, th
         bright = ((color + correction)[..., :3] @ LUMINANCE[space])[..., None]
         amounts = (correction[..., :3] @ LUMINANCE[space])[..., None]
         weights = np.concatenate([bright**2, ones, np.abs(amounts), correction[..., 3:]], 2)
-        sums["sum"] += spread(color, drawn, reach)
-        sums["sum_correction"][..., :3] += spread(correction[..., :3], drawn, reach)
-        sums["sum_correction"][..., 3:] += spread(amounts**2, drawn, reach, power=2)
-        sums["weights"] += spread(weights, drawn, reach)
+        sums["sum_color"] += spread(color, drawn, reach)
+        sums["sum_residual"][..., :3] += spread(correction[..., :3], drawn, reach)
+        sums["sum_residual"][..., 3:] += spread(amounts**2, drawn, reach, power=2)
+        sums["sum_weights"] += spread(weights, drawn, reach)
         sums["sum_headroom"] += spread(drawn.target("sample_headroom"), drawn, reach)
     assert not drawn.part.all(), "no block was left out of the last sample"
-    assert drawn.renderer.error.settled.any() == (threshold > 0.0)
-    assert not drawn.renderer.error.settled.all()
+    assert drawn.renderer.error.converged.any() == (threshold > 0.0)
+    assert not drawn.renderer.error.converged.all()
     for name, expected in sums.items():
         assert drawn.target(name) == pytest.approx(expected, rel=1e-4, abs=1e-4), name
     settled = drawn.color[..., 3]
-    assert settled == pytest.approx(sums["sum"][..., 3] / sums["weights"][..., 1], abs=1e-5)
+    assert settled == pytest.approx(sums["sum_color"][..., 3] / sums["sum_weights"][..., 1], abs=1e-5)
 
 
 def filtered_edge(distance: np.ndarray, reach: float) -> np.ndarray:

@@ -98,7 +98,7 @@ def test_the_picture_is_put_together_only_to_be_looked_at(device, samples, looks
 def test_settled_blocks_are_as_good_as_asked(device, truth, name):
     threshold = 0.02
     drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=512, error_threshold=threshold))
-    settled = drawn.renderer.error.settled
+    settled = drawn.renderer.error.converged
     assert settled.mean() > 0.9
     errors = true_errors(drawn.color, truth(name))[settled]
     assert np.median(errors) < threshold
@@ -109,7 +109,7 @@ def test_a_settled_block_is_drawn_no_more_and_stays_as_it_is(device):
     """The samples of those beside it do not change it either."""
     settings = with_quality(SMALL_SETTINGS, samples=512, error_threshold=0.02)
     before = draw(device, *small("pillar field"), settings, last=31)
-    settled = before.renderer.error.settled
+    settled = before.renderer.error.converged
     assert 0.1 < settled.mean() < 0.9
     after = draw(device, *small("pillar field"), settings, last=127)
     pixels = settled.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)
@@ -132,11 +132,11 @@ def test_blocks_beside_settled_ones_have_no_seams(device, truth):
 @pytest.mark.parametrize("name", SMALL)
 def test_no_block_is_settled_early_and_none_without_a_threshold_or_skipping(device, name):
     coarse = with_quality(SMALL_SETTINGS, samples=512, error_threshold=1.0)
-    assert not draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 2).renderer.error.settled.any()
-    assert draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 1).renderer.error.settled.all()
+    assert not draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 2).renderer.error.converged.any()
+    assert draw(device, *small(name), coarse, last=MIN_SAMPLES_TO_STOP - 1).renderer.error.converged.all()
     without = draw(device, *small(name), replace(coarse, shortcuts=False), last=MIN_SAMPLES_TO_STOP)
-    assert not without.renderer.error.settled.any()
-    assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.settled.any()
+    assert not without.renderer.error.converged.any()
+    assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.converged.any()
 
 
 def test_less_error_takes_more_samples(device):

@@ -14,6 +14,7 @@ from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadMaterials
 from ism_addon.gpu.profile import COUNTS
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.render_passes import RENDER_PASSES
 from ism_addon.scene import Scene
 from tests.scenes.small import pillar_field
 from tests.support.jobs import LONG, begun, ended, request
@@ -28,9 +29,10 @@ def test_a_job_gives_a_picture(worker, device):
     assert job.error == ""
     assert (job.samples, job.samples_done, picture.samples) == (3, 3, 3)
     assert picture.color.shape == (16, 24, 4)
-    assert picture.color.dtype == picture.depth.dtype == np.float32
-    assert picture.color.flags.c_contiguous
-    assert picture.normal.shape == (16, 24, 3)
+    assert {name: image.shape for name, image in picture.passes.items()} == {
+        each.name: (16, 24, len(each.channels)) for each in RENDER_PASSES
+    }
+    assert all(image.dtype == np.float32 and image.flags.c_contiguous for image in picture.passes.values())
     assert np.array_equal(picture.color, draw(device, asked.scene, asked.view, asked.settings).color)
 
 
@@ -61,7 +63,7 @@ def test_depth_and_normals_are_metres_and_unit_vectors(worker):
     asked = request(size=(48, 32))
     job = worker.start(asked, "client")
     assert ended(job)
-    depth, normal = job.picture().depth, job.picture().normal
+    depth, normal = job.picture().passes["Depth"][..., 0], job.picture().passes["Normal"]
     seen = depth < 1e9
     assert 0 < seen.sum() < seen.size
     assert (depth[~seen] == np.float32(1e10)).all()

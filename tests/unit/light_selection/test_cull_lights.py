@@ -88,7 +88,7 @@ def test_lights_that_do_not_matter_get_no_work_and_change_nothing(device, why):
     if why in ("turned away", "elsewhere"):
         assert set(reached) == set(range(5)), "the others are not even looked for"
     if why == "hidden":
-        assert not any(to.seen.any() for light, to in reached.items() if light >= 5)
+        assert not any(to.coarse_visibility.any() for light, to in reached.items() if light >= 5)
 
 
 def test_without_its_bounds_the_test_above_would_fail(device, monkeypatch):
@@ -148,7 +148,7 @@ def test_a_strip_of_light_between_the_first_rays_is_in_the_first_picture(device)
     alone = replace(scene, lights=lamp)
     view, settings = from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
     drawn = draw(device, scene, view, settings)
-    assert not drawn.renderer.graph[LIGHT_INFLUENCE][1].seen.any(), "else it shows nothing"
+    assert not drawn.renderer.graph[LIGHT_INFLUENCE][1].coarse_visibility.any(), "else it shows nothing"
     pictures = drawn.color[..., 0], draw(device, alone, view, settings).color[..., 0]
     truths = [reference.picture(each, view, 8)[0][:, 0].reshape(64, 64) for each in (scene, alone)]
     gained, in_truth = ((lit - unlit)[8:-8, 33:36].mean() for lit, unlit in (pictures, truths))

@@ -24,7 +24,7 @@ out vec4 result;
 void main() {
     int at = int(gl_FragCoord.x);
     vec3 point = texelFetch(points, at).xyz, normal = texelFetch(normals, at).xyz;
-    result = vec4(unshadowed_irradiance(fetch_Light(lights, 0), point, normal));
+    result = vec4(light_irradiance(fetch_Light(lights, 0), point, normal));
 }
 """
 

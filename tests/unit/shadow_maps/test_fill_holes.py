@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import Batch, batches
+from ism_addon.gpu.passes.shadow_maps.atlas import Batch, batches
 from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, FillHoles
 from ism_addon.resources import ATLAS_BATCH, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAPS
 from tests.support.reference_maps import pull_push

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import batches
 from ism_addon.gpu.gl.shader_records import octahedron_from_directions
+from ism_addon.gpu.passes.shadow_maps.atlas import batches
 from ism_addon.gpu.passes.shadow_maps.fill_holes import FillHoles
 from ism_addon.gpu.passes.shadow_maps.gather import GatherLight
 from ism_addon.gpu.passes.shadow_maps.splat import SplatMaps

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.atlas import batches
+from ism_addon.gpu.passes.shadow_maps.atlas import batches
 from ism_addon.gpu.passes.shadow_maps.select_points import MAP_POINT
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 from ism_addon.resources import MAP_POINTS, NO_OCCLUDER, VIRTUAL_LIGHT_COUNTS

@@ -60,7 +60,7 @@ def gbuffer(device, scene, view):
     anchor = drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, drawn.profile).anchor
     found = {
         name: drawn.target(name).reshape(view.width * view.height, -1)
-        for name in ("depth", "position", "normal", "albedo", "triangle")
+        for name in ("depth", "position", "normal", "base_color", "primitive")
     }
     found["world"] = found["position"][:, :3] + anchor
     found["smooth"] = directions_from_octahedron(found["normal"][:, :2])
@@ -194,7 +194,7 @@ def test_images_are_filtered_bilinearly_in_linear_light(device, repeat, uv):
     truth = reference.surfaces(scene, view)
     at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
     ours = gbuffer(device, scene, view)
-    assert ours["albedo"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
+    assert ours["base_color"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
 
 
 def test_images_far_away_have_the_mean_colour(device):
@@ -203,7 +203,7 @@ def test_images_far_away_have_the_mean_colour(device):
     floor = quad((-50.0, -50.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0), uv=1000.0)
     ours = gbuffer(device, stage([floor], image=image), from_above(20.0, (16, 16)))
     mean = linear_from_srgb(image.texels[..., :3] / 255.0).mean((0, 1))
-    assert ours["albedo"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02)
+    assert ours["base_color"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 1), (16, 16), (7, 13)])
@@ -231,7 +231,7 @@ def test_several_images_and_plain_colours_side_by_side(device):
         image=np.array([0, -1, 1], np.int32),
     )
     ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
-    albedo = ours["albedo"][:, :3].reshape(10, 30, 3)
+    albedo = ours["base_color"][:, :3].reshape(10, 30, 3)
     assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
     assert albedo[:, 21:] == pytest.approx(
         np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3

@@ -14,10 +14,10 @@ import moderngl
 
 from ....resource_types import Target
 from ....resources import ATLAS_BATCH, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAPS
-from ...atlas import MAP_SIZE_MULTIPLE
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
+from .atlas import MAP_SIZE_MULTIPLE
 
 LEVELS = MAP_SIZE_MULTIPLE.bit_length() - 1
 

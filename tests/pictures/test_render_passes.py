@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A row of the table is a whole render pass: read back and written by the command line, with the reference's values."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon import render_passes, snapshot
+from ism_addon.gpu.jobs.job import Request
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.render_passes import COMBINED, RENDER_PASSES, RenderPass
+from ism_addon.scene import Materials, Scene, View
+from tests.scenes.small import sphere_in_corner, view
+from tests.support import reference
+from tests.support.jobs import ended
+from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
+
+from .test_cli import call as call
+
+#: Rows that the product's table has not, of targets that exist.
+ADDED = (
+    RenderPass("Position", "use_pass_position", "XYZ", "VECTOR", "position"),
+    RenderPass("Diffuse Color", "use_pass_diffuse_color", "RGB", "COLOR", "albedo"),
+)
+#: Part of the pixels that may lie on the other side of an edge.
+EDGE = 0.01
+
+SETTINGS = with_quality(SMALL_SETTINGS, samples=3)
+
+
+def two_colours(width: int = 48, height: int = 32) -> tuple[Scene, View]:
+    """A red sphere before walls of another colour, and nothing beside them, all of it away from the world's origin.
+
+    Pixels are filtered.
+    """
+    scene, _ = sphere_in_corner()
+    *walls, ball = scene.meshes
+    ball = replace(ball, materials=np.ones(len(ball.triangles), np.uint32))
+    materials = Materials(np.array([[0.5, 0.6, 0.7], [0.8, 0.1, 0.2]], np.float32), np.full(2, -1, np.int32))
+    offset, matrices = np.array([60.0, -90.0, 0.0]), scene.instances.world_from_object.copy()
+    matrices[:, :3, 3] += offset
+    scene = replace(
+        scene,
+        meshes=(*walls, ball),
+        instances=replace(scene.instances, world_from_object=matrices),
+        materials=materials,
+        lights=replace(scene.lights, position=scene.lights.position + offset),
+    )
+    camera = view(offset + (8.0, 7.0, 4.0), offset + (0.7, 0.7, 0.6), width, height)
+    return scene, replace(camera, filter_width=1.5)
+
+
+def expected(scene: Scene, view: View) -> dict[str, np.ndarray]:
+    """(N,channels) of each pass but the picture, by rays through the pixels' centres."""
+    surface = reference.surfaces(scene, view)
+    seen = surface.seen[:, None]
+    material = np.concatenate([scene.meshes[mesh].materials for mesh in scene.instances.mesh])[surface.triangle]
+    return {
+        "Depth": np.where(seen, surface.depth[:, None], 1e10),
+        "Normal": np.where(seen, reference.shading_normals(scene, surface), 0.0),
+        "Position": np.where(seen, surface.position, 0.0),
+        "Diffuse Color": np.where(seen, scene.materials.base_color[material], 0.0),
+    }
+
+
+def compare(image: np.ndarray, truth: np.ndarray) -> None:
+    """An image (H,W,channels) is the truth (N,channels) but at edges; some of it is seen, some is background."""
+    assert image.dtype == np.float32
+    off = np.abs(image.reshape(-1, image.shape[-1]) - truth)
+    assert (off > 1e-3 * np.maximum(np.abs(truth), 1.0)).any(1).mean() <= EDGE
+    assert len(np.unique(truth.round(3), axis=0)) > 2
+
+
+@pytest.fixture
+def rows(monkeypatch) -> tuple[RenderPass, ...]:
+    """The table with rows added: nothing else is told of them."""
+    table = (*RENDER_PASSES, *ADDED)
+    monkeypatch.setattr(render_passes, "RENDER_PASSES", table)
+    return table
+
+
+def test_every_row_is_read_back(device, rows):
+    scene, view = two_colours()
+    drawn = draw(device, scene, view, SETTINGS, last=0)
+    images = drawn.renderer.images(rows)
+    truth = expected(scene, view)
+    assert {*images} == {COMBINED.name, *truth}
+    for name in truth:
+        compare(images[name], truth[name])
+
+
+def test_a_job_has_the_passes_that_were_asked_for(worker, device):
+    """Of all samples what is filtered, of the first one what is not."""
+    scene, view = two_colours()
+    job = worker.start(Request(scene, view, SETTINGS, (COMBINED, *ADDED)), "client")
+    assert ended(job)
+    assert [*job.picture().passes] == [COMBINED.name, *(each.name for each in ADDED)]
+    one, all_samples = Renderer(device), Renderer(device)
+    first = draw(device, scene, view, SETTINGS, one, last=0).renderer.images(ADDED)
+    for each in ADDED:
+        assert np.array_equal(job.picture().passes[each.name], first[each.name])
+    assert np.array_equal(job.picture().color, draw(device, scene, view, SETTINGS, all_samples).color)
+    assert not np.array_equal(all_samples.images(ADDED)["Position"], first["Position"])
+
+
+def test_the_command_line_writes_every_row(call, tmp_path, device, rows):
+    scene, view = two_colours()
+    snapshot.save(tmp_path / "scene.npz", scene, view, SETTINGS)
+    files = {each: tmp_path / f"{each.identifier}.npy" for each in rows}
+    options = [option for each, file in files.items() for option in (f"--output-{each.identifier}", file)]
+    assert call(tmp_path / "scene.npz", "-o", tmp_path / "out.png", *options) == (0, "", "")
+    assert np.array_equal(np.load(files[COMBINED]), draw(device, scene, view, SETTINGS).color)
+    for name, truth in expected(scene, view).items():
+        compare(np.load(next(file for each, file in files.items() if each.name == name)), truth)
+
+
+def test_a_pass_that_cannot_be_written(call, tmp_path):
+    snapshot.save(tmp_path / "scene.npz", *two_colours(), SETTINGS)
+    missing = tmp_path / "no folder" / "depth.npy"
+    status, _, error = call(tmp_path / "scene.npz", "-o", tmp_path / "out.png", "--output-depth", missing)
+    assert status == 1
+    assert "no folder" in error

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Breaks the product in 25 ways, one at a time, and tells which test notices: python -m tests.tools.mutations
+
+Each is made in a temporary copy of the files, where the tests that should notice run until one fails. With --all the
+other tests follow where none of those does. An exit status of 1 means that a mutation survived.
+"""
+
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+from . import project
+
+SOURCES = {".py", ".frag", ".vert", ".glsl"}
+
+
+class Mutation(NamedTuple):
+    """A text that the package holds once, in whichever file, what replaces it, and by which files of tests it shows."""
+
+    about: str
+    old: str
+    new: str
+    tests: tuple[str, ...]  # names of files, wherever they lie
+
+
+MUTATIONS = (
+    Mutation(
+        "a Lambertian surface reflects pi times its light",
+        "sent = part / 3.141592653589793",
+        "sent = part",
+        ("test_shade", "test_picture"),
+    ),
+    Mutation(
+        "shadow rays are weighed without the receiver's cosine",
+        "area * max(dot(n, ray), 0.0) * height",
+        "area * height",
+        ("test_trace_shadows", "test_ray_sampling"),
+    ),
+    Mutation("Lambert's edge sum has the other sign", "? sum : -sum", "? -sum : sum", ("test_irradiance",)),
+    Mutation(
+        "an ellipse is lit by its diameters as if they were semi-axes",
+        "ellipse_irradiance(centre, 0.5 * u, 0.5 * v",
+        "ellipse_irradiance(centre, u, v",
+        ("test_irradiance", "test_picture"),
+    ),
+    Mutation(
+        "a rare shadow ray counts no more than a frequent one",
+        "(seen.x - known.x) / turn.chance",
+        "(seen.x - known.x)",
+        ("test_trace_shadows", "test_picture"),
+    ),
+    Mutation(
+        "the last light is not drawn",
+        "for light, shift in enumerate(shifts):",
+        "for light, shift in enumerate(shifts[:-1]):",
+        ("test_trace_shadows", "test_picture"),
+    ),
+    Mutation(
+        "lights are culled that bring as much as all others",
+        "left_out > MAX_CULLED_FRACTION * there",
+        "left_out > there",
+        ("test_cull_lights", "test_shortcuts"),
+    ),
+    Mutation(
+        "the bound of a light forgets how large it is",
+        "slack = radius + lamps.radius",
+        "slack = radius",
+        ("test_cull_lights", "test_shortcuts"),
+    ),
+    Mutation(
+        "tiles are one off",
+        "strip * int(gl_FragCoord.y) + int(gl_FragCoord.x);",
+        "strip * int(gl_FragCoord.y) + int(gl_FragCoord.x) + 1;",
+        ("test_cull_lights", "test_select_tiles", "test_predict_visibility"),
+    ),
+    Mutation(
+        "another world leaves the picture as it was",
+        "depends_on = (Change.WORLD, Change.VIEW)",
+        "depends_on = (Change.VIEW,)",
+        ("test_edits", "test_reuse"),
+    ),
+    Mutation(
+        "instances that moved are seen where they were",
+        '            frame.tables["placement"],\n',
+        "",
+        ("test_edits", "test_reuse"),
+    ),
+    Mutation(
+        "pixels at a tile's border do not care how rare the tile beside them is",
+        ".y / fetch(chances, ivec2(own_block)).x",
+        ".y",
+        ("test_accumulate", "test_select_tiles"),
+    ),
+    Mutation(
+        "watts become radiance without pi",
+        "/ (np.pi * area)",
+        "/ area",
+        ("test_radiometry", "test_lights"),
+    ),
+    Mutation(
+        "a spread is taken for its half",
+        "half = np.maximum(np.asarray(spread, np.float64), MIN_SPREAD) / 2.0",
+        "half = np.maximum(np.asarray(spread, np.float64), MIN_SPREAD) / 4.0",
+        ("test_radiometry", "test_irradiance"),
+    ),
+    Mutation(
+        "lights stand in world space among surfaces in anchor space",
+        "= lights.position - anchor, normals",
+        "= lights.position, normals",
+        ("test_odd_pictures", "test_picture"),
+    ),
+    Mutation(
+        "normals are turned as positions are",
+        "normalize(cofactor * smooth_normal)",
+        "normalize(linear * smooth_normal)",
+        ("test_gbuffer",),
+    ),
+    Mutation("sRGB texels are taken for linear ones", "0x8C43", "0x8058", ("test_gbuffer",)),
+    Mutation(
+        "a box that is partly out of the picture is culled",
+        "planes[..., 3] + np.einsum",
+        "planes[..., 3] - np.einsum",
+        ("test_frustum_culling", "test_gbuffer"),
+    ),
+    Mutation(
+        "a chosen point does not stand for those that were not chosen",
+        "np.sqrt(cloud.area / np.pi / chance[taken])",
+        "np.sqrt(cloud.area / np.pi)",
+        ("test_select_points", "test_splat"),
+    ),
+    Mutation(
+        "a transparent film is opaque",
+        "color = background * vec4(world, 1.0)",
+        "color = vec4(background * world, 1.0)",
+        ("test_shade", "test_engine"),
+    ),
+    Mutation("the shadow bias pushes inwards", "v += n * (bias", "v -= n * (bias", ("test_gather", "test_picture")),
+    Mutation(
+        "outlines in shadow maps grow as holes are filled",
+        "hole && coverage > 0.5",
+        "hole && coverage > 0.0",
+        ("test_fill_holes",),
+    ),
+    Mutation(
+        "ambient occlusion looks twice as far as its radius",
+        "direction * radius * sqrt(reach)",
+        "direction * 2.0 * radius * sqrt(reach)",
+        ("test_ambient_occlusion",),
+    ),
+    Mutation(
+        "what lies behind a light throws a shadow",
+        "at > 0.0 && at < 1.0",
+        "at > 0.0",
+        ("test_trace_shadows", "test_contacts"),
+    ),
+    Mutation(
+        "a faint light's turns are rarer than they count",
+        "float all = full / own_chance;",
+        "float all = full;",
+        ("test_trace_faint_lights",),
+    ),
+)
+
+
+def place(mutation: Mutation, root: Path) -> Path:
+    """The file of the package that has the mutation's text. Raises ValueError if that is not exactly one, once."""
+    files = [path for path in sorted((root / "ism_addon").rglob("*")) if path.suffix in SOURCES]
+    counts = {path: path.read_text("utf-8").count(mutation.old) for path in files}
+    found = [path for path, count in counts.items() if count]
+    if sum(counts.values()) != 1:
+        raise ValueError(f"{mutation.old!r} is {sum(counts.values())} times in the package, in {found}")
+    return found[0]
+
+
+def test_files(names: tuple[str, ...], root: Path) -> list[str]:
+    """Paths of files of tests, from the root. Raises ValueError if one of them is not there."""
+    found = {name: sorted((root / "tests").rglob(f"{name}.py")) for name in names}
+    missing = [name for name, paths in found.items() if not paths]
+    if missing:
+        raise ValueError(f"no tests are called {', '.join(missing)}")
+    return [str(path.relative_to(root)) for paths in found.values() for path in paths]
+
+
+def first_failure(tests: list[str], root: Path, seconds: float) -> str:
+    """The first test that fails; "" if none does, or not by then."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "--tb=line", "-p", "no:cacheprovider", *tests]
+    try:
+        run = subprocess.run(command, cwd=root, capture_output=True, text=True, errors="replace", timeout=seconds)
+    except subprocess.TimeoutExpired:
+        return ""
+    if run.returncode == 0:
+        return ""
+    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", run.stdout, re.M)
+    return failed[1] if failed else f"pytest ended with {run.returncode}"
+
+
+def notice(mutation: Mutation, root: Path, everything: bool, seconds: float) -> str:
+    """The test that notices a mutation, which is undone afterwards; "" if none does."""
+    path = place(mutation, root)
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(mutation.old.encode(), mutation.new.encode()))
+    try:
+        found = first_failure(test_files(mutation.tests, root), root, seconds)
+        return found or (first_failure(["tests"], root, 20.0 * seconds) if everything else "")
+    finally:
+        path.write_bytes(whole)
+
+
+def run(mutations: dict[int, Mutation], root: Path, everything: bool, seconds: float) -> int:
+    """Print a row of a table for each mutation by its number: how many survived."""
+    survived = 0
+    print("| # | what breaks | where | noticed by |\n|---|---|---|---|", flush=True)
+    for number, mutation in mutations.items():
+        where = place(mutation, root).relative_to(root / "ism_addon")
+        noticed = notice(mutation, root, everything, seconds)
+        survived += not noticed
+        print(f"| {number} | {mutation.about} | {where} | {noticed or '**nobody**'} |", flush=True)
+    return survived
+
+
+def main() -> int:
+    """Exit status: 1 if a mutation survived."""
+    line = argparse.ArgumentParser(prog="python -m tests.tools.mutations", description=__doc__.partition("\n")[0])
+    line.add_argument("numbers", nargs="*", type=int, help="of the mutations, from 1; all if none is given")
+    line.add_argument("--all", action="store_true", help="run all tests where those that should notice do not")
+    line.add_argument("--seconds", type=float, default=600.0, help="for the tests of one mutation (%(default)s)")
+    options = line.parse_args()
+    numbers = options.numbers or range(1, len(MUTATIONS) + 1)
+    chosen = {number: MUTATIONS[number - 1] for number in numbers}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in project.files():
+            (Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(project.ROOT / name, Path(folder) / name)
+        return int(run(chosen, Path(folder), options.all, options.seconds) > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
