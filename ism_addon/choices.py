@@ -4,7 +4,8 @@
 from enum import StrEnum
 from typing import Self
 
-from .resources import DEBUG_VIEWS
+from . import resources
+from .resource_types import Target
 
 
 class Choice(StrEnum):
@@ -43,7 +44,27 @@ class Resolution(Choice):
     QUARTER = "25", "25 %", "Draw a sixteenth of the pixels, each four times as wide and high"
 
 
-DebugView = Choice(  # type: ignore[call-overload]
-    "DebugView", [(view.name.upper(), (view.name, view.label, view.about)) for view in DEBUG_VIEWS]
-)
-DebugView.__doc__ = "The render, or any target that a pass makes on the way to it."
+def _view(target: Target) -> tuple[str, str, str]:
+    return target.name, target.label, target.about
+
+
+class DebugView(Choice):
+    """The render, or any target with a label that a pass makes on the way to it."""
+
+    SAMPLE_COLOR = _view(resources.SAMPLE_COLOR)
+    PRIMITIVE = _view(resources.PRIMITIVE)
+    DEPTH = _view(resources.DEPTH)
+    POSITION = _view(resources.POSITION)
+    NORMAL = _view(resources.NORMAL)
+    BASE_COLOR = _view(resources.BASE_COLOR)
+    PROBE_PREDICTION = _view(resources.PROBE_PREDICTION)
+    PREDICTION_SURFACE = _view(resources.PREDICTION_SURFACE)
+    DIRECT_PREDICTION = _view(resources.DIRECT_PREDICTION)
+    DIRECT_RESIDUAL = _view(resources.DIRECT_RESIDUAL)
+    SHADOW_MAP_SPLATS = _view(resources.SHADOW_MAP_SPLATS)
+    SHADOW_MAPS = _view(resources.SHADOW_MAPS)
+    RAW_OCCLUSION = _view(resources.RAW_OCCLUSION)
+    HALF_BLURRED_OCCLUSION = _view(resources.HALF_BLURRED_OCCLUSION)
+    AMBIENT_OCCLUSION = _view(resources.AMBIENT_OCCLUSION)
+    SAMPLE_RESIDUAL = _view(resources.SAMPLE_RESIDUAL)
+    SAMPLE_HEADROOM = _view(resources.SAMPLE_HEADROOM)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -77,4 +77,4 @@ class Target(Resource[Texture]):
 class Channel(Resource[Texture]):
     """A channel of a target that others depend on alone: it may be unchanged where the rest is new."""
 
-    of: Target | None = None
+    of: Target = field(kw_only=True)

@@ -11,7 +11,6 @@ from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
 from .choices import Choice, DebugView, Method, Resolution
-from .resources import SAMPLE_COLOR
 
 
 @dataclass(frozen=True)
@@ -222,7 +221,7 @@ class Settings:
     #: measure what that saves.
     shortcuts: bool = True
     debug_view: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
-        DebugView(SAMPLE_COLOR.name),
+        DebugView.SAMPLE_COLOR,
         "Debug View",
         "Show what a step of the method has made instead of the picture. Final renders are always the picture",
     )

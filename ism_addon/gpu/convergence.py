@@ -14,7 +14,7 @@ import numpy as np
 class Convergence:
     """Of tiles (rows,columns). Errors are root mean squares over the image's mean luminance."""
 
-    def __init__(self, shape: tuple[int, int]):
+    def __init__(self, shape: tuple[int, ...]):
         #: Samples that each tile is the mean of, float32; and was when the image was last compared.
         self.counts = np.zeros(shape, np.float32)
         self.half_counts = self.counts

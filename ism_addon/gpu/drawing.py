@@ -67,4 +67,4 @@ def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.Ver
             shader.render(moderngl.TRIANGLES, vertices=3)
     finally:
         if part[2:] != size:
-            target.scissor = None
+            target.scissor = None  # type: ignore[assignment] # None resets it

@@ -44,7 +44,7 @@ class RayTracedDirect:
     """Direct light by shadow rays: predicted, then corrected (Heitz, Hill & McGuire 2018)."""
 
     traces_rays = adaptive = True
-    kinds = ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows
+    kinds: tuple[type[Pass], ...] = (ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Prediction first, then the rays that correct it."""
@@ -57,7 +57,7 @@ class ShadowMappedDirect:
     traces_rays = adaptive = False
     PREPARE = SamplePoints, WeighLights, PlaceVirtualLights, SelectPoints
     FOR_EACH_ATLAS = SplatMaps, FillHoles, GatherLight
-    kinds = *PREPARE, *FOR_EACH_ATLAS
+    kinds: tuple[type[Pass], ...] = (*PREPARE, *FOR_EACH_ATLAS)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """For as many virtual lights as an atlas holds, their maps and the light that they let through."""
@@ -72,7 +72,7 @@ class WorldLight:
     """The world's light, as far as ambient occlusion leaves it."""
 
     traces_rays, adaptive = False, True
-    kinds = AmbientOcclusion, BlurOcclusion
+    kinds: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Occlusion, then its noise is blurred."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import Enum
@@ -155,14 +155,14 @@ class Frame:
         """Whether shadow rays are traced that can hit anything."""
         return self.casts_shadows and any(estimator.traces_rays for estimator in self.estimators)
 
-    def shared(self, make: type[T], *parts: Any) -> T:
+    def shared(self, make: Callable[..., T], *parts: Any) -> T:
         """`make(device, *parts)`: one object for all renderers that use it with the same parts at a time."""
         key = make, *parts
         made: Any = self.device.shared.get(key)
         if made is None:
             made = self.device.shared[key] = make(self.device, *parts)
             self.counts["bytes_uploaded"] += made.bytes
-        return made  # type: ignore[no-any-return]
+        return made
 
     def value_of(self, change: Change) -> object:
         """What stands for one part of the input: equal as long as it did not change."""

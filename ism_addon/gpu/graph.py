@@ -43,17 +43,20 @@ class Graph:
 
     def __getitem__(self, resource: Resource[T]) -> T:
         """What a resource holds. Raises KeyError where no pass has made it."""
+        held: Any = None
         if isinstance(resource, Channel):
-            return self.targets[resource.of]
-        held: Any = self.targets[resource] if isinstance(resource, Target) else self.held[resource]
-        return held  # type: ignore[no-any-return]
+            held = self.targets[resource.of]
+        else:
+            held = self.targets[resource] if isinstance(resource, Target) else self.held[resource]
+        return held
 
     def __setitem__(self, resource: Resource[T], content: T) -> None:
         self.held[resource] = content
 
     def get(self, resource: Resource[T]) -> T | None:
-        """The same, or None where no pass has made it."""
-        return self.held.get(resource)
+        """The same of what is no target, or None where no pass has made it."""
+        held: T | None = self.held.get(resource)
+        return held
 
     def instance(self, kind: type[Pass]) -> Pass:
         """The pass of this class."""

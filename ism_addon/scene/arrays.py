@@ -7,7 +7,6 @@ The snapshot's checks, the limits and Blender's readers all read it there. A lay
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
 from typing import Any, Self
 
 import numpy as np
@@ -80,12 +79,12 @@ def index(layout: str, into: str | int, first: int = 0) -> Any:
     return field(metadata={"array": ArrayFacts(layout, first=first, into=into)})
 
 
-@lru_cache
 def array_facts(record: type) -> dict[str, ArrayFacts]:
     """Those of a record's array fields, by name."""
     return {member.name: member.metadata["array"] for member in fields(record) if "array" in member.metadata}
 
 
+@dataclass(frozen=True, eq=False)
 class Arrays:
     """Base of the records: locks every array on construction. Compared by identity, but see equals."""
 

@@ -21,8 +21,8 @@ class View(Arrays):
     clip_from_view: np.ndarray = array("float64 4 4", most=4.0 * MAX_DISTANCE)
     #: Rigid; the view looks along -z.
     view_from_world: np.ndarray = array("float64 4 4", "m", most=4.0 * MAX_DISTANCE)
-    width: int  # px
-    height: int  # px
+    width: int  # type: ignore[misc] # px; mypy takes array() for a default
+    height: int  # type: ignore[misc] # px
     filter_width: float = 1.5  # px that the Blackman-Harris pixel filter reaches to all sides
     transparent: bool = False  # leave the background empty instead of showing the world
 

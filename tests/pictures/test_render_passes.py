@@ -10,6 +10,7 @@ from ism_addon import render_passes, snapshot
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.render_passes import COMBINED, RENDER_PASSES, RenderPass
+from ism_addon.resources import BASE_COLOR, POSITION
 from ism_addon.scene import Materials, Scene, View
 from tests.scenes.small import sphere_in_corner, view
 from tests.support import reference
@@ -20,8 +21,8 @@ from .test_cli import call as call
 
 #: Rows that the product's table has not, of targets that exist.
 ADDED = (
-    RenderPass("Position", "use_pass_position", "XYZ", "VECTOR", "position"),
-    RenderPass("Diffuse Color", "use_pass_diffuse_color", "RGB", "COLOR", "albedo"),
+    RenderPass("Position", "use_pass_position", "XYZ", "VECTOR", POSITION),
+    RenderPass("Diffuse Color", "use_pass_diffuse_color", "RGB", "COLOR", BASE_COLOR),
 )
 #: Part of the pixels that may lie on the other side of an edge.
 EDGE = 0.01

@@ -91,9 +91,8 @@ class TraceShadows(Pass):
             return before
         counts = {}
         for light in frame[TILE_VISIBILITY] if frame.casts_shadows else ():
-            kept = before.get(light)
-            fits = kept is not None and kept.size == room
-            counts[light] = kept if fits else create(self.device.gl, RAY_COUNT, frame.size)
+            fits = light in before and before[light].size == room
+            counts[light] = before[light] if fits else create(self.device.gl, RAY_COUNT, frame.size)
             if not fits or frame.sample == 1:
                 self.device.gl.framebuffer([counts[light]]).clear()
         return counts

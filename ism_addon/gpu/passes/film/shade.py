@@ -51,4 +51,4 @@ class Shade(Pass):
             world=tuple(frame.scene.world.radiance),
             background=0.0 if frame.view.transparent else 1.0,
         )
-        draw_tiles(frame, frame.framebuffer(*self.outputs), program)
+        draw_tiles(frame, frame.framebuffer(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM), program)

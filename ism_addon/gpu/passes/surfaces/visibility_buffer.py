@@ -41,10 +41,11 @@ class VisibilityBuffer(Pass):
 
     def execute(self, frame: Frame) -> None:
         gl = frame.device.gl
-        size = tuple(map(int, frame.grid.bounds(*frame.size)[1]))
-        room = np.minimum(frame.grid.room(*frame.size), self.device.texture_size)
+        width, height = map(int, frame.grid.bounds(*frame.size)[1])
+        size = width, height
+        most_columns, most_rows = map(int, np.minimum(frame.grid.room(*frame.size), self.device.texture_size))
         for target in (VISIBILITY_BUFFER, VISIBILITY_DEPTH):
-            frame.reserve(target, tuple(map(int, room)))
+            frame.reserve(target, (most_columns, most_rows))
         framebuffer = frame.framebuffer(VISIBILITY_BUFFER, VISIBILITY_DEPTH)
         framebuffer.clear(depth=0.0, viewport=(0, 0, *size))
         most = self.device.texture_size  # viewports may be as large
@@ -71,9 +72,8 @@ class VisibilityBuffer(Pass):
             draws = instances.chosen(np.ones(len(instances.mesh), np.bool_))
         vertices, waiting = gl.vertex_array(self.program, []), 0
         for draw in portions(draws, TRIANGLES_AT_A_TIME):
-            together = isinstance(draw, MultiDrawCall)
-            bind(self.program, together=together)
-            if together:
+            bind(self.program, together=isinstance(draw, MultiDrawCall))
+            if isinstance(draw, MultiDrawCall):
                 count = int(draw.triangles.sum())
                 self.device.draw_ranges(vertices, draw.first_triangle, draw.triangles)
             else:

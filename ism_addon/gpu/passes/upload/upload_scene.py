@@ -24,9 +24,9 @@ class UploadMeshes(Pass):
 
     def execute(self, frame: Frame) -> None:
         blas = frame.get(BLAS)
-        ordered = blas is not None and blas.meshes == frame.scene.meshes
-        buffers = frame.shared(MeshBuffers, frame.scene.meshes, ordered)
-        frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, blas.made if ordered else {})
+        trees = blas.made if blas is not None and blas.meshes == frame.scene.meshes else None
+        buffers = frame.shared(MeshBuffers, frame.scene.meshes, trees is not None)
+        frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, trees or {})
         frame[MESH_BUFFERS] = buffers
 
 
