@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from contextlib import redirect_stdout
+from functools import cache
 from pathlib import Path
 
 import bpy
@@ -35,6 +36,7 @@ INSTALL, EXTENSION, QUESTIONS = of("apt-get"), of("blender", "--command", "exten
 BLENDERS = [command for command in of("blender") if command not in EXTENSION]
 
 
+@cache
 def help_of(*command: str) -> str:
     done = subprocess.run([sys.executable, *command, "--help"], cwd=project.ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
