@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every number a user can turn: label, meaning, unit, range and default, once.
 
-Blender's property groups, the panels' tooltips, the command line's flags and the README's table
+Blender's property groups, the panels' tooltips, the command line's flags and docs/settings.md
 are made from these fields. A section is a frozen dataclass, so two settings compare by value.
 """
 

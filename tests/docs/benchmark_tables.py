@@ -18,6 +18,8 @@ from . import plot, record
 OURS = "ISM"
 #: Numbers of samples whose error is told.
 SAMPLES = (1, 4, 16, 64, 256)
+#: ms. Parts of a render that take less are not told.
+LEAST_MS = 1.0
 #: Curves of the scale plot: columns of its table that are times, and how many seconds their unit has.
 TIMES = {"first sync s": 1.0, "shadows ms": 1e-3, "first sample s": 1.0, "further sample s": 1.0}
 
@@ -131,6 +133,17 @@ def atrium_table() -> str:
     return f"{error_report.table(rows)}\n\n{found['size'].replace('x', '×')} pixels. {record.sentence(found)}"
 
 
+def small_meshes_table() -> str:
+    """The parts of a render that take longest, and Cycles' whole render, in turns."""
+    found = record.read("small_meshes")
+    _, *rounds = found["rounds"]  # the first loads programs and compiles shaders
+    medians = {part: median(each[part] for each in rounds) for part in rounds[0]}
+    names = {"whole": "our whole render", "read": "reading the scene", "Cycles": "Cycles' whole render"}
+    rows = [["part", "ms"]]
+    rows += [[names.get(part, part), f"{ms:.0f}"] for part, ms in medians.items() if ms >= LEAST_MS]
+    return f"{error_report.table(rows)}\n\n{found['meshes']:,} meshes. {record.sentence(found)}"
+
+
 def pass_table() -> str:
     """Milliseconds of each pass in the middle one of the atrium's renders."""
     found = record.read("atrium")
@@ -149,5 +162,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "shortcuts": shortcuts_table,
     "atrium": atrium_table,
     "passes": pass_table,
+    "small meshes": small_meshes_table,
 }
 PLOTS: dict[str, Callable[[], str]] = {"docs/pictures/error.svg": error_plot, "docs/pictures/scale.svg": scale_plot}

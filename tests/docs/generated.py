@@ -7,13 +7,14 @@ from pathlib import Path
 
 from tests.tools import project
 
-from . import benchmark_tables, limits_table, pass_list, settings_table
+from . import benchmark_tables, limits_table, pass_list, render_pass_table, settings_table
 
 PARTS = {
     **benchmark_tables.PARTS,
     "settings": settings_table.tables,
     "limits": limits_table.table,
     "pass list": pass_list.table,
+    "render passes": render_pass_table.table,
 }
 PART = re.compile(r"<!-- generated: ([\w ]+) -->\n.*?<!-- end -->", re.S)
 

@@ -17,19 +17,20 @@ import numpy as np
 from ism_addon.blender.render import persistent_data
 from ism_addon.blender.sync import camera
 from ism_addon.blender.sync.scene_reader import everywhere
+from ism_addon.gpu.estimators import DIRECT
 from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.renderer import FITTED, Renderer
+from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View
-from ism_addon.settings import Settings
+from ism_addon.settings import Method, Settings
 from tests.demo.figure6 import quiet_stdout
 from tests.tools import memory
 
 from . import stage
 from .series import SAMPLES, SERIES, Picture
 
-TREES = ("BuildBLAS", "BuildTLAS")
-SHADOWS = tuple(kind.__name__ for kind in FITTED)
+TREES = ("BuildBLAS", "UploadBLAS", "BuildTLAS")
+SHADOWS = tuple(kind.__name__ for kind in DIRECT[Method.RAY_TRACED].kinds)
 UPLOADS = ("UploadMeshes", "UploadUVs", "UploadInstances", "UploadMaterials")
 
 

@@ -48,6 +48,16 @@ def test_a_small_error_ends_it_and_the_status_says_how_small(scene, told):
     assert f"Sample {statistics['samples']}/65536, error {100.0 * statistics['error']:.1f} %" in said
 
 
+def test_the_status_counts_shaders_while_they_are_compiled(scene, told):
+    """By a thread that has compiled none; a later render of the same scene needs no more."""
+    engine.stop()
+    first, later = told(), told()
+    counted = [int(number) for number in re.findall(r"Compiling shaders \((\d+)\)", first)]
+    assert counted
+    assert counted == sorted(counted)
+    assert "Compiling" not in later
+
+
 def test_time_ends_it(scene, told):
     scene.ism.render.samples, scene.ism.render.time_limit = 65536, 0.001
     told()
