@@ -12,6 +12,8 @@ from ism_addon.spaces import orthonormal
 
 #: Rows of a product of rays and triangles that are in memory at once.
 CHUNK = 256
+#: Triangles are narrow whose cones' half angles have a larger cosine: what is between the corners lies in the cone too.
+NARROW = 0.95
 
 
 # --- rays and triangles
@@ -60,35 +62,35 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
 def sees(points: np.ndarray, light_point: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
     """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of both ends.
 
-    As `crossings`, of rays that all begin at the light point: only triangles count in whose cone, seen from there, a
-    point lies.
+    By `crossings`, but for triangles that are narrow from the light point: of those it counts only in whose cone a
+    point lies, as all rays begin there.
     """
-    way, corners = points - light_point, triangles - light_point
-    towards, cosines = cones(corners)
-    unit = way / np.linalg.norm(way, axis=1, keepdims=True)
-    edges = [np.cross(corners[:, a], corners[:, b]) for a, b in ((0, 1), (1, 2), (2, 0))]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    offsets = (normals * corners[:, 0]).sum(1)
+    towards, cosines = cones(triangles - light_point)
+    narrow = cosines > NARROW
     seen = np.ones(len(points), bool)
     for first in range(0, len(points) if len(triangles) else 0, CHUNK):
-        row, triangle = np.nonzero(unit[first : first + CHUNK] @ towards.T >= cosines)
-        row += first
-        sides = np.stack([(way[row] * edge[triangle]).sum(1) for edge in edges])
+        rows = slice(first, first + CHUNK)
+        way = light_point - points[rows]
+        found = crossings(points[rows] + slack * way, way, triangles[~narrow])
+        seen[rows] = (found > 1.0 - 2.0 * slack).all(1)
+        unit = -way / np.linalg.norm(way, axis=1, keepdims=True)
+        row, triangle = np.nonzero(unit @ towards[narrow].T >= cosines[narrow])
+        corners = triangles[narrow][triangle] - light_point
+        sides = [(np.cross(corners[:, a], corners[:, b]) * -way[row]).sum(1) for a, b in ((0, 1), (1, 2), (2, 0))]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         with np.errstate(divide="ignore", invalid="ignore"):
-            along = offsets[triangle] / (way[row] * normals[triangle]).sum(1)
-        met = ((sides >= 0.0).all(0) | (sides <= 0.0).all(0)) & (along > slack) & (along < 1.0 - slack)
-        seen[row[met]] = False
+            along = (normal * corners[:, 0]).sum(1) / (normal * -way[row]).sum(1)
+        inside = (np.min(sides, axis=0) >= 0.0) | (np.max(sides, axis=0) <= 0.0)
+        seen[first + row[inside & (along > slack) & (along < 1.0 - slack)]] = False
     return seen
 
 
 def cones(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors (T,3) and cosines (T,) of cones about triangles (T,3,3), from the origin; -1: all directions."""
+    """Unit vectors (T,3) and cosines (T,) of cones about triangles (T,3,3) from the origin; NaN at a corner."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ways = corners / np.linalg.norm(corners, axis=2, keepdims=True)
         towards = ways.sum(1) / np.linalg.norm(ways.sum(1), axis=1, keepdims=True)
-        cosines = (ways * towards[:, None]).sum(2).min(1)
-    narrow = cosines > 1e-3  # wider ones need not hold what is between their corners
-    return np.where(narrow[:, None], towards, 0.0), np.where(narrow, cosines - 1e-9, -1.0)
+    return towards, (ways * towards[:, None]).sum(2).min(1) - 1e-9
 
 
 # --- lights

@@ -24,11 +24,14 @@ def test_no_box_on_a_line_between_two_is_missed():
     ones, others = some_boxes(random, 300, 5.0, 2.0), some_boxes(random, 300, 5.0, 2.0)
     starts, ends = within(random, ones, 40), within(random, others, 40)
     for at in random.random((20, 40, 1, 1)):
-        points = (starts + at * (ends - starts)).transpose(1, 0, 2).reshape(3, -1)
-        around = np.stack([points - 1e-9, points + 1e-9])
-        found = meets_shaft(around, ones, others)
-        pair = np.tile(np.arange(300), 40)
-        assert found[np.arange(len(pair)), pair].all()
+        on_lines = starts + at * (ends - starts)
+        for first in range(0, 300, 20):  # each point is asked about with all pairs of a call: few at a time
+            pairs = slice(first, first + 20)
+            points = on_lines[..., pairs].transpose(1, 0, 2).reshape(3, -1)
+            around = np.stack([points - 1e-9, points + 1e-9])
+            found = meets_shaft(around, ones[..., pairs], others[..., pairs])
+            pair = np.tile(np.arange(20), 40)
+            assert found[np.arange(len(pair)), pair].all()
 
 
 def test_what_no_line_meets_is_left_out():

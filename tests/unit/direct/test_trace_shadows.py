@@ -69,7 +69,7 @@ def predicting(
 def test_the_mean_is_right_whatever_is_predicted(device, make, part):
     scene, view = make(24, 16)
     truth = reference.picture_of(make, 24, 16, 12)
-    predicted, corrections = predicting(device, scene, view, part, 1.0, 1024)
+    predicted, corrections = predicting(device, scene, view, part, 1.0, 256)
     assert reference.nrmse(predicted, truth) > 0.1
     assert reference.nrmse(predicted + corrections, truth) < 0.03
     assert (predicted + corrections).mean() == pytest.approx(truth.mean(), rel=0.01)
@@ -83,7 +83,7 @@ def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, 
     truth = reference.picture_of(make, 24, 16, 12)
     wrong, _ = predicting(device, scene, view, part, 0.0, 4, until=4)
     assert reference.nrmse(wrong, truth) > 0.1
-    assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 1024, until=4)), truth) < 0.05
+    assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 256, until=4)), truth) < 0.05
 
 
 @pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
