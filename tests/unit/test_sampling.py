@@ -8,15 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ism_addon.gpu.lights.area import AreaLight
 from ism_addon.sampling import (
     PIXEL_GRIDS,
     POINTS_AT_A_TIME,
     Dimension,
     barycentric,
     disk,
+    lattice,
     narrow_pixel_grid,
     pixel_grid,
-    points_on_light,
     points_on_triangles,
     proportional_counts,
     rd_sequence,
@@ -136,7 +137,7 @@ def on_light(lights, points: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (0.37, 0.91), (5.5, 3.25)])
 def test_points_on_a_light_are_inside_it_and_uniform(shape, shift):
     lights = light(shape, (1.0, 2.0, 3.0), (0.0, 2.0, 0.0), (0.3, 0.0, 0.4))
-    across = on_light(lights, points_on_light(lights, 0, 4096, np.array(shift)))
+    across = on_light(lights, lights.position[0] + AreaLight().points(lights, 0, lattice(4096, np.array(shift))))
     radius = np.linalg.norm(across, axis=1) if shape == LightShape.ELLIPSE else np.abs(across).max(1)
     assert radius.max() <= 0.5
     angle, ring = np.arctan2(*across.T), (2.0 * radius) ** 2  # rings of equal areas, in both shapes
@@ -155,8 +156,8 @@ def test_points_on_a_light_integrate_better_than_random_ones(shape, count):
         return (points[:, 0] * 0.8 + points[:, 1] * 0.6 < 0.1).mean()
 
     shifts = random.random((64, 2))
-    truth = lit(points_on_light(lights, 0, 1 << 16, np.zeros(2)))
-    ours = np.array([lit(points_on_light(lights, 0, count, shift)) for shift in shifts])
+    truth = lit(AreaLight().points(lights, 0, lattice(1 << 16, np.zeros(2))))
+    ours = np.array([lit(AreaLight().points(lights, 0, lattice(count, shift))) for shift in shifts])
     squares = random.random((64, count, 2))
     theirs = np.array([lit(disk(s) if shape == LightShape.ELLIPSE else s - 0.5) for s in squares])
     assert np.sqrt(((ours - truth) ** 2).mean()) < 0.5 * np.sqrt(((theirs - truth) ** 2).mean())

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.culling.surface_bounds import LightBounds, SurfaceBounds, irradiance_bound
+from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
+from ism_addon.gpu.lights.area import AreaLightBounds
 from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.resources import LIGHT_INFLUENCE, TILE_SIZE, TILE_VISIBILITY
 from ism_addon.scene import Lights, LightShape
@@ -42,7 +43,7 @@ def test_no_light_is_brighter_than_its_bound(seed, near, spread, tilt):
     frame, size = basis(random.normal(size=3)), 10.0 ** random.uniform(-2.0, 0.5, 2)
     shape = LightShape(int(random.integers(2)))
     lamp = light(shape, random.normal(size=3) * 10.0**-near, size[0] * frame[0], size[1] * frame[1], 1.0, spread)
-    (most,), _ = irradiance_bound(bounds_of(points, normals), LightBounds.of(lamp, np.zeros(3)))
+    (most,), _ = AreaLightBounds.of(lamp, np.zeros(3)).irradiance(bounds_of(points, normals))
     found = [reference.irradiance(p, n, lamp, 0, 24) for p, n in zip(points, normals, strict=True)]
     assert max(found) <= 1.05 * most[0] + 1e-9, "beyond what the sum over the light may be off by"
 
@@ -51,8 +52,8 @@ def test_far_from_a_light_the_guess_is_good():
     points = np.random.default_rng(0).uniform(-0.05, 0.05, (20, 3)) * (1.0, 1.0, 0.0)
     for number, spread in enumerate((np.pi, 1.0)):
         lamp = light(LightShape(number), (0.7, -0.4, 3.0), (0.3, 0, 0), (0, -0.4, 0), 1.0, spread)
-        (most,), (guess,) = irradiance_bound(
-            bounds_of(points, np.tile((0, 0, 1.0), (20, 1))), LightBounds.of(lamp, np.zeros(3))
+        (most,), (guess,) = AreaLightBounds.of(lamp, np.zeros(3)).irradiance(
+            bounds_of(points, np.tile((0, 0, 1.0), (20, 1)))
         )
         assert guess[0] == pytest.approx(reference.irradiance(np.zeros(3), np.array([0, 0, 1.0]), lamp, 0), rel=0.02)
         assert guess[0] < most[0] < 2.0 * guess[0] * (1.0 if number == 0 else 3.0)
@@ -64,7 +65,7 @@ def test_what_cannot_be_reached_has_a_bound_of_nothing():
     turned, below = light(axis_v=(0, 1, 0)), light(position=(0, 0, -1.0), axis_v=(0, 1, 0))
     beside, above = light(position=(3.0, 0, 2.0), spread=1.0), light(position=(0.5, 0, 2.0), spread=1.0)
     for lamp, reaches in ((turned, False), (below, False), (beside, False), (above, True), (light(), True)):
-        assert irradiance_bound(floor, LightBounds.of(lamp, np.zeros(3)))[0].any() == reaches
+        assert AreaLightBounds.of(lamp, np.zeros(3)).irradiance(floor)[0].any() == reaches
 
 
 def drawn_rooms(device, idle: dict[str, int], samples: int = 8):

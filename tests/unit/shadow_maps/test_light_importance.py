@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.culling.surface_bounds import LightBounds
+from ism_addon.color import REC709
 from ism_addon.gpu.passes.shadow_maps.light_importance import importance
 from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import allocate_virtual_lights
@@ -70,9 +70,9 @@ def test_the_sum_is_what_was_asked_for_and_none_has_none(count, weights):
 def test_shares_know_no_unit():
     lights = both(light(axis_u=(2.0, 0, 0)), both(small(1, 0, 2), small(0, 0, 5)))
     cloud = make_point_cloud(stage([FLOOR], lights), np.zeros(3), 5000)
-    found = importance(cloud, LightBounds.of(lights, np.zeros(3)))
+    found = importance(cloud, lights, np.zeros(3), REC709)
     brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
-    assert importance(cloud, LightBounds.of(brighter, np.zeros(3))) == pytest.approx(found, rel=1e-4)
+    assert importance(cloud, brighter, np.zeros(3), REC709) == pytest.approx(found, rel=1e-4)
     assert found[0] > 3.0 * found[1] > 6.0 * found[2]
 
 
