@@ -16,7 +16,7 @@ from ..resource_types import Target
 from ..resources import CONVERGENCE
 from ..sampling import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
-from ..settings import Settings
+from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
 from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
@@ -107,9 +107,11 @@ class Renderer:
     ) -> Frame:
         """What the passes are told about this sample.
 
-        Raises ValueError for more pixels than OpenGL can draw at once, and MemoryError for a picture that would take
-        more memory than there is.
+        Raises ValueError for an unknown debug view and for more pixels than OpenGL can draw at once, and MemoryError for
+        a picture that would take more memory than there is.
         """
+        if settings.debug_view not in list(DebugView):
+            raise ValueError(f"there is no target {settings.debug_view} to show, only {', '.join(DebugView)}")
         limit = self.device.texture_size
         if max(view.width, view.height) > limit:
             raise ValueError(

@@ -188,7 +188,7 @@ def test_an_interrupted_picture_leaves_no_trace(device, scene_and_view, base):
     whole = draw(device, scene, view, settings)
     expected = whole.color
     other = replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.3))
-    for steps in range(1, len(renderer.PASSES), 2):
+    for steps in range(1, len(whole.profile.rows), 2):
         drawing = whole.renderer.sample(other, view, settings, 0, Profile())
         for _ in range(steps):
             next(drawing)

@@ -18,9 +18,8 @@ def after(counts: np.ndarray, earlier: np.ndarray) -> tuple[Convergence, np.ndar
     first = (samples * (upto < earlier[..., None, None])).sum(-1) / earlier[..., None]
     whole = (samples * (upto < counts[..., None, None])).sum(-1) / counts[..., None]
     error = Convergence(SHAPE)
-    for sample in upto:
-        error.count(sample < counts)
-    error.compare(((whole - first) ** 2).mean(-1), earlier)
+    error.counts, error.half_counts = counts.astype(np.float32), earlier
+    error.update(((whole - first) ** 2).mean(-1))
     return error, (whole**2).mean(-1)
 
 
@@ -38,44 +37,36 @@ def test_it_is_the_true_error_however_many_samples_there_were_and_are():
 def test_it_falls_as_samples_are_added():
     error, _ = after(np.full(SHAPE, 8), np.full(SHAPE, 4.0))
     before = error.image_error
-    for _ in range(24):
-        error.count(np.ones(SHAPE, bool))
+    error.counts = error.counts + 24
     assert error.image_error == pytest.approx(before / 2.0)
 
 
 def test_nothing_is_known_before_the_second_sample():
     error = Convergence(SHAPE)
-    error.count(np.ones(SHAPE, bool))
+    error.counts = np.ones(SHAPE, np.float32)
     assert error.image_error == np.inf
-    error.settle(1.0)
-    assert not error.settled.any()
+    error.stop_below(1.0)
+    assert not error.converged.any()
 
 
 def test_a_block_that_has_not_taken_part_is_as_before():
     error, _ = after(np.full(SHAPE, 8), np.full(SHAPE, 4.0))
-    before, earlier = error.variance.copy(), error.counts.copy()
-    error.count(np.arange(50) < 25)
-    error.compare(np.full(SHAPE, 1.0), earlier)
+    before, error.half_counts = error.variance.copy(), error.counts
+    error.counts = error.counts + (np.arange(50) < 25)
+    error.update(np.full(SHAPE, 1.0))
     assert np.array_equal(error.variance[:, 25:], before[:, 25:])
     assert error.variance[:, :25] == pytest.approx(1.0 / (1.0 / 8.0 - 1.0 / 9.0), rel=1e-4)
 
 
-def test_a_block_is_settled_if_it_and_those_about_it_are_good_enough():
+def test_a_tile_has_converged_if_it_and_those_about_it_are_good_enough():
     error = Convergence((3, 7))
-    error.count(np.ones((3, 7), bool))
+    error.counts = np.ones((3, 7), np.float32)
     error.variance[:] = 0.25
     error.variance[1, 1] = 10.0
-    error.settle(0.6)
-    assert np.array_equal(error.settled, np.repeat([np.arange(7) > 2], 3, 0))
-    error.settle(0.4)
-    assert error.settled.any(), "what is settled stays so"
-
-
-def test_a_settled_block_counts_no_further_sample():
-    error = Convergence((1, 2))
-    error.settled[0, 0] = True
-    error.count(np.ones((1, 2), bool))
-    assert error.counts.tolist() == [[0.0, 1.0]]
+    error.stop_below(0.6)
+    assert np.array_equal(error.converged, np.repeat([np.arange(7) > 2], 3, 0))
+    error.stop_below(0.4)
+    assert error.converged.any(), "what has converged stays so"
 
 
 def test_mean_around():

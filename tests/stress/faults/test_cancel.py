@@ -12,7 +12,8 @@ from ism_addon import addon
 from ism_addon.blender import engine
 from ism_addon.blender.render import final_render
 from ism_addon.blender.sync.geometry import instances
-from ism_addon.gpu import renderer
+from ism_addon.gpu import graph, renderer
+from ism_addon.gpu.estimators import RayTracedDirect, WorldLight
 from ism_addon.gpu.jobs.job import Request
 from tests.scenes.small import box_over_plane
 from tests.support import exr
@@ -21,7 +22,7 @@ from tests.support.jobs import LONG, begun
 pytestmark = pytest.mark.alone
 
 #: What the passes of samples by rays are, in their order.
-PASSES = [kind.__name__ for kind in (*renderer.BEFORE, *renderer.FITTED, *renderer.AFTER, renderer.JUDGED)]
+PASSES = [kind.__name__ for kind in (*renderer.COMMON, *RayTracedDirect.kinds, *WorldLight.kinds)]
 
 #: s: an answer later than this is none.
 SOON = 0.3
@@ -90,14 +91,14 @@ def cancelled(tmp_path):
 @pytest.mark.parametrize("stage", PASSES)
 def test_cancel_in_a_pass(cancelled, monkeypatch, within, stage, sample):
     """Of the first sample, with its shaders still to be compiled, or of a later one, when there is a picture."""
-    run = renderer.Renderer.run
+    step = graph.Graph.step
 
-    def run_and_press(self, kind, frame, profile) -> str:
+    def step_and_press(self, kind, frame, profile) -> None:
         if kind.__name__ == stage and frame.sample == sample:
             Cancelled.press()
-        return run(self, kind, frame, profile)
+        step(self, kind, frame, profile)
 
-    monkeypatch.setattr(renderer.Renderer, "run", run_and_press)
+    monkeypatch.setattr(graph.Graph, "step", step_and_press)
     picture, late = cancelled()
     assert np.isfinite(picture).all()
     assert picture.any() or sample == 0

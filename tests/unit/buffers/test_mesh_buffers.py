@@ -22,7 +22,7 @@ def uploaded(made: MeshBuffers) -> tuple[np.ndarray, np.ndarray]:
     last = ((words[:, :4] & 127).astype(np.int64) << np.array([0, 7, 14, 21])).sum(1)
     last = (last ^ 1 << 27) - (1 << 27)
     corners = np.column_stack([words.view(np.int32) >> 7, last]).reshape(-1, 3, 3)
-    points = np.frombuffer(made.arrays["normals"].buffer.read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
+    points = np.frombuffer(made.arrays["corner_normal_buffer"].buffer.read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
     return corners, directions_from_octahedron(points / 32767.0)
 
 

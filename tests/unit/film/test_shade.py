@@ -30,15 +30,15 @@ def lit_floor(**more):
     )
 
 
-@pytest.mark.parametrize(("settings", "arriving"), [(SMALL_SETTINGS, "predicted"), (MAPS, "irradiance")])
-def test_albedo_times_what_arrives(device, settings, arriving):
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS])
+def test_base_color_times_what_arrives(device, settings):
     drawn = draw(device, lit_floor(), look((0.0, -4.0, 3.0)), settings)
     seen = drawn.target("position")[..., 3] > 0.0
-    expected = np.array([0.8, 0.4, 0.1]) * (drawn.target(arriving)[..., :3] / np.pi + 0.3)
+    expected = np.array([0.8, 0.4, 0.1]) * (drawn.target("direct_prediction")[..., :3] / np.pi + 0.3)
     assert 0 < seen.sum() < seen.size
     assert drawn.color[seen][:, :3] == pytest.approx(expected[seen], rel=2e-3)
     assert (drawn.color[seen][:, 3] == 1.0).all()
-    assert np.ptp(drawn.target(arriving)[seen]) > 0.1
+    assert np.ptp(drawn.target("direct_prediction")[seen]) > 0.1
 
 
 def test_a_correction_is_sent_as_what_arrives_is(device):

@@ -21,7 +21,7 @@ def fetched(device, array, dtype: str, count: int) -> np.ndarray:
         "void main() { told = vec4(texelFetch(table, gl_VertexID)); }",
         varyings=["told"],
     )
-    bind(program, nothing=0.0, table=array)
+    bind(program, table=array)
     device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
     buffer = device.gl.buffer(reserve=16 * count)
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)

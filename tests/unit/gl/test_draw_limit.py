@@ -12,6 +12,7 @@ import pytest
 from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.draw_limit import portions, rectangles
+from ism_addon.gpu.graph import Graph
 from ism_addon.gpu.passes.film.accumulate import filter_margin, rays_for
 from ism_addon.gpu.passes.shadow_maps.gather import VIRTUAL_LIGHTS_PER_RAY
 from ism_addon.gpu.passes.shadow_maps.splat import RAYS_PER_DISC, TEXELS
@@ -39,17 +40,17 @@ counts_draws = pytest.mark.skipif(
 @pytest.fixture
 def asked(monkeypatch) -> dict[str, list[float]]:
     """By pass, the rays of each draw."""
-    run, ask, now, asked = Renderer.run, Submission.ask, [""], {}
+    step, ask, now, asked = Graph.step, Submission.ask, [""], {}
 
-    def run_and_say(self, kind, frame, profile):
+    def step_and_say(self, kind, frame, profile):
         now[0] = kind.__name__
-        return run(self, kind, frame, profile)
+        step(self, kind, frame, profile)
 
     def ask_and_note(self, rays):
         asked.setdefault(now[0], []).append(rays)
         ask(self, rays)
 
-    monkeypatch.setattr(Renderer, "run", run_and_say)
+    monkeypatch.setattr(Graph, "step", step_and_say)
     monkeypatch.setattr(Submission, "ask", ask_and_note)
     return asked
 
@@ -164,7 +165,7 @@ def test_discs_of_the_largest_maps(device, asked, monkeypatch):
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 1 << 14)
     for settings in (small, large):
         drawn = draw(device, scene, view, settings)
-        table, _ = drawn.renderer.graph[MAP_POINTS]
+        table = drawn.renderer.graph[MAP_POINTS].ranges
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
         found.append(len(asked.pop("SplatMaps")))

@@ -11,9 +11,10 @@ import pytest
 from ism_addon.gpu import submission
 from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.errors import Cancelled
+from ism_addon.gpu.graph import Graph
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.passes.shadow_maps import point_cloud
-from ism_addon.gpu.passes.surfaces import gbuffer
+from ism_addon.gpu.passes.surfaces import visibility_buffer
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View, World
@@ -35,18 +36,18 @@ class Watch:
         #: In that pass, how many looks find nothing.
         self.in_vain = 0
         self.most: dict[str, float] = {}
-        run, ask = Renderer.run, submission.Submission.ask
+        step, ask = Graph.step, submission.Submission.ask
 
-        def run_and_say(renderer, kind, frame, profile):
+        def step_and_say(graph, kind, frame, profile):
             self.now, self.asked = kind.__name__, 0.0
-            return run(renderer, kind, frame, profile)
+            step(graph, kind, frame, profile)
 
         def ask_and_note(its_pace, rays):
             ask(its_pace, rays)
             self.asked += rays
             self.most[self.now] = max(self.most.get(self.now, 0.0), self.asked)
 
-        monkeypatch.setattr(Renderer, "run", run_and_say)
+        monkeypatch.setattr(Graph, "step", step_and_say)
         monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
 
     def cancelled(self) -> bool:
@@ -59,7 +60,7 @@ class Watch:
 def watch(monkeypatch) -> Watch:
     """Of pictures whose passes all are long."""
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", FEW)
-    monkeypatch.setattr(gbuffer, "TRIANGLES_AT_A_TIME", 10)
+    monkeypatch.setattr(visibility_buffer, "TRIANGLES_AT_A_TIME", 10)
     monkeypatch.setattr(point_cloud, "POINTS_AT_A_TIME", 100)
     monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
     return Watch(monkeypatch)

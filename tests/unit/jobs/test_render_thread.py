@@ -222,14 +222,14 @@ def test_the_picture_after_a_failed_one_is_that_of_a_new_renderer(worker, device
     asked = request(with_quality(SMALL_SETTINGS, samples=2), size=(48, 32))
     other = replace(asked, scene=change(asked.scene))
     assert ended(worker.start(asked, "client"))
-    draws = kind.draw
+    draws = kind.execute
 
     def broken(step, frame):
         draws(step, frame)
         raise RuntimeError("broken")
 
     with monkeypatch.context() as breaks:
-        breaks.setattr(kind, "draw", broken)
+        breaks.setattr(kind, "execute", broken)
         failed = worker.start(other, "client")
         assert ended(failed)
     assert failed.error == "The picture could not be drawn: broken"

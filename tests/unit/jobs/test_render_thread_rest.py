@@ -48,7 +48,7 @@ def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
 def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
     """A driver may hang, and Blender's window with it. Meanwhile, and afterwards, others draw."""
     stuck, released = threading.Event(), threading.Event()
-    shade, caught = Shade.draw, []
+    shade, caught = Shade.execute, []
 
     def draw(step, frame):
         if not caught:
@@ -57,7 +57,7 @@ def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
             released.wait(60.0)
         shade(step, frame)
 
-    monkeypatch.setattr(Shade, "draw", draw)
+    monkeypatch.setattr(Shade, "execute", draw)
     job = worker.start(request(), "client")
     assert stuck.wait(30.0)
     began = time.monotonic()

@@ -96,7 +96,7 @@ def test_each_lights_maps_see_its_own_subsets(device):
     one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
     drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, map_points=500))
-    table, buffer = drawn.renderer.graph[MAP_POINTS]
+    table, buffer = drawn.renderer.graph[MAP_POINTS].ranges, drawn.renderer.graph[MAP_POINTS].buffer
     points = np.frombuffer(buffer.read(), MAP_POINT)
     assert [len(row) for row in table] == [SUBSETS_PER_LIGHT, SUBSETS_PER_LIGHT]
     assert all(subset.count == 0 for subset in table[1])

@@ -185,7 +185,7 @@ def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
     assert second.profile.counts["bytes_uploaded"] < 2000
     assert second.profile.rows["BuildBLAS"].drawn == 0
     assert second.renderer.graph[BLAS] is trees
-    assert second.renderer.graph[TLAS]["tree_starts"] is textures["tree_starts"]
+    assert second.renderer.graph[TLAS]["blas_leaf_starts"] is textures["blas_leaf_starts"]
     assert second.renderer.graph[TLAS]["casters"] is not textures["casters"]
 
 

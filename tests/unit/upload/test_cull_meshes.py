@@ -28,7 +28,7 @@ FLOOR = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
 
 
 def wanted(drawn) -> tuple[int, ...]:
-    return drawn.renderer.graph[RESIDENT_MESHES]
+    return drawn.renderer.graph[RESIDENT_MESHES].indices
 
 
 def with_one_at(place, lights=None, size: float = 0.2):
