@@ -43,6 +43,7 @@ def object_moved(scene: Scene, view: View) -> tuple[Scene, View]:
 
 EDITS: tuple[Edit, ...] = (nothing_changed, view_turned, light_moved, colour_changed, object_moved)
 
+SEEN = {"VisibilityBuffer", "GBuffer"}
 OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
 PICTURE = {"Shade", "Accumulate", "EstimateError", "Resolve"}
 BY_RAYS = {"CullLights", "PredictVisibility", "TraceShadows"}
@@ -50,8 +51,8 @@ BY_MAPS = {"SplatMaps", "FillHoles", "GatherLight"}
 
 #: Other ones, or nothing new, in each sample.
 EACH_SAMPLE = {
-    Method.RAY_TRACED: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
-    Method.SHADOW_MAPS: {"SelectTiles", "GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
+    Method.RAY_TRACED: {"SelectTiles"} | SEEN | BY_RAYS | OCCLUSION | PICTURE,
+    Method.SHADOW_MAPS: {"SelectTiles", "CullLights", "PlaceVirtualLights"} | SEEN | BY_MAPS | OCCLUSION | PICTURE,
 }
 
 
@@ -77,17 +78,17 @@ SHARED = {
 FIRST = {
     Method.RAY_TRACED: {
         nothing_changed: set(),
-        view_turned: {"SelectTiles", "GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+        view_turned: {"SelectTiles"} | SEEN | BY_RAYS | OCCLUSION | PICTURE,
         light_moved: BY_RAYS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer"} | BY_RAYS | OCCLUSION | PICTURE,
+        object_moved: SEEN | BY_RAYS | OCCLUSION | PICTURE,
     },
     Method.SHADOW_MAPS: {
         nothing_changed: set(),
-        view_turned: {"SelectTiles", "GBuffer", "CullLights", "GatherLight"} | OCCLUSION | PICTURE,
+        view_turned: {"SelectTiles", "CullLights", "GatherLight"} | SEEN | OCCLUSION | PICTURE,
         light_moved: {"CullLights", "PlaceVirtualLights"} | BY_MAPS | PICTURE,
         colour_changed: {"GBuffer"} | PICTURE,
-        object_moved: {"GBuffer", "CullLights", "PlaceVirtualLights"} | BY_MAPS | OCCLUSION | PICTURE,
+        object_moved: {"CullLights", "PlaceVirtualLights"} | SEEN | BY_MAPS | OCCLUSION | PICTURE,
     },
 }
 
