@@ -17,12 +17,37 @@ METHODS = {"FITTED": "RAY_TRACED", "CLASSIC": "SHADOW_MAPS"}
 QUALITY_LINE = re.compile(r"^(ism\.(?:render|viewport)\.)(\w+)(?= = )", re.M)
 METHOD_LINE = re.compile(r"^(ism\.shadow\.method = ')(\w+)(?=')", re.M)
 
+#: Values of the debug view, in the order of 0.1.0: a .blend has their number. What showed the irradiance by shadow maps
+#: now shows the same target as for rays.
+DEBUG_VIEWS = {
+    "color": "sample_color",
+    "triangle": "primitive",
+    "depth": "depth",
+    "position": "position",
+    "normal": "normal",
+    "albedo": "base_color",
+    "around": "probe_prediction",
+    "foreseen": "prediction_surface",
+    "predicted": "direct_prediction",
+    "correction": "direct_residual",
+    "splats": "shadow_map_splats",
+    "shadow_maps": "shadow_maps",
+    "irradiance": "direct_prediction",
+    "occlusion": "raw_occlusion",
+    "occlusion_across": "half_blurred_occlusion",
+    "smooth_occlusion": "ambient_occlusion",
+    "color_correction": "sample_residual",
+    "headroom": "sample_headroom",
+}
+
 
 def current(settings: Any) -> Any:
     """The settings of an old snapshot, a tree of JSON, by today's names. What is no such tree is given back."""
     if not isinstance(settings, dict):
         return settings
     found = renamed(settings, "")
+    if isinstance(view := found.get("debug_view"), str):
+        found["debug_view"] = DEBUG_VIEWS.get(view, view)
     if isinstance(found.get("quality"), dict):
         found["quality"] = renamed(found["quality"], "quality")
     shadow = found.get("shadow")

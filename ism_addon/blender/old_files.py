@@ -8,6 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .. import old_names
+from ..settings import DebugView
 from . import app_handlers
 
 #: Groups below `scene.ism` by the section of settings whose names they have.
@@ -27,11 +28,19 @@ def convert(*_file: Any) -> None:
                 values = stored.get(group) if group else stored
                 for old, new in old_names.SETTINGS[section].items():
                     if values is not None and old in values:
+                        if new == "debug_view":
+                            values[old] = today(values[old])
                         move(values, old, new)
                     path = ".".join(filter(None, ("ism", group)))
                     for curve in curves:
                         if curve.data_path == f"{path}.{old}":
                             curve.data_path = f"{path}.{new}"
+
+
+def today(view: int) -> int:
+    """The number of a debug view, by its number in 0.1.0."""
+    names = list(old_names.DEBUG_VIEWS.values())
+    return list(DebugView).index(DebugView(names[view])) if 0 <= view < len(names) else 0  # type: ignore[call-arg]
 
 
 def move(values: Any, old: str, new: str) -> None:

@@ -107,8 +107,8 @@ class Renderer:
     ) -> Frame:
         """What the passes are told about this sample.
 
-        Raises ValueError for an unknown debug view and for more pixels than OpenGL can draw at once, and MemoryError for
-        a picture that would take more memory than there is.
+        Raises ValueError for an unknown debug view and for more pixels than OpenGL can draw at once, and MemoryError
+        for a picture that would take more memory than there is.
         """
         if settings.debug_view not in list(DebugView):
             raise ValueError(f"there is no target {settings.debug_view} to show, only {', '.join(DebugView)}")
@@ -185,7 +185,8 @@ class Renderer:
     @staticmethod
     def pixel_pass_seconds(profile: Profile) -> float:
         """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
-        return sum(profile.rows[kind.__name__].ms for kind in PASSES if any_target(kind)) / 1e3
+        drawing = {kind.__name__ for kind in PASSES if any_target(kind)}
+        return sum(row.ms for name, row in profile.rows.items() if name in drawing) / 1e3
 
     def release(self) -> None:
         """Free the GPU's memory."""

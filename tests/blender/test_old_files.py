@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 import pytest
 
-from ism_addon import addon
+from ism_addon import addon, old_names
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import DebugView, Method
 
@@ -25,7 +25,7 @@ class OldSettings(bpy.types.PropertyGroup):
     shadow: bpy.props.PointerProperty(type=OldShadow)
     render: bpy.props.PointerProperty(type=OldQuality)
     viewport: bpy.props.PointerProperty(type=OldQuality)
-    show: bpy.props.EnumProperty(items=[(str(view), str(view), "") for view in DebugView])
+    show: bpy.props.EnumProperty(items=[(view, view, "") for view in old_names.DEBUG_VIEWS])
 
 
 OLD = OldShadow, OldQuality, OldSettings
@@ -39,7 +39,7 @@ def old_file(tmp_path) -> Iterator[str]:
     bpy.types.Scene.ism = bpy.props.PointerProperty(type=OldSettings)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     ism = bpy.context.scene.ism
-    ism.shadow.method, ism.show = "CLASSIC", "normal"
+    ism.shadow.method, ism.show = "CLASSIC", "smooth_occlusion"
     ism.render.samples, ism.render.light_points, ism.viewport.surface_points = 3, 7, 999
     for frame, value in ((1, 500), (11, 700)):
         ism.render.surface_points = value
@@ -59,7 +59,7 @@ def test_values_keyframes_and_drivers_have_their_new_names(old_file):
     bpy.ops.wm.open_mainfile(filepath=old_file)
     scene = bpy.context.scene
     final, viewport = read_settings.read(scene, "render"), read_settings.read(scene, "viewport")
-    assert (final.shadow.method, viewport.debug_view) == (Method.SHADOW_MAPS, DebugView.NORMAL)
+    assert (final.shadow.method, viewport.debug_view) == (Method.SHADOW_MAPS, DebugView.AMBIENT_OCCLUSION)
     assert (final.quality.samples, final.quality.virtual_lights) == (3, 7)
     assert (viewport.quality.map_points, viewport.quality.samples) == (999, 16)
     scene.frame_set(11)

@@ -41,7 +41,7 @@ def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
     expected = camera.final_view(bpy.context.evaluated_depsgraph_get())
     assert np.array_equal(view.clip_from_view, expected.clip_from_view)
     assert settings == read_settings.read(scene, "render")
-    assert (settings.quality.samples, settings.debug_view) == (5, DebugView.COLOR)
+    assert (settings.quality.samples, settings.debug_view) == (5, DebugView.SAMPLE_COLOR)
 
 
 @pytest.mark.parametrize("pressed_in", ["WINDOW", "HEADER"])

@@ -68,7 +68,7 @@ MUTATIONS = (
     ),
     Mutation(
         "the bound of a light forgets how large it is",
-        "slack = radius + lamps.radius",
+        "slack = radius + self.radius",
         "slack = radius",
         ("test_cull_lights", "test_shortcuts"),
     ),
@@ -110,8 +110,8 @@ MUTATIONS = (
     ),
     Mutation(
         "lights stand in world space among surfaces in anchor space",
-        "= lights.position - anchor, normals",
-        "= lights.position, normals",
+        'table["position"] = lights.position - anchor',
+        'table["position"] = lights.position',
         ("test_odd_pictures", "test_spread_shadows"),
     ),
     Mutation(

@@ -277,6 +277,9 @@ def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
     assert_same(snapshot.load(rewritten(path, told=old)), (a_scene(), VIEW, SETTINGS))
+    for name, today in old_names.DEBUG_VIEWS.items():
+        found = snapshot.load(rewritten(path, told=old | {"settings/show": name}))
+        assert_same(found, (a_scene(), VIEW, replace(SETTINGS, debug_view=DebugView(today))))
 
 
 @pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])

@@ -144,8 +144,8 @@ def test_the_two_qualities_are_apart(scene):
 
 def test_a_debug_view_is_for_the_viewport_alone(scene):
     scene.ism.debug_view = "raw_occlusion"
-    assert read_settings.read(scene, "viewport").debug_view is settings.DebugView.OCCLUSION
-    assert read_settings.read(scene, "render").debug_view is settings.DebugView.COLOR
+    assert read_settings.read(scene, "viewport").debug_view is settings.DebugView.RAW_OCCLUSION
+    assert read_settings.read(scene, "render").debug_view is settings.DebugView.SAMPLE_COLOR
 
 
 @pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("50", 2), ("25", 4)])

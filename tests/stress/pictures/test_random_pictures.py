@@ -95,7 +95,7 @@ def test_random_pictures_against_rays(device, within, examples):
 
     renderer, off = Renderer(device), []
 
-    @settings(ANY, max_examples=examples // 3)
+    @settings(ANY, max_examples=examples)
     @given(pictures())
     def any_picture(picture: Picture) -> None:
         if (found := against_rays(device, picture, renderer)) is not None:

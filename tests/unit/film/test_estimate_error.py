@@ -113,7 +113,7 @@ def test_a_settled_block_is_drawn_no_more_and_stays_as_it_is(device):
     assert 0.1 < settled.mean() < 0.9
     after = draw(device, *small("pillar field"), settings, last=127)
     pixels = settled.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)
-    for name in ("sum", "sum_correction", "weights"):
+    for name in ("sum_color", "sum_residual", "sum_weights"):
         assert np.array_equal(before.target(name)[pixels], after.target(name)[pixels])
         assert not np.array_equal(before.target(name)[~pixels], after.target(name)[~pixels])
     assert after.renderer.error.counts[settled].max() <= 32 < after.renderer.error.counts[~settled].max()

@@ -127,5 +127,5 @@ def test_points_are_exact_far_from_the_worlds_origin():
 
 def test_the_pass_makes_at_least_the_points_that_a_map_sees(device):
     renderer, frame = prepared(device, stage([rubble()], light()), MAPS)
-    renderer.run(SamplePoints, frame, Profile())
+    renderer.graph.step(SamplePoints, frame, Profile())
     assert len(frame[POINT_CLOUD]) >= MAPS.quality.map_points

@@ -64,7 +64,7 @@ def test_light_points_are_exact_far_away():
     here = virtual_light_tables(light(), {0: 10}, 0, ORIGIN)
     there = virtual_light_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)
     assert there[2]["position"] == pytest.approx(here[2]["position"], abs=1e-6)
-    assert there[1]["light_uv"] == pytest.approx(here[1]["light_uv"], abs=1e-6)
+    assert there[1]["offset"] == pytest.approx(here[1]["offset"], abs=1e-6)
 
 
 def test_more_lights_than_light_points(device):

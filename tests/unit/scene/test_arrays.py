@@ -9,8 +9,7 @@ import pytest
 from ism_addon import snapshot
 from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
 from ism_addon.scene.arrays import array, array_facts, index
-
-from .test_snapshot import SETTINGS, VIEW, a_scene, assert_same, rewritten
+from tests.unit.test_snapshot import SETTINGS, VIEW, a_scene, assert_same, rewritten
 
 
 @pytest.mark.parametrize("record", [Mesh, Instances, Materials, Image, Lights, World, View])
