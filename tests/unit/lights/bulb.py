@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A type of light of the tests' own, by the interface of ism_addon/gpu/lights: a point of an intensity in W/sr."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from ism_addon.color import luminance
+from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
+from ism_addon.gpu.gl.shader_records import LIGHT
+from ism_addon.scene import Lights
+
+#: Of Lights.shape.
+BULB = 2
+
+
+@dataclass
+class BulbBounds:
+    """By the nearest point of a box."""
+
+    position: np.ndarray  # (K,3) m
+    intensity: np.ndarray  # (K,) luminance
+
+    def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
+        nearest = np.clip(self.position[:, :, None], surfaces.low, surfaces.high) - self.position[:, :, None]
+        centre = (surfaces.low + surfaces.high) / 2.0 - self.position[:, :, None]
+        with np.errstate(divide="ignore"):
+            found = [self.intensity[:, None] * surfaces.seen / (to * to).sum(1) for to in (nearest, centre)]
+        return tuple(np.minimum(each, 1e30).astype(np.float32) for each in found)
+
+    @property
+    def peak(self) -> np.ndarray:
+        return np.pi * self.intensity[:, None]
+
+    def __getitem__(self, some: slice) -> Self:
+        return type(self)(self.position[some], self.intensity[some])
+
+
+class Bulb:
+    """See LightType. Its radiance is an intensity."""
+
+    name = "bulb"
+    shapes = (BULB,)
+    glsl = Path(__file__).with_suffix(".glsl")
+
+    def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+        table = np.zeros(len(lights.shape), LIGHT.dtype)
+        table["position"] = lights.position - anchor
+        table["tangent"], table["normal"] = self.axes(lights)
+        for name in ("shape", "casts_shadow", "radiance", "receivers", "blockers"):
+            table[name] = getattr(lights, name)
+        return table
+
+    def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> BulbBounds:
+        return BulbBounds(lights.position - anchor, np.abs(lights.radiance) @ luminance(working_space))
+
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+        return np.stack([(lights.position - anchor).T] * 2)
+
+    def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+        return np.full((boxes.shape[2], len(lights.shape)), np.inf)
+
+    def is_narrow(self, lights: Lights) -> np.ndarray:
+        return np.zeros(len(lights.shape), bool)
+
+    def points(self, lights: Lights, row: int, squares: np.ndarray) -> np.ndarray:
+        return np.zeros((len(squares), 3))
+
+    def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
+        """Its shadow map looks down."""
+        return tuple(np.tile(axis, (len(lights.shape), 1)) for axis in np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]))
+
+    def solid_angles(
+        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+    ) -> np.ndarray:
+        to = points - (lights.position[row] - anchor).astype(np.float32)
+        return 1.0 / ((to * to).sum(1) + np.float32(1e-12))
+
+    def variant(self, lights: Lights, row: int) -> dict[str, int]:
+        return {}

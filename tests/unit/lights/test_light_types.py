@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The interface of types of light: a type of the tests' own is drawn right by both methods, beside area lights."""
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu import lights
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.scene import LightShape
+from ism_addon.settings import Method
+from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+
+from .bulb import BULB, Bulb
+
+FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
+#: Between the bulb and the right half of the floor.
+PLATE = quad((0.02, -4, 1), (4, 0, 0), (0, 8, 0))
+SETTINGS = {Method.RAY_TRACED: SMALL_SETTINGS, Method.SHADOW_MAPS: MAPS}
+
+#: Root mean square of the difference over the mean. Maps let the floor's discs hide a little of it.
+OFF = {Method.RAY_TRACED: 2e-4, Method.SHADOW_MAPS: 0.02}
+
+
+def off(ours: np.ndarray, expected: np.ndarray) -> float:
+    return float(np.sqrt(((ours - expected) ** 2).mean()) / expected.mean())
+
+
+@pytest.fixture
+def bulb_device(monkeypatch):
+    """A device that compiles shaders for bulbs too."""
+    monkeypatch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, Bulb()))
+    device = open_device()
+    with device.gl:
+        yield device
+    device.close()
+
+
+def closed_form(position, intensity: float, places: np.ndarray) -> np.ndarray:
+    """(H,W) radiance of the floor of base color 0.6 at places (H,W,2)."""
+    to = np.asarray(position) - np.concatenate([places, np.zeros((*places.shape[:2], 1))], 2)
+    return 0.6 / np.pi * intensity * to[..., 2] / np.linalg.norm(to, axis=2) ** 3
+
+
+@pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
+def test_a_type_of_our_own_is_drawn_right(bulb_device, method):
+    position, settings = (0.0, 0.0, 2.0), with_quality(SETTINGS[method], samples=16, map_size=128, map_points=2000)
+    bulb = light(BULB, position, radiance=7.0)
+    view = from_above(3.0, height=0.9)
+    x = (np.arange(32) + 0.5) / 32 * 3.0 - 1.5
+    expected = closed_form(position, 7.0, np.stack(np.meshgrid(x, x), 2))
+    unshadowed = draw(bulb_device, stage([FLOOR], bulb), view, settings).color[..., 0]
+    assert off(unshadowed, expected) < OFF[method]
+    shadowed = draw(bulb_device, stage([FLOOR, PLATE], bulb), view, settings).color[..., 0]
+    assert off(shadowed[:, :12], expected[:, :12]) < OFF[method]
+    hidden = shadowed[:, 20:].mean() / expected[:, 20:].mean()
+    assert hidden == 0.0 if method == Method.RAY_TRACED else hidden < 0.3, "a plate of discs has holes"
+
+
+def test_beside_an_area_light_both_add_up(bulb_device):
+    bulb, area = light(BULB, (0.5, 0.0, 2.0), radiance=3.0), light(LightShape.ELLIPSE, (0.0, 0.5, 2.0))
+    view, meshes = from_above(3.0, height=0.9), [FLOOR, PLATE]
+    alone = [draw(bulb_device, stage(meshes, each), view, SMALL_SETTINGS).color[..., :3] for each in (bulb, area)]
+    together = draw(bulb_device, stage(meshes, both(bulb, area)), view, SMALL_SETTINGS).color[..., :3]
+    assert all(each.any() for each in alone)
+    assert together == pytest.approx(sum(alone), abs=0.02)
+
+
+@pytest.mark.parametrize("light_type", lights.LIGHT_TYPES, ids=[each.name for each in lights.LIGHT_TYPES])
+def test_every_shape_has_one_type(light_type):
+    assert all(sum(shape in each.shapes for each in lights.LIGHT_TYPES) == 1 for shape in light_type.shapes)
+    assert light_type.glsl.is_file()
+
+
+def test_all_shapes_have_a_type():
+    assert {shape for each in lights.LIGHT_TYPES for shape in each.shapes} == set(LightShape)
