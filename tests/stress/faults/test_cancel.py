@@ -21,8 +21,9 @@ from tests.support.jobs import LONG, begun
 
 pytestmark = pytest.mark.alone
 
-#: What the passes of samples by rays are, in their order.
-PASSES = [kind.__name__ for kind in (*renderer.COMMON, *RayTracedDirect.kinds, *WorldLight.kinds)]
+#: Passes of each sample by rays. Resolve waits for more samples than are drawn here.
+KINDS = {*renderer.COMMON, *RayTracedDirect.kinds, *WorldLight.kinds} - {renderer.AT_LAST}
+PASSES = sorted(kind.__name__ for kind in KINDS)
 
 #: s: an answer later than this is none.
 SOON = 0.3
