@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from ism_addon.gpu.gl.moderngl_version import NEXT_MAJOR, OLDEST
 from ism_addon.gpu.jobs.job import Job
 from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.render_passes import RenderPass
 from ism_addon.setting_limits import beyond_limits
 from tests.pictures.test_reload import edit, shaders  # noqa: F401 (a fixture)
 from tests.support.jobs import LONG, begun, ended, request
@@ -158,14 +160,14 @@ def killed(_studio: RenderLoop) -> None:
 @ON_LINUX
 def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
     """What was in memory before is no picture."""
-    picture, count = Renderer.picture, iter(range(3))
+    images, count = Renderer.images, iter(range(3))
 
-    def picture_or_loss(renderer: Renderer) -> np.ndarray:
+    def images_or_loss(renderer: Renderer, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
         if next(count, 3) == 2:
             ctypes.CFUNCTYPE(ctypes.c_uint)(renderer.device.gl.mglo._context.load("eglReleaseThread"))()
-        return picture(renderer)
+        return images(renderer, wanted)
 
-    monkeypatch.setattr(Renderer, "picture", picture_or_loss)
+    monkeypatch.setattr(Renderer, "images", images_or_loss)
     job, pictures = worker.start(request(LONG), "client"), []
     while not job.finished:
         job.wait(1.0)
