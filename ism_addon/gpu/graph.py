@@ -73,6 +73,7 @@ class Graph:
             self.drop(output for output in kind.outputs if output not in made)
             for output in kind.outputs:
                 self.first_samples.pop(output, None)
+                self.numbers.pop(output, None)
 
     def run(self, kinds: Iterable[type[Pass]], frame: Frame, profile: Profile) -> Iterator[str]:
         """Execute those that are due and have new inputs; yields the name of each when it has been submitted."""

@@ -31,7 +31,7 @@ class LightBounds(Protocol):
 
 
 class LightType(Protocol):
-    """Lights of some values of Lights.shape. All tables `lights` that it is handed have rows of those alone.
+    """Lights of some values of Lights.shape. Tables `lights` have rows of those alone, but where a `row` is asked for.
 
     Its GLSL file has functions whose names begin with its own: `<name>_irradiance(light, p, n)`, unshadowed, for a
     radiance of 1; `<name>_sample(light, p, n, uv)`, a LightSample; `<name>_virtual_weight(light, v, n)`, see area.glsl.
@@ -94,17 +94,16 @@ def is_narrow(lights: Lights) -> np.ndarray:
     return narrow
 
 
-def type_of(lights: Lights, light: int) -> tuple[LightType, Lights]:
-    """A light's type, and a table of this light alone."""
-    light_type = next(each for each in LIGHT_TYPES if lights.shape[light] in each.shapes)
-    return light_type, lights.some(slice(light, light + 1))
+def type_of(lights: Lights, light: int) -> LightType:
+    """A light's."""
+    return next(each for each in LIGHT_TYPES if lights.shape[light] in each.shapes)
 
 
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light alone."""
-    light_type, own = type_of(lights, light)
+    light_type = type_of(lights, light)
     chosen = {f"has_{each.name}": int(each is light_type) for each in LIGHT_TYPES}
-    return (chosen if len(LIGHT_TYPES) > 1 else {}) | light_type.variant(own, 0)
+    return (chosen if len(LIGHT_TYPES) > 1 else {}) | light_type.variant(lights, light)
 
 
 def switch(result: str, function: str, parameters: str) -> str:

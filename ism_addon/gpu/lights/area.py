@@ -137,7 +137,7 @@ class AreaLight:
         self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
     ) -> np.ndarray:
         """A third of what a point would fill if it faced the light is granted to all: none seen edge-on is lost."""
-        own = AreaLightBounds.of(lights, anchor)[row : row + 1]
+        own = AreaLightBounds.of(lights.some(slice(row, row + 1)), anchor)
         to = points - own.position.ravel()
         square = np.einsum("nk,nk->n", to, to) + (own.area.ravel() / np.float32(12.0) + np.float32(1e-12))
         facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)

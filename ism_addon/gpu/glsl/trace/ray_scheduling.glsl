@@ -17,10 +17,10 @@ struct ScheduledRay { bool trace; float index; float probability; }; // index am
 // Of a ray that tests a predicted visibility of a light of this radiance, whose unshadowed irradiance for a radiance of 1
 // is `unshadowed`. MIN_DOUBT is the doubt where all rays agree on the prediction.
 float ray_probability(vec3 radiance, vec3 base_color, float unshadowed, float visibility, bool uncertain) {
-    float luminance = abs(luminance(radiance * base_color)) * unshadowed / 3.141592653589793;
+    float reflected = abs(luminance(radiance * base_color)) * unshadowed / 3.141592653589793;
     float doubt = uncertain ? sqrt(max(visibility * (1.0 - visibility), 0.05)) : MIN_DOUBT;
     // A power of two: pixels close by have the same, and trace in the same samples, as processors work on several at once.
-    return clamp(exp2(floor(log2(luminance * doubt / ray_threshold))), MIN_PROBABILITY, 1.0);
+    return clamp(exp2(floor(log2(reflected * doubt / ray_threshold))), MIN_PROBABILITY, 1.0);
 }
 
 // Rays are numbered, so that they go through points that are spread evenly, however rare they are. `phase`: of the light.

@@ -47,11 +47,11 @@ void main() {
     Light light = fetch_Light(lights, light_index);
     float unshadowed = is_lit_by(surface, light) ? light_irradiance(light, surface.position, surface.normal) : 0.0;
     vec2 predicted = predicted_visibility_at(surface, at);
-    float luminance = luminance(light.radiance);
+    float light_luminance = luminance(light.radiance);
     bool uncertain = predicted.y > 0.0;
-    direct_prediction = unshadowed * vec4(light.radiance * predicted.x, uncertain ? headroom(luminance, predicted.x) : 0.0);
+    direct_prediction = unshadowed * vec4(light.radiance * predicted.x, uncertain ? headroom(light_luminance, predicted.x) : 0.0);
 #if TRACE
-    direct_residual.a = uncertain ? unshadowed * abs(luminance) : 0.0;
+    direct_residual.a = uncertain ? unshadowed * abs(light_luminance) : 0.0;
     bool tests = tile_probability > 0.0; // whether the prediction holds: as a correction, its weight would be too noisy
     float probability = tests ? tile_probability
                               : ray_probability(light.radiance, surface.base_color, unshadowed, predicted.x, uncertain);

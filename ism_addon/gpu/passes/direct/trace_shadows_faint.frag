@@ -19,11 +19,11 @@ void main() {
     float visibility = tile_visibility, unshadowed = 0.0;
     if (is_lit_by(surface, light)) unshadowed = light_irradiance(light, surface.position, surface.normal);
     float scaled = unshadowed / tile_probability; // the rarer it is drawn, the more it counts
-    float luminance = luminance(light.radiance); // all of it is in doubt: so few rays are no proof
-    direct_prediction = scaled * vec4(light.radiance * visibility, light.casts_shadow == 0 ? 0.0 : headroom(luminance, visibility));
+    float light_luminance = luminance(light.radiance); // all of it is in doubt: so few rays are no proof
+    direct_prediction = scaled * vec4(light.radiance * visibility, light.casts_shadow == 0 ? 0.0 : headroom(light_luminance, visibility));
 #if TRACE
     if (light.casts_shadow == 0 || unshadowed <= 0.0) return;
-    direct_residual.a = scaled * abs(luminance);
+    direct_residual.a = scaled * abs(light_luminance);
     uvec3 start = (uint(tile_light + 0.5) + 1u) * light_steps;
     float probability = ray_probability(light.radiance, surface.base_color, scaled, visibility, visibility < 1.0);
     // As many rays as if the light were drawn in all samples.

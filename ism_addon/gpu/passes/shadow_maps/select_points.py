@@ -48,8 +48,8 @@ class MapPoints:
 
 def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
     """(P,) float32: see LightType.solid_angles; 0 for points that are not linked."""
-    light_type, own = type_of(lights, light)
-    found = light_type.solid_angles(own, 0, anchor, cloud.positions, cloud.normals, cloud.area)
+    light_type = type_of(lights, light)
+    found = light_type.solid_angles(lights, light, anchor, cloud.positions, cloud.normals, cloud.area)
     blockers = lights.blockers[light]
     linked = True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1
     return np.where(linked, found, np.float32(0.0))

@@ -48,7 +48,9 @@ def virtual_light_tables(
     bitangents = np.cross(normals, tangents)
     shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + rd_sequence(0, len(normals), 2)
     squares = {light: lattice(count, shifts[light]) for light, count in points_per_light.items()}
-    offsets = np.concatenate([np.zeros((0, 3)), *(points_on(lights, light, squares[light]) for light in squares)])
+    offsets = np.concatenate(
+        [np.zeros((0, 3)), *(type_of(lights, light).points(lights, light, squares[light]) for light in squares)]
+    )
     angle = 2.0 * np.pi * rd_sequence(sample * len(owners), len(owners), 1)
     points = np.zeros(len(owners), VIRTUAL_LIGHT.dtype)
     points["offset"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents, normals])[:, owners])
@@ -58,12 +60,6 @@ def virtual_light_tables(
     maps["tangent"] = np.cos(angle) * tangents[owners] + np.sin(angle) * bitangents[owners]
     maps["normal"], maps["light"] = normals[owners], owners
     return of_lights, points, maps
-
-
-def points_on(lights: Lights, light: int, squares: np.ndarray) -> np.ndarray:
-    """(N,3) m: from a light's position to points on it, for squares (N,2)."""
-    light_type, own = type_of(lights, light)
-    return light_type.points(own, 0, squares)
 
 
 class PlaceVirtualLights(Pass):
