@@ -195,7 +195,7 @@ PREDICTION_SURFACE = Target(
 )
 DIRECT_PREDICTION = Target(
     "direct_prediction",
-    "The lights' irradiance as predicted, W/m²; in alpha, by how much its luminance may rise",
+    "Light of the lamps towards the camera as predicted, W/(sr m²); in alpha, by how much its luminance may rise",
     label="Predicted Direct Light",
 )
 DIRECT_RESIDUAL = Target(

@@ -80,14 +80,14 @@ FIRST = {
         nothing_changed: set(),
         view_turned: {"SelectTiles"} | SEEN | BY_RAYS | OCCLUSION | PICTURE,
         light_moved: BY_RAYS | PICTURE,
-        colour_changed: {"GBuffer"} | PICTURE,
+        colour_changed: {"GBuffer", "TraceShadows"} | PICTURE,  # radiance, as it is towards the camera
         object_moved: SEEN | BY_RAYS | OCCLUSION | PICTURE,
     },
     Method.SHADOW_MAPS: {
         nothing_changed: set(),
         view_turned: {"SelectTiles", "CullLights", "GatherLight"} | SEEN | OCCLUSION | PICTURE,
         light_moved: {"CullLights", "PlaceVirtualLights"} | BY_MAPS | PICTURE,
-        colour_changed: {"GBuffer"} | PICTURE,
+        colour_changed: {"GBuffer", "GatherLight"} | PICTURE,
         object_moved: {"CullLights", "PlaceVirtualLights"} | SEEN | BY_MAPS | OCCLUSION | PICTURE,
     },
 }

@@ -33,13 +33,15 @@ class LightBounds(Protocol):
 class LightType(Protocol):
     """Lights of some values of Lights.shape. Tables `lights` have rows of those alone, but where a `row` is asked for.
 
-    Its GLSL file has functions whose names begin with its own: `<name>_irradiance(light, p, n)`, unshadowed, for a
-    radiance of 1; `<name>_sample(light, p, n, uv)`, a LightSample; `<name>_virtual_weight(light, v, n)`, see area.glsl.
+    Its GLSL file has the functions of GLSL_INTERFACE, whose names there begin with its own name.
     """
 
     name: str
     shapes: tuple[int, ...]
     glsl: Path
+    #: Whether its irradiance in GLSL is exact. Where it is not, shadow rays correct that too; a light that casts no
+    #: shadows has no rays.
+    exact: bool
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         """Rows (K,) of LIGHT, about the anchor (3,) m."""
@@ -77,6 +79,25 @@ class LightType(Protocol):
 #: All of them. A shape belongs to one.
 LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(),)
 
+#: A point of a light as a receiver sees it.
+LIGHT_SAMPLE = """
+struct LightSample {
+    vec3 point;     // m
+    vec3 wi;        // unit, from the receiver to it
+    float radiance; // towards the receiver; 0: no light from there
+    float pdf;      // density of solid angle, 1/sr; 1 if all light comes from one direction: radiance is irradiance then
+};"""
+
+#: Of each light type: result, name and parameters after the light. All are of a light of radiance 1; p and n are the
+#: position and the normal of a receiver.
+GLSL_INTERFACE = (
+    ("float", "irradiance", "vec3 p, vec3 n"),  # of all of the light, W/m²
+    ("LightSample", "sample", "vec3 p, vec3 n, vec2 uv"),  # uv in [0,1)
+    ("float", "pdf", "vec3 p, vec3 n, vec3 wi"),  # with which `sample` has a direction; 0 where it is the only one
+    ("float", "emitted", "vec3 p, vec3 wi"),  # radiance that a ray from p meets
+    ("float", "virtual_weight", "vec3 v, vec3 n"),  # of a virtual light, seen from v off it in the light's space
+)
+
 
 def by_type(lights: Lights) -> Iterator[tuple[LightType, np.ndarray, Lights]]:
     """For each type that has any: it, the rows (K,) of its lights, and a table of these alone."""
@@ -102,8 +123,8 @@ def type_of(lights: Lights, light: int) -> LightType:
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light alone."""
     light_type = type_of(lights, light)
-    chosen = {f"has_{each.name}": int(each is light_type) for each in LIGHT_TYPES}
-    return (chosen if len(LIGHT_TYPES) > 1 else {}) | light_type.variant(lights, light)
+    chosen = {f"has_{each.name}": int(each is light_type) for each in LIGHT_TYPES} if len(LIGHT_TYPES) > 1 else {}
+    return chosen | {"exact": int(light_type.exact)} | light_type.variant(lights, light)
 
 
 def switch(result: str, function: str, parameters: str) -> str:
@@ -119,17 +140,12 @@ def switch(result: str, function: str, parameters: str) -> str:
 
 def glsl() -> str:
     """The file lights/light.glsl: the interface of all types."""
-    lines = ["struct LightSample { vec3 point; float irradiance; }; // m; an unbiased estimate of light_irradiance"]
+    lines = [LIGHT_SAMPLE]
     for light_type in LIGHT_TYPES if len(LIGHT_TYPES) > 1 else ():
         has = f"HAS_{light_type.name.upper()}"
         lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]
-    lines += [
-        switch("float", "irradiance", "vec3 p, vec3 n"),
-        switch("LightSample", "sample", "vec3 p, vec3 n, vec2 uv"),
-        switch("float", "virtual_weight", "vec3 v, vec3 n"),
-    ]
-    return "\n".join(lines)
+    return "\n".join(lines + [switch(*function) for function in GLSL_INTERFACE])
 
 
 shader_compiler.GENERATED["lights/light.glsl"] = glsl

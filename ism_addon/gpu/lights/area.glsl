@@ -72,16 +72,23 @@ float area_virtual_weight(Light light, vec3 v, vec3 n) {
     return weight * spread_falloff(light, v.z, length(v.xy));
 }
 
-// Points from which a light lights a receiver: within the footprint that the cone of its spread has on its plane, about
-// the receiver's foot, and above the receiver's horizon. That part of a light is convex. x is uniform between its ends and
-// y along its chord at x, so every point can send light, and the estimate is unbiased.
-
-// What the light would send if all of it were as near, as tilted and as bright as its point at `ray` from the receiver.
-float point_irradiance(Light light, vec3 ray, vec3 n) {
-    float square = max(dot(ray, ray), 1e-30), height = max(-dot(light.normal, ray), 0.0);
-    float area = length(cross(light.axis_u, light.axis_v)) * (light.shape == 0 ? 1.0 : 0.7853981633974483);
-    return area * max(dot(n, ray), 0.0) * height * spread_falloff(light, height, length(cross(light.normal, ray))) / (square * square);
-}
+// The part of a light that lights a receiver: within the footprint that the cone of its spread has on its plane, about the
+// receiver's foot, and above the receiver's horizon. It is convex. Coordinates x, y lie in the light's plane, from its
+// position. Samples are uniform in x between its ends, and in y along the chord at x.
+struct AreaPart {
+    vec3 x_axis, y_axis;
+    vec3 horizon;          // nothing is below horizon.x x + horizon.y y + horizon.z = 0
+    vec2 foot;             // of the receiver
+    float reach;           // radius of the footprint, m
+    vec2 axis_u, axis_v;   // of the shape: half sides, or semi-axes
+    float width;           // the shape's largest x
+    float slope;           // the shape's chord at x is slope x +- half_chord, of an ellipse less towards its ends
+    float half_chord;
+    bool rectangle;
+    bool below;            // whether the horizon cuts the shape
+    bool beyond;           // whether the footprint may do
+    vec2 x;                // its ends
+};
 
 vec2 overlap(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); } // of two intervals
 
@@ -100,59 +107,117 @@ vec2 half_line(float slope, float height) {
     return slope < -1e-30 ? vec2(-1e30, end) : vec2(end, 1e30);
 }
 
-// The point that uv, of the unit square, stands for. Coordinates x, y lie in the light's plane, from its position.
-LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
-    vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
-    float height = -dot(light.normal, centre), reach = height * light.spread_tangent;
+AreaPart area_part(Light light, vec3 p, vec3 n) {
+    AreaPart part;
+    vec3 centre = light.position - p, u = 0.5 * light.axis_u, v = 0.5 * light.axis_v;
+    float height = -dot(light.normal, centre);
     vec3 to_foot = -(centre + height * light.normal);
-    bool rectangle = is_rectangle(light), has_spread = SPREADS == 1 && light.spread_scale > 0.0;
-    if (!rectangle) { u *= 0.5; v *= 0.5; }
+    bool has_spread = SPREADS == 1 && light.spread_scale > 0.0;
+    part.rectangle = is_rectangle(light);
+    part.reach = height * light.spread_tangent;
     // A rectangle's chords are along v. Those of a round light and its footprint are across the line of both centres.
     float away = length(to_foot);
-    vec3 y_axis = !rectangle && has_spread && away > 0.0 ? cross(light.normal, to_foot / away) : normalize(v);
-    vec3 x_axis = cross(y_axis, light.normal);
-    vec2 along_u = vec2(dot(u, x_axis), dot(u, y_axis)), along_v = vec2(dot(v, x_axis), dot(v, y_axis));
-    vec2 foot = vec2(dot(to_foot, x_axis), dot(to_foot, y_axis));
-    // The chord of the whole light at x is slope x +- half_chord, a half of which shrinks towards an ellipse's ends.
-    float width = rectangle ? abs(along_u.x) : length(vec2(along_u.x, along_v.x));
-    float slope = rectangle ? along_u.y / along_u.x : dot(vec2(along_u.x, along_v.x), vec2(along_u.y, along_v.y)) / (width * width);
-    float half_chord = rectangle ? 0.5 * length(v) : length(cross(u, v)) / width;
-    if (rectangle) width *= 0.5;
-    vec3 horizon = vec3(dot(n, x_axis), dot(n, y_axis), dot(n, centre));
-    float low = rectangle ? 0.5 * (abs(dot(n, u)) + abs(dot(n, v))) : length(vec2(dot(n, u), dot(n, v)));
-    bool cut = low > horizon.z, near = has_spread && length(foot) + length(u) + length(v) > reach;
+    part.y_axis = !part.rectangle && has_spread && away > 0.0 ? cross(light.normal, to_foot / away) : normalize(v);
+    part.x_axis = cross(part.y_axis, light.normal);
+    part.axis_u = vec2(dot(u, part.x_axis), dot(u, part.y_axis));
+    part.axis_v = vec2(dot(v, part.x_axis), dot(v, part.y_axis));
+    part.foot = vec2(dot(to_foot, part.x_axis), dot(to_foot, part.y_axis));
+    vec2 across = vec2(part.axis_u.x, part.axis_v.x);
+    part.width = part.rectangle ? abs(part.axis_u.x) : length(across);
+    part.slope = part.rectangle ? part.axis_u.y / part.axis_u.x
+                                : dot(across, vec2(part.axis_u.y, part.axis_v.y)) / (part.width * part.width);
+    part.half_chord = part.rectangle ? length(v) : length(cross(u, v)) / part.width;
+    part.horizon = vec3(dot(n, part.x_axis), dot(n, part.y_axis), dot(n, centre));
+    float low = part.rectangle ? abs(dot(n, u)) + abs(dot(n, v)) : length(vec2(dot(n, u), dot(n, v)));
+    part.below = low > part.horizon.z;
+    float size = part.rectangle ? 2.0 * (length(u) + length(v)) : length(u) + length(v);
+    part.beyond = has_spread && length(part.foot) + size > part.reach;
 
-    vec2 x = vec2(-width, width);
-    if (cut && rectangle) {
-        x = overlap(x, half_line(horizon.x + horizon.y * slope, abs(horizon.y) * half_chord + horizon.z));
-    } else if (cut) { // the ellipse is the unit disc of x / width and (y - slope x) / half_chord
-        vec3 line = vec3((horizon.x + horizon.y * slope) * width, horizon.y * half_chord, horizon.z);
-        x = overlap(x, width * disc_extent(vec2(0.0), 1.0, line));
+    part.x = vec2(-part.width, part.width);
+    if (part.below && part.rectangle) {
+        float slope = part.horizon.x + part.horizon.y * part.slope;
+        part.x = overlap(part.x, half_line(slope, abs(part.horizon.y) * part.half_chord + part.horizon.z));
+    } else if (part.below) { // the ellipse is the unit disc of x / width and (y - slope x) / half_chord
+        vec3 line = vec3((part.horizon.x + part.horizon.y * part.slope) * part.width, part.horizon.y * part.half_chord,
+                         part.horizon.z);
+        part.x = overlap(part.x, part.width * disc_extent(vec2(0.0), 1.0, line));
     }
-    if (near) {
-        x = overlap(x, foot.x + vec2(-reach, reach));
-        if (rectangle) {
-            x = overlap(x, disc_extent(foot, reach, vec3(slope, -1.0, half_chord)));
-            x = overlap(x, disc_extent(foot, reach, vec3(-slope, 1.0, half_chord)));
+    if (part.beyond) {
+        part.x = overlap(part.x, part.foot.x + vec2(-part.reach, part.reach));
+        if (part.rectangle) {
+            part.x = overlap(part.x, disc_extent(part.foot, part.reach, vec3(part.slope, -1.0, part.half_chord)));
+            part.x = overlap(part.x, disc_extent(part.foot, part.reach, vec3(-part.slope, 1.0, part.half_chord)));
         }
-        if (cut) x = overlap(x, disc_extent(foot, reach, horizon));
+        if (part.below) part.x = overlap(part.x, disc_extent(part.foot, part.reach, part.horizon));
     }
-    vec2 at = vec2(mix(x.x, x.y, uv.x), 0.0);
-    float part = at.x / width, whole = half_chord * (rectangle ? 1.0 : sqrt(max(1.0 - part * part, 0.0)));
-    vec2 y = slope * at.x + vec2(-whole, whole);
-    if (cut) y = overlap(y, half_line(horizon.y, horizon.x * at.x + horizon.z));
-    if (near) {
-        float off = at.x - foot.x, chord = sqrt(max(reach * reach - off * off, 0.0));
-        y = overlap(y, foot.y + vec2(-chord, chord));
+    return part;
+}
+
+// The ends of the chord at x.
+vec2 area_chord(AreaPart part, float x) {
+    float along = x / part.width;
+    float whole = part.half_chord * (part.rectangle ? 1.0 : sqrt(max(1.0 - along * along, 0.0)));
+    vec2 y = part.slope * x + vec2(-whole, whole);
+    if (part.below) y = overlap(y, half_line(part.horizon.y, part.horizon.x * x + part.horizon.z));
+    if (part.beyond) {
+        float off = x - part.foot.x, chord = sqrt(max(part.reach * part.reach - off * off, 0.0));
+        y = overlap(y, part.foot.y + vec2(-chord, chord));
     }
+    return y;
+}
+
+// A whole ellipse is sampled by equal areas instead.
+bool area_is_whole_ellipse(AreaPart part) { return !part.rectangle && !part.below && !part.beyond; }
+
+// m², the inverse of a sample's density on the light's plane, given the chord at its x.
+float area_inverse_density(AreaPart part, vec2 y) {
+    if (area_is_whole_ellipse(part)) return 3.141592653589793 * part.width * part.half_chord;
+    return max(part.x.y - part.x.x, 0.0) * max(y.y - y.x, 0.0);
+}
+
+// Of solid angle, 1/sr. `ray` goes from the receiver to a point so high over which it is.
+float area_pdf_of_angle(vec3 ray, float height, float inverse_density) {
+    float square = dot(ray, ray);
+    return square * sqrt(square) / max(height * inverse_density, 1e-37);
+}
+
+LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+    AreaPart part = area_part(light, p, n);
+    vec2 at = vec2(mix(part.x.x, part.x.y, uv.x), 0.0), y = area_chord(part, at.x);
     at.y = mix(y.x, y.y, uv.y);
-    float area = width * half_chord * (rectangle ? 4.0 : 3.141592653589793);
-    float fraction = max(x.y - x.x, 0.0) * max(y.y - y.x, 0.0) / area;
-    if (!rectangle && !cut && !near) { // the whole ellipse by equal areas
+    if (area_is_whole_ellipse(part)) {
         float radius = sqrt(uv.x), angle = 6.283185307179586 * uv.y;
-        at = radius * (cos(angle) * along_u + sin(angle) * along_v);
-        fraction = 1.0;
+        at = radius * (cos(angle) * part.axis_u + sin(angle) * part.axis_v);
     }
-    vec3 offset = at.x * x_axis + at.y * y_axis;
-    return LightSample(light.position + offset, fraction * point_irradiance(light, centre + offset, n));
+    vec3 offset = at.x * part.x_axis + at.y * part.y_axis, ray = light.position - p + offset;
+    float height = max(-dot(light.normal, ray), 0.0), inverse_density = area_inverse_density(part, y);
+    float radiance = height * inverse_density > 0.0
+                         ? spread_falloff(light, height, length(cross(light.normal, ray))) : 0.0;
+    return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)), radiance,
+                       area_pdf_of_angle(ray, height, inverse_density));
+}
+
+// Where a ray meets the light's plane from its bright side, in the light's half sides or semi-axes, and the way to there;
+// 2 and more beside the light.
+vec3 area_hit(Light light, vec3 p, vec3 wi) {
+    float along = -dot(light.normal, wi), way = dot(light.normal, p - light.position) / max(along, 1e-30);
+    vec3 at = p + way * wi - light.position, across_u = cross(light.axis_v, light.normal), across_v = cross(light.normal, light.axis_u);
+    vec2 uv = 2.0 * vec2(dot(at, across_u) / dot(light.axis_u, across_u), dot(at, across_v) / dot(light.axis_v, across_v));
+    return along > 0.0 && way > 0.0 ? vec3(uv, way) : vec3(2.0);
+}
+
+float area_emitted(Light light, vec3 p, vec3 wi) {
+    vec3 hit = area_hit(light, p, wi);
+    float out_of_it = is_rectangle(light) ? max(abs(hit.x), abs(hit.y)) : length(hit.xy);
+    if (out_of_it > 1.0) return 0.0;
+    vec3 ray = hit.z * wi;
+    return spread_falloff(light, -dot(light.normal, ray), length(cross(light.normal, ray)));
+}
+
+float area_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
+    if (dot(n, wi) <= 0.0 || area_emitted(light, p, wi) <= 0.0) return 0.0;
+    vec3 ray = area_hit(light, p, wi).z * wi;
+    AreaPart part = area_part(light, p, n);
+    vec2 chord = area_chord(part, dot(ray + p - light.position, part.x_axis));
+    return area_pdf_of_angle(ray, -dot(light.normal, ray), area_inverse_density(part, chord));
 }

@@ -100,6 +100,7 @@ class AreaLight:
     name = "area"
     shapes: tuple[int, ...] = (LightShape.RECTANGLE, LightShape.ELLIPSE)
     glsl = Path(__file__).with_suffix(".glsl")
+    exact = True
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         table = np.zeros(len(lights.shape), LIGHT.dtype)

@@ -5,7 +5,12 @@ float bulb_irradiance(Light light, vec3 p, vec3 n) {
 }
 
 LightSample bulb_sample(Light light, vec3 p, vec3 n, vec2 uv) {
-    return LightSample(light.position, bulb_irradiance(light, p, n));
+    vec3 to = light.position - p;
+    return LightSample(light.position, normalize(to), 1.0 / dot(to, to), 1.0);
 }
+
+float bulb_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return 0.0; }
+
+float bulb_emitted(Light light, vec3 p, vec3 wi) { return 0.0; }
 
 float bulb_virtual_weight(Light light, vec3 v, vec3 n) { return max(-dot(n, v), 0.0) * pow(dot(v, v), -1.5); }

@@ -44,6 +44,7 @@ class Bulb:
     name = "bulb"
     shapes = (BULB,)
     glsl = Path(__file__).with_suffix(".glsl")
+    exact = True
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         table = np.zeros(len(lights.shape), LIGHT.dtype)

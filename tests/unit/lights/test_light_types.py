@@ -41,19 +41,43 @@ def closed_form(position, intensity: float, places: np.ndarray) -> np.ndarray:
     return 0.6 / np.pi * intensity * to[..., 2] / np.linalg.norm(to, axis=2) ** 3
 
 
+def from_above_places() -> np.ndarray:
+    """(32,32,2) m: of the pixels' centres, seen from above, 3 m wide."""
+    x = (np.arange(32) + 0.5) / 32 * 3.0 - 1.5
+    return np.stack(np.meshgrid(x, x), 2)
+
+
 @pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
 def test_a_type_of_our_own_is_drawn_right(bulb_device, method):
     position, settings = (0.0, 0.0, 2.0), with_quality(SETTINGS[method], samples=16, map_size=128, map_points=2000)
     bulb = light(BULB, position, radiance=7.0)
     view = from_above(3.0, height=0.9)
-    x = (np.arange(32) + 0.5) / 32 * 3.0 - 1.5
-    expected = closed_form(position, 7.0, np.stack(np.meshgrid(x, x), 2))
+    expected = closed_form(position, 7.0, from_above_places())
     unshadowed = draw(bulb_device, stage([FLOOR], bulb), view, settings).color[..., 0]
     assert off(unshadowed, expected) < OFF[method]
     shadowed = draw(bulb_device, stage([FLOOR, PLATE], bulb), view, settings).color[..., 0]
     assert off(shadowed[:, :12], expected[:, :12]) < OFF[method]
     hidden = shadowed[:, 20:].mean() / expected[:, 20:].mean()
     assert hidden == 0.0 if method == Method.RAY_TRACED else hidden < 0.3, "a plate of discs has holes"
+
+
+def test_rays_correct_an_irradiance_that_is_not_exact(monkeypatch, tmp_path):
+    """A bulb's that is too low by a third; where a plate hides it and where not."""
+    glsl, exact = tmp_path / "bulb.glsl", "return max(dot(n, to), 0.0)"
+    text = Bulb.glsl.read_text("utf-8")
+    assert exact in text
+    glsl.write_text(text.replace(exact, f"{exact} / 1.5"), "utf-8")
+    inexact = Bulb()
+    inexact.glsl, inexact.exact = glsl, False
+    monkeypatch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, inexact))
+    device = open_device()
+    view, settings = from_above(3.0, height=0.9), with_quality(SMALL_SETTINGS, samples=64)
+    with device.gl:
+        shadowed = draw(device, stage([FLOOR, PLATE], light(BULB, radiance=7.0)), view, settings).color[..., 0]
+    device.close()
+    expected = closed_form((0.0, 0.0, 2.0), 7.0, from_above_places())
+    assert off(shadowed[:, :12], expected[:, :12]) < 0.01
+    assert shadowed[:, 20:].max() < 1e-3 * expected.mean()
 
 
 def test_beside_an_area_light_both_add_up(bulb_device):

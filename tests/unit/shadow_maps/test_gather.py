@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance of receivers anywhere against dense sums over the light, within 2 %; visibility against one occluder."""
+"""Light at receivers anywhere against dense sums over the light, within 2 %; visibility against one occluder."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
-from ism_addon.resources import ATLAS_BATCH, CONTRIBUTING_LIGHTS, DIRECT_PREDICTION, NORMAL, POSITION
+from ism_addon.resources import ATLAS_BATCH, BASE_COLOR, CONTRIBUTING_LIGHTS, DIRECT_PREDICTION, NORMAL, POSITION
 from ism_addon.scene import LightShape
 from tests.support.reference import irradiance
 from tests.support.small_scenes import both, draw, from_above, light, prepared, put, quad, shadows, stage
@@ -26,7 +26,7 @@ DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
 
 
 def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(N,3) irradiance of receivers (N,3) that nothing hides."""
+    """(N,3) irradiance of receivers (N,3) that nothing hides: radiance by a base color of pi."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
     renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
@@ -35,7 +35,8 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
         renderer.graph.step(kind, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
-    for target, rows in ((POSITION, surface), (NORMAL, packed)):
+    color = np.tile([np.pi, np.pi, np.pi, 0.0], (len(points), 1))
+    for target, rows in ((POSITION, surface), (NORMAL, packed), (BASE_COLOR, color)):
         frame.graph.targets.allocate(target, size)
         put(frame[target], rows[None].astype(np.float32))
     (frame[ATLAS_BATCH],) = batches(0, 8, device.texture_size)

@@ -11,7 +11,7 @@ vec2 probe(int index, uvec2 light_uv, ivec2 coarse, int spacing) {
     if (!surface.exists) return vec2(0.0);
     Light light = fetch_Light(lights, index);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
-    LightSample point = light_sample(light, surface.position, surface.normal, pixel_sequence(coarse, light_uv));
-    if (point.irradiance > 0.0) return vec2(is_unoccluded(surface, point.point, light) ? 1.0 : 0.0, 1.0);
+    LightSample from = light_sample(light, surface.position, surface.normal, pixel_sequence(coarse, light_uv));
+    if (arrives(surface, from)) return vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
     return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }

@@ -7,20 +7,19 @@ uniform float ray_threshold; // change of luminance that is worth a ray
 flat in float sample_index;
 
 // Luminance by which more of a light would raise the picture: less of it, where a light is negative. `unshadowed` is the
-// luminance of all of the light.
+// luminance of all of the light, as far as that is exact.
 float headroom(float unshadowed, float visibility) {
-    return max(unshadowed * (1.0 - visibility), -unshadowed * visibility);
+    return EXACT == 1 ? max(unshadowed * (1.0 - visibility), -unshadowed * visibility) : 1e30;
 }
 
 struct ScheduledRay { bool trace; float index; float probability; }; // index among the rays that the pixel had
 
-// Of a ray that tests a predicted visibility of a light of this radiance, whose unshadowed irradiance for a radiance of 1
-// is `unshadowed`. MIN_DOUBT is the doubt where all rays agree on the prediction.
-float ray_probability(vec3 radiance, vec3 base_color, float unshadowed, float visibility, bool uncertain) {
-    float reflected = abs(luminance(radiance * base_color)) * unshadowed / 3.141592653589793;
+// Of a ray that tests a predicted visibility of a light that adds this luminance where nothing hides it. MIN_DOUBT is the
+// doubt where all rays agree on the prediction.
+float ray_probability(float unshadowed, float visibility, bool uncertain) {
     float doubt = uncertain ? sqrt(max(visibility * (1.0 - visibility), 0.05)) : MIN_DOUBT;
     // A power of two: pixels close by have the same, and trace in the same samples, as processors work on several at once.
-    return clamp(exp2(floor(log2(reflected * doubt / ray_threshold))), MIN_PROBABILITY, 1.0);
+    return clamp(exp2(floor(log2(abs(unshadowed) * doubt / ray_threshold))), MIN_PROBABILITY, 1.0);
 }
 
 // Rays are numbered, so that they go through points that are spread evenly, however rare they are. `phase`: of the light.

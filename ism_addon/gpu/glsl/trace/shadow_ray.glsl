@@ -25,6 +25,9 @@ vec2 unit_square(uvec2 number) { return vec2(number >> 8u) / 16777216.0; }
 // The light_uv of one pixel, from that of the first.
 vec2 pixel_sequence(ivec2 at, uvec2 light_uv) { return unit_square(light_uv + pixel_member(at) * pixel_steps); }
 
+// Whether a point of a light sends any light to a surface that nothing hides.
+bool arrives(Surface surface, LightSample from) { return from.radiance > 0.0 && dot(surface.normal, from.wi) > 0.0; }
+
 // Rounding may put a point off its surface by this, m: to what lies on the surface, it must not be on the other side.
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 

@@ -1,5 +1,6 @@
-// One light on each pixel: its predicted irradiance, and perhaps a ray that says how far that is wrong.
+// One light on each pixel: its predicted radiance towards the camera, and perhaps a ray that says how far that is wrong.
 #include "maths/luminance.glsl"
+#include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 uniform samplerBuffer lights;
@@ -45,23 +46,26 @@ void main() {
     Surface surface = surface_at(at);
     if (!surface.exists) return;
     Light light = fetch_Light(lights, light_index);
-    float unshadowed = is_lit_by(surface, light) ? light_irradiance(light, surface.position, surface.normal) : 0.0;
+    bool is_lit = is_lit_by(surface, light);
+    vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light) : vec3(0.0);
     vec2 predicted = predicted_visibility_at(surface, at);
-    float light_luminance = luminance(light.radiance);
-    bool uncertain = predicted.y > 0.0;
-    direct_prediction = unshadowed * vec4(light.radiance * predicted.x, uncertain ? headroom(light_luminance, predicted.x) : 0.0);
+    float amount = luminance(unshadowed);
+    bool uncertain = EXACT == 0 || predicted.y > 0.0;
+    direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if TRACE
-    direct_residual.a = uncertain ? unshadowed * abs(light_luminance) : 0.0;
+    direct_residual.a = uncertain ? abs(amount) : 0.0;
     bool tests = tile_probability > 0.0; // whether the prediction holds: as a correction, its weight would be too noisy
     float probability = tests ? tile_probability
-                              : ray_probability(light.radiance, surface.base_color, unshadowed, predicted.x, uncertain);
+                              : ray_probability(amount, predicted.x, uncertain);
     ScheduledRay ray = schedule_ray(at, light_uv_shift.z, probability);
-    if (unshadowed <= 0.0 || !(ray.trace || tests)) return;
+    if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0)) || !(ray.trace || tests)) return;
     vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + uint(ray.index) * ray_steps);
-    LightSample point = light_sample(light, surface.position, surface.normal, light_uv);
-    if (point.irradiance <= 0.0) return;
-    rays = vec2(is_unoccluded(surface, point.point, light) ? 1.0 : 0.0, 1.0);
+    LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
+    if (!arrives(surface, from)) return;
+    rays = vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
     if (tests) return;
-    direct_residual.rgb = light.radiance * (point.irradiance * (rays.x - predicted.x) / ray.probability);
+    vec3 estimate = bsdf_estimate(surface, light, from);
+    vec3 correction = EXACT == 1 ? estimate * (rays.x - predicted.x) : estimate * rays.x - unshadowed * predicted.x;
+    direct_residual.rgb = correction / ray.probability;
 #endif
 }

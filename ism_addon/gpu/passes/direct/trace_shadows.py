@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance by each light: a prediction, and by shadow rays how far that is wrong.
+"""Radiance towards the camera by each light: a prediction, and by shadow rays how far that is wrong.
 
-With E the unshadowed irradiance, exact, and p the predicted visibility, a ray to a point of the light that would send
-w E if all of the light were like it corrects by w E (v - p), v being 1 if it arrives: no error where p is right about a
-light all visible or all occluded, none on average elsewhere (a control variate). It is the ratio estimator of Heitz,
-Hill & McGuire 2018 in another form, whose samples can be added up. The probability of a ray is in proportion to how
-much it may change the picture, and its weight is the inverse. Where nothing is uncertain, rare rays only test the
-prediction. Faint lights are drawn together, with one prediction a tile, see faint_lights.py.
+With U the unshadowed radiance, exact, and p the predicted visibility, a ray to a point of the light that alone
+estimates U by x corrects p U by x (v - p), v being 1 if it arrives: no error where p is right about a light all visible
+or all occluded, none on average elsewhere (a control variate). It is the ratio estimator of Heitz, Hill & McGuire 2018
+in another form, whose samples can be added up. The probability of a ray is in proportion to how much it may change the
+picture, and its weight is the inverse. Where nothing is uncertain, rare rays only test the prediction. Where U is not
+exact, the correction is x v - p U, and all is uncertain. Faint lights are drawn together, with one prediction a tile,
+see faint_lights.py.
 """
 
 from typing import Any
@@ -15,6 +16,7 @@ import moderngl
 import numpy as np
 
 from ....resources import (
+    BASE_COLOR,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -41,7 +43,7 @@ from ...gl import driver_variants
 from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
-from ...lights import shader_variant
+from ...lights import shader_variant, type_of
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import FAINT_LIGHT, drawn_pairs, faint_light_pairs
 from .ray_correction import RECORDS, ray_sequence, ray_threshold, shader_constants
@@ -57,10 +59,10 @@ MAX_CERTAIN_PROBABILITY = 0.5
 
 
 class TraceShadows(Pass):
-    """Irradiance W/m² as predicted, and what rays add to it or take away."""
+    """Radiance W/(sr m²) as predicted, and what rays add to it or take away."""
 
     inputs = (
-        *(*SURFACE, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, REDISCOVERED, TILE_VISIBILITY),
+        *(*SURFACE, BASE_COLOR, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, REDISCOVERED, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -157,7 +159,7 @@ class TraceShadows(Pass):
         if not casts:
             return tiles[:0], tiles
         any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
-        uncertain = any_visible & any_occluded
+        uncertain = (any_visible & any_occluded) | (not type_of(frame.scene.lights, light).exact)
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
         columns, rows = frame.tiles

@@ -1,6 +1,5 @@
 // Composition in linear light.
 #include "textures/bilateral_upsample.glsl"
-#include "maths/luminance.glsl"
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
@@ -37,11 +36,9 @@ void main() {
         sample_color = background * vec4(world, 1.0);
         return;
     }
-    // A Lambertian surface sends its albedo's part of what arrives, spread over pi; from a world of one radiance
-    // arrives pi times that.
-    vec3 part = fetch(base_color, at).rgb, sent = part / 3.141592653589793;
-    vec4 expected = fetch_clamped(direct_prediction, at);
-    sample_color = vec4(sent * expected.rgb + part * world * ambient_visibility(at, surface), 1.0);
-    sample_residual = vec4(sent, luminance(sent)) * fetch_clamped(direct_residual, at);
-    sample_headroom = luminance(sent) * expected.a;
+    vec4 direct = fetch_clamped(direct_prediction, at);
+    // A Lambertian surface reflects the base color's part of a world of one radiance.
+    sample_color = vec4(direct.rgb + surface.base_color * world * ambient_visibility(at, surface), 1.0);
+    sample_residual = fetch_clamped(direct_residual, at);
+    sample_headroom = direct.a;
 }

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Put together what a pixel sends to the camera, in linear light.
 
-Albedo / pi times the irradiance of the lights, plus albedo times the world's radiance as far as the ambient
-occlusion leaves it open; behind everything, the world itself. The occlusion is brought to full resolution here,
+The radiance by the lights, plus base color times the world's radiance as far as the ambient occlusion leaves it open;
+behind everything, the world itself. The occlusion is brought to full resolution here,
 from the half-resolution pixels that show the same surface.
 """
 

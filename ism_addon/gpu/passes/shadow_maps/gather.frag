@@ -1,6 +1,7 @@
-// Irradiance: a light's exact value times the part of its virtual lights that see the pixel, weighted by what they send.
+// Radiance towards the camera: a light's unshadowed one times the part of its virtual lights that see the pixel, weighted by
+// what they send.
+#include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
-#include "lights/light.glsl"
 
 uniform samplerBuffer lights;
 uniform samplerBuffer virtual_light_ranges;
@@ -32,16 +33,15 @@ float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
     return fetch(shadow_maps, corner + texel).x >= receiver ? 1.0 : 0.0;
 }
 
-vec3 shadowed_irradiance(Light light, VirtualLightRange points, vec3 p, vec3 n, vec3 geometric_normal) {
+vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange points) {
     bool masked = shadows && light.casts_shadow != 0;
-    vec3 unshadowed = light.radiance * light_irradiance(light, p, n);
+    vec3 unshadowed = bsdf_unshadowed(surface, light);
     if (!masked) return batch.x == 0 ? unshadowed : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
     // Where no point of its own can light a receiver, those closest to where its light comes from say what is hidden.
-    vec3 from = light_from_anchor * (light_sample(light, p, n, vec2(0.5)).point - light.position);
-    p = light_from_anchor * (p - light.position);
-    n = light_from_anchor * n;
-    geometric_normal = light_from_anchor * geometric_normal;
+    vec3 from = light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
+    vec3 p = light_from_anchor * (surface.position - light.position), n = light_from_anchor * surface.normal;
+    vec3 geometric_normal = light_from_anchor * surface.geometric_normal;
     float sent = 0.0, arrived = 0.0, close = 0.0, arrived_close = 0.0;
     int last = unshadowed == vec3(0.0) ? 0 : points.first + points.count;
     for (int k = points.first; k < last; ++k) {
@@ -70,6 +70,6 @@ void main() {
         VirtualLightRange points = fetch_VirtualLightRange(virtual_light_ranges, k);
         Light light = fetch_Light(lights, points.light);
         if (!is_lit_by(surface, light)) continue;
-        direct_prediction.rgb += shadowed_irradiance(light, points, surface.position, surface.normal, surface.geometric_normal);
+        direct_prediction.rgb += shadowed_radiance(surface, light, points);
     }
 }

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light and shadow from all light points at each pixel.
 
-Beck-Norén & Valter 2013, section 3.2. What differs: a light's irradiance is exact (Lambert's edge sum, see
-radiometry), and the light points only weigh how much of it arrives, as a ratio (Heitz, Hill & McGuire 2018): where
-nothing is in the way there is no error. The receiver is compared as the plane that it is, in the direction of
+Beck-Norén & Valter 2013, section 3.2. What differs: a light's unshadowed radiance is exact (Lambert's edge
+sum, see radiometry), and the virtual lights only weigh how much of it arrives, as a ratio (Heitz, Hill & McGuire 2018):
+where nothing is in the way there is no error. The receiver is compared as the plane that it is, in the direction of
 the texel's centre, where the disc was measured too. Matrices come from a table, so their number has no limit.
 """
 
@@ -13,6 +13,7 @@ import moderngl
 
 from ....resources import (
     ATLAS_BATCH,
+    BASE_COLOR,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
     LIGHT_BUFFER,
@@ -37,11 +38,11 @@ VIRTUAL_LIGHTS_PER_RAY = 30
 
 
 class GatherLight(Pass):
-    """Irradiance W/m² of each pixel: the sum over the atlases of virtual lights."""
+    """Radiance W/(sr m²) of each pixel: the sum over the atlases of virtual lights."""
 
     inputs = (
-        *(POSITION, NORMAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS, VIRTUAL_LIGHT_RANGES),
-        *(VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
+        *(POSITION, NORMAL, BASE_COLOR, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS),
+        *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
         *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
     )
     outputs = outputs(DIRECT_PREDICTION)
@@ -65,6 +66,7 @@ class GatherLight(Pass):
             self.shader.program,
             position=frame[POSITION],
             normal=frame[NORMAL],
+            base_color=frame[BASE_COLOR],
             primitive=frame[PRIMITIVE],
             link_groups=frame[INSTANCE_BUFFERS].memberships,
             lights=frame[LIGHT_BUFFER],

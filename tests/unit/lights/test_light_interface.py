@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A light's functions in GLSL agree: samples, their density, what rays meet, and the irradiance; for every type."""
+
+import moderngl
+import numpy as np
+import pytest
+
+from ism_addon.gpu import lights
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.gl.render_targets import pixels
+from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
+from ism_addon.gpu.gl.shader_records import LIGHT
+from ism_addon.gpu.passes.upload.upload_lights import light_table
+from ism_addon.scene import Lights, LightShape
+from tests.support.small_scenes import light
+
+from .bulb import BULB, Bulb
+
+SIDE = 256
+MAIN = """
+uniform samplerBuffer lights;
+uniform vec3 point, normal;
+layout(location = 0) out vec4 of_sample;    // radiance, cosine, pdf; irradiance of all of the light
+layout(location = 1) out vec4 of_direction; // of that sample: pdf, emitted; of a direction of the hemisphere: the same
+layout(location = 2) out vec2 hemisphere;   // pdf of this direction, cosine
+
+void main() {
+    vec2 uv = gl_FragCoord.xy / float(SIDE);
+    Light light = fetch_Light(lights, 0);
+    LightSample s = light_sample(light, point, normal, uv);
+    of_sample = vec4(s.radiance, dot(normal, s.wi), s.pdf, light_irradiance(light, point, normal));
+    of_direction = vec4(light_pdf(light, point, normal, s.wi), light_emitted(light, point, s.wi), 0.0, 0.0);
+    vec3 x = normalize(cross(normal, abs(normal.x) < 0.5 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
+    float cosine = uv.x, angle = 6.283185307179586 * uv.y, sine = sqrt(1.0 - cosine * cosine);
+    vec3 wi = cosine * normal + sine * (cos(angle) * x + sin(angle) * cross(normal, x));
+    of_direction.zw = vec2(light_pdf(light, point, normal, wi), light_emitted(light, point, wi));
+    hemisphere = vec2(0.15915494309189535, cosine);
+}
+"""
+
+#: Lights over the origin, by the name of their type: large ones, so that a grid of directions tells their outlines.
+EXAMPLES: dict[str, list[Lights]] = {
+    "area": [
+        light(shape, (0.3, -0.2, 1.0), (2.5, 0.4, 0.2), (0.3, -1.7, 0.1), spread=spread)
+        for shape in (LightShape.RECTANGLE, LightShape.ELLIPSE)
+        for spread in (np.pi, np.radians(100.0))
+    ],
+    "bulb": [light(BULB, (0.3, -0.2, 1.0))],
+}
+#: Of the receiver at the origin: all of a light is above the horizon of the first.
+NORMALS = np.array([[0.0, 0.0, 1.0], [0.8, 0.0, 0.6], [0.6, 0.7, -0.3872983]])
+CASES = [(name, number, k) for name, own in EXAMPLES.items() for number in range(len(own)) for k in range(len(NORMALS))]
+
+
+@pytest.fixture(scope="module")
+def evaluate():
+    """evaluate(light, normal): (SIDE²,10) of what MAIN writes, for the receiver at the origin."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, Bulb()))
+        device = open_device()
+        with device.gl as gl:
+            begin = head((LIGHT,), {"side": SIDE})
+            program = gl.program(
+                begin + (FOLDER / "glsl/full_screen.vert").read_text(),
+                fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + MAIN,
+            )
+            targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
+            framebuffer, triangle = gl.framebuffer(targets), gl.vertex_array(program, [])
+
+            def run(of: Lights, normal: np.ndarray) -> np.ndarray:
+                table = LIGHT.upload(device, light_table(of, np.zeros(3)))
+                gl.enable_only(moderngl.NOTHING)
+                framebuffer.use()
+                bind(program, lights=table, point=(0.0, 0.0, 0.0), normal=tuple(normal))
+                triangle.render(moderngl.TRIANGLES, vertices=3)
+                return np.concatenate([pixels(target) for target in targets], 2).reshape(SIDE**2, -1).astype(float)
+
+            yield run
+        device.close()
+
+
+@pytest.fixture(params=CASES, ids=[f"{name} {number}, normal {k}" for name, number, k in CASES])
+def evaluated(request, evaluate):
+    """One case, with names; and whether all light comes from one direction."""
+    name, number, k = request.param
+    found = evaluate(EXAMPLES[name][number], NORMALS[k]).T
+    radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = found
+    return {
+        "arrives": (radiance > 0.0) & (cosine > 0.0),
+        "radiance": radiance,
+        "cosine": cosine,
+        "pdf": pdf,
+        "irradiance": irradiance[0],
+        "own": (own_pdf, own_emitted),
+        "hemisphere": (any_pdf / uniform, any_emitted * any_cosine / uniform),
+        "one direction": (pdf == 1.0).all(),
+    }
+
+
+def test_all_types_are_tried():
+    assert {each.name for each in lights.LIGHT_TYPES} < set(EXAMPLES)
+
+
+def test_samples_are_unbiased(evaluated):
+    """An ellipse's spread is integrated at a few points."""
+    estimates = np.where(evaluated["arrives"], evaluated["radiance"] * evaluated["cosine"] / evaluated["pdf"], 0.0)
+    assert (evaluated["irradiance"] > 0.0) == evaluated["arrives"].any()
+    assert estimates.mean() == pytest.approx(evaluated["irradiance"], rel=5e-3)
+
+
+def test_the_density_of_a_sample_is_that_of_its_direction(evaluated):
+    arrives, (pdf, emitted) = evaluated["arrives"], evaluated["own"]
+    if evaluated["one direction"]:
+        assert not pdf.any() and not emitted.any(), "no ray finds it by chance"
+        return
+    assert pdf[arrives] == pytest.approx(evaluated["pdf"][arrives], rel=2e-3)
+    assert emitted[arrives] == pytest.approx(evaluated["radiance"][arrives], abs=2e-3 * emitted.max())
+
+
+def test_densities_sum_to_one_and_what_rays_meet_to_the_irradiance(evaluated):
+    pdf, light_met = evaluated["hemisphere"]
+    if not evaluated["one direction"]:
+        assert pdf.mean() == pytest.approx(1.0, rel=0.03), "it has no bound where chords end"
+        assert light_met.mean() == pytest.approx(evaluated["irradiance"], rel=0.01)
