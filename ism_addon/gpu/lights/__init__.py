@@ -85,7 +85,7 @@ struct LightSample {
     vec3 point;     // m
     vec3 wi;        // unit, from the receiver to it
     float radiance; // towards the receiver; 0: no light from there
-    float pdf;      // density of solid angle, 1/sr; 1 if all light comes from one direction: radiance is irradiance then
+    float pdf;      // density of solid angle, 1/sr; 1 if there is one direction: radiance is irradiance then
 };"""
 
 #: Of each light type: result, name and parameters after the light. All are of a light of radiance 1; p and n are the
