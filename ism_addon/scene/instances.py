@@ -8,8 +8,8 @@ import numpy as np
 from .arrays import Arrays, array, index
 from .limits import MAX_DISTANCE
 
-#: Groups of instances that lights may be linked to: as many as a float32 has bits for.
-MAX_LINK_GROUPS = 24
+#: Groups of instances that lights may be linked to: bits of an instance's `groups`.
+MAX_LINK_GROUPS = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,4 +22,4 @@ class Instances(Arrays):
     visible: np.ndarray = array("bool I")
     casts_shadow: np.ndarray = array("bool I")
     #: Bit k: whether it belongs to group k.
-    groups: np.ndarray = index("uint32 I", into=1 << MAX_LINK_GROUPS)
+    groups: np.ndarray = array("uint32 I")

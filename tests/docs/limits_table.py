@@ -7,7 +7,8 @@ from ism_addon.scene.limits import MAX_DISTANCE, MAX_RADIANCE
 from ism_addon.setting_limits import MAX_TEXTURE_LINES, TEXTURE_WIDTH, WIDEST_FILTER
 
 ROWS = {
-    "triangles of all meshes, instances not counted": f"{MAX_TRIANGLES:,}",
+    "triangles of meshes that a picture needs, instances not counted": f"{MAX_TRIANGLES:,}, "
+    "or a third of the driver's `GL_MAX_TEXTURE_BUFFER_SIZE` if that is less",
     "groups of objects that lights are linked to": f"{MAX_LINK_GROUPS}",
     "distance from the world's origin": f"{MAX_DISTANCE:,.0f} m",
     "radiance of a light": f"{MAX_RADIANCE:g} W/(sr m²)",

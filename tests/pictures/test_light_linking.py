@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.passes.light_selection import cull_lights
+from ism_addon.scene import MAX_LINK_GROUPS
 from ism_addon.settings import Method
 from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
 
@@ -14,13 +15,15 @@ SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.S
 LEFT, RIGHT = quad((-2, -2, 0), (2, 0, 0), (0, 4, 0)), quad((0, -2, 0), (2, 0, 0), (0, 4, 0))
 LIDS = [quad((x, -2, 1.0), (2, 0, 0), (0, 4, 0)) for x in (-2, 0)]
 VIEW = from_above(3.0, (64, 48), height=0.8)
-GROUPS = np.array([0b01, 0b10, 0b100, 0b1000], np.uint32)
+#: Of the floor's halves and the two lids, the first groups or the last.
+GROUPS = pytest.mark.parametrize("groups", [range(4), range(MAX_LINK_GROUPS - 4, MAX_LINK_GROUPS)], ids=str)
 
 
-def halves(device, settings, lamps) -> tuple[float, float]:
+def halves(device, settings, lamps, groups: range = range(4)) -> tuple[float, float]:
     """The mean brightness of the floor's left and right, whose lids are as large; each of the four is a group."""
     scene = stage([LEFT, RIGHT, *LIDS], lamps)
-    scene = replace(scene, instances=replace(scene.instances, groups=GROUPS))
+    bits = np.array([1 << group for group in groups], np.uint32)
+    scene = replace(scene, instances=replace(scene.instances, groups=bits))
     picture = draw(device, scene, VIEW, settings).color[..., 0]
     return picture[:, :30].mean(), picture[:, 34:].mean()
 
@@ -35,14 +38,18 @@ def lamp(height: float, **links: int):
     return light(position=(0, 0, height), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1e4, **links)
 
 
-def test_only_the_linked_are_lit(device, settings):
-    for group, lit in ((-1, (True, True)), (0, (True, False)), (1, (False, True)), (2, (False, False))):
-        assert tuple(half > 0.0 for half in halves(device, settings, lamp(0.9, receivers=group))) == lit
+@GROUPS
+def test_only_the_linked_are_lit(device, settings, groups):
+    left, right, lid, _ = groups
+    for group, lit in ((-1, (True, True)), (left, (True, False)), (right, (False, True)), (lid, (False, False))):
+        assert tuple(half > 0.0 for half in halves(device, settings, lamp(0.9, receivers=group), groups)) == lit
 
 
-def test_only_the_linked_cast_shadows(device, settings):
-    for group, lit in ((-1, (False, False)), (2, (False, True)), (3, (True, False)), (0, (True, True))):
-        found = halves(device, settings, lamp(1.5, blockers=group))
+@GROUPS
+def test_only_the_linked_cast_shadows(device, settings, groups):
+    floor, _, left, right = groups
+    for group, lit in ((-1, (False, False)), (left, (False, True)), (right, (True, False)), (floor, (True, True))):
+        found = halves(device, settings, lamp(1.5, blockers=group), groups)
         bright = max(halves(device, settings, lamp(1.5, casts_shadow=False)))
         assert tuple(half > 0.5 * bright for half in found) == lit
 

@@ -29,8 +29,8 @@ TRIANGLES_AT_A_TIME = 1 << 15
 #: Portions that are made ready while one is uploaded.
 PORTIONS_AHEAD = 3
 
-#: Tables hold triangles' numbers as floats, see layout.
-MAX_TRIANGLES = 1 << 24
+#: OpenGL numbers the vertices of a draw by int32. Drivers whose buffer textures have fewer rows can draw fewer.
+MAX_TRIANGLES = (2**31 - 1) // 3
 
 Made = TypeVar("Made")
 
@@ -146,15 +146,9 @@ class MeshBuffers:
     """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
-        """Triangles lie as their trees want them, or as in their meshes. Raises ValueError if they are too many."""
+        """Triangles lie as their trees want them, or as in their meshes."""
         #: Triangles of each mesh.
         self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
-        count = int(self.counts.sum())
-        if count > MAX_TRIANGLES:
-            raise ValueError(
-                f"the meshes have {count:,} triangles, of which this engine can draw {MAX_TRIANGLES:,} "
-                "(instances of a mesh count once)"
-            )
         self.meshes, self.in_trees = meshes, in_trees
         #: Of those that are there, in the order in which they came: their numbers, and their trees.
         self.trees: dict[int, BLAS | DeferredBLAS | None] = {}
@@ -165,6 +159,7 @@ class MeshBuffers:
         low, high = bounding_boxes(meshes).swapaxes(0, 1)
         self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
         self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
+        self.most = min(MAX_TRIANGLES, device.buffer_textures.most // 3)  # normals have three rows each
 
     @property
     def arrays(self) -> dict[str, BufferTexture]:
@@ -172,10 +167,18 @@ class MeshBuffers:
         return {"corners": self.corners.array, "corner_normal_buffer": self.normals.array}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
-        """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes."""
+        """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes.
+
+        Raises ValueError if they are too many.
+        """
         new = [number for number in wanted if number not in self.trees]
         own = {number: trees[number] if self.in_trees else None for number in new}
         order = TriangleOrder([self.meshes[number] for number in new], list(own.values()))
+        if (count := self.count + order.count) > self.most:
+            raise ValueError(
+                f"the meshes have {count:,} triangles, of which this OpenGL can draw {self.most:,} "
+                "(instances of a mesh count once)"
+            )
         trim_heap()  # from reading and the trees: this is where most is in memory
         self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
         self.corners.reserve(2 * order.count)

@@ -98,16 +98,16 @@ class BufferTexture:
 class GrowingBuffer:
     """An array to whose end rows are written: a larger one takes its place when it is full."""
 
-    def __init__(self, gl: moderngl.Context, room: Callable[[int], BufferTexture]):
-        """`room` makes an array for so many rows."""
-        self._gl, self._room = gl, room
+    def __init__(self, gl: moderngl.Context, room: Callable[[int], BufferTexture], most: int):
+        """`room` makes an array for so many rows, `most` is how many it may have."""
+        self._gl, self._room, self._most = gl, room, most
         self.array, self.count = room(0), 0
 
     def reserve(self, more: int) -> None:
         """Make room for more rows: for just so many at first, then for some to come."""
         needed = self.count + more
         if needed > self.array.count:
-            larger = self._room(max(needed, self.count + self.count // 2))
+            larger = self._room(max(needed, min(self.count + self.count // 2, self._most)))
             if self.count:
                 self._gl.copy_buffer(larger.buffer, self.array.buffer, self.count * self.array.row)
             self.array = larger

@@ -87,7 +87,7 @@ class Device:
 
     def growing(self, components: int, dtype: str) -> GrowingBuffer:
         """The same for rows that come by and by."""
-        return GrowingBuffer(self.gl, lambda count: self.room(count, components, dtype))
+        return GrowingBuffer(self.gl, lambda count: self.room(count, components, dtype), self.buffer_textures.most)
 
     def check(self) -> None:
         """Whether all that was asked since the last time could be done. Raises ContextLost or GraphicsError."""

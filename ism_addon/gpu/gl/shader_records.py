@@ -1,50 +1,74 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One declaration for data that numpy fills and GLSL reads.
 
-A Record is a row of a table: the table is an Array (OpenGL 4.1 has no storage buffers, and a uniform block may hold no
-more than 16 KB). Numbers of kind "int" are stored as floats, exact up to 2^24.
+A Record is a row of a table: the table is a buffer texture (OpenGL 4.1 has no storage buffers, and a uniform block may
+hold no more than 16 KB). Its texels are four 32-bit words each. They are of an integer format: as floats, integers with
+the bit patterns of NaNs and of denormal numbers might not arrive.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .buffer_texture import BufferTexture
 from .context import Device
 
-SIZES = {"float": 1, "int": 1, "vec2": 2, "vec3": 3, "vec4": 4}
+#: Words in a texel.
+TEXEL_WORDS = 4
+
+
+class Kind(NamedTuple):
+    """What a member may be."""
+
+    dtype: str  # numpy's, of a word
+    words: int
+    from_bits: str  # GLSL: makes one of a uint, or a uvec
+
+
+KINDS = {
+    "float": Kind("f4", 1, "uintBitsToFloat"),
+    "vec2": Kind("f4", 2, "uintBitsToFloat"),
+    "vec3": Kind("f4", 3, "uintBitsToFloat"),
+    "vec4": Kind("f4", 4, "uintBitsToFloat"),
+    "int": Kind("i4", 1, "int"),
+    "uint": Kind("u4", 1, ""),
+}
 
 
 class Record:
-    """A named row of members, each a kind of SIZES."""
+    """A named row of members, each a kind of KINDS."""
 
     def __init__(self, name: str, **members: str):
         self.name = name
         self.members = members
+        kinds = {member: KINDS[kind] for member, kind in members.items()}
         self.dtype = np.dtype(
-            [(key, "f4", (SIZES[kind],)) if SIZES[kind] > 1 else (key, "f4") for key, kind in members.items()]
+            [(member, dtype, words) if words > 1 else (member, dtype) for member, (dtype, words, _) in kinds.items()]
         )
-        self.texels = -(-self.dtype.itemsize // 16)
+        self.texels = -(-self.dtype.itemsize // (4 * TEXEL_WORDS))
 
     def glsl(self) -> str:
-        """A struct of this name and `Name fetch_Name(samplerBuffer table, int row)`."""
-        struct = "".join(f"    {kind} {key};\n" for key, kind in self.members.items())
+        """A struct of this name and `Name fetch_Name(usamplerBuffer table, int row)`."""
+        struct = "".join(f"    {kind} {member};\n" for member, kind in self.members.items())
         rows = range(self.texels)
-        fetches = "".join(f"    vec4 t{k} = texelFetch(table, {self.texels} * row + {k});\n" for k in rows)
+        fetches = "".join(f"    uvec4 t{k} = texelFetch(table, {self.texels} * row + {k});\n" for k in rows)
         values, first = [], 0
-        for kind in self.members.values():
-            floats = [f"t{k // 4}.{'xyzw'[k % 4]}" for k in range(first, first + SIZES[kind])]
-            values.append(f"{kind}({', '.join(floats)})")
-            first += SIZES[kind]
+        for kind in map(KINDS.__getitem__, self.members.values()):
+            words = [f"t{k // TEXEL_WORDS}.{'xyzw'[k % TEXEL_WORDS]}" for k in range(first, first + kind.words)]
+            bits = words[0] if kind.words == 1 else f"uvec{kind.words}({', '.join(words)})"
+            values.append(f"{kind.from_bits}({bits})")
+            first += kind.words
         return (
             f"struct {self.name} {{\n{struct}}};\n"
-            f"{self.name} fetch_{self.name}(samplerBuffer table, int row) {{\n{fetches}"
+            f"{self.name} fetch_{self.name}(usamplerBuffer table, int row) {{\n{fetches}"
             f"    return {self.name}({', '.join(values)});\n}}\n"
         )
 
     def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
         """A table (N,) of this record's dtype."""
-        packed = np.zeros((len(table), 4 * self.texels), np.float32)
-        packed[:, : self.dtype.itemsize // 4] = table.view(np.float32).reshape(len(table), self.dtype.itemsize // 4)
-        return device.array(packed.reshape(-1, 4))
+        words = table.view(np.uint32).reshape(len(table), self.dtype.itemsize // 4)
+        packed = np.pad(words, ((0, 0), (0, TEXEL_WORDS * self.texels - words.shape[1])))
+        return device.array(packed.reshape(-1, TEXEL_WORDS))
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
@@ -70,7 +94,7 @@ def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
 INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 
 #: The groups that an instance belongs to, a bit for each.
-MEMBERSHIP = Record("Membership", groups="int")
+MEMBERSHIP = Record("Membership", groups="uint")
 
 #: What casts a shadow: the 3×4 matrix into its mesh's steps, that mesh's tree, who it is in the G-buffer, its groups.
 CASTER = Record(
@@ -84,7 +108,7 @@ CASTER = Record(
     triangles_per_leaf="int",
     first_triangle="int",
     instance="int",
-    link_groups="int",
+    link_groups="uint",
 )
 
 #: A Lambertian surface; a width of 0 means that there is no image.

@@ -8,6 +8,7 @@ import pytest
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.scene import MAX_LINK_GROUPS
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.cycles import direct_light
 
@@ -96,7 +97,7 @@ def test_the_children_of_a_collection_are_linked_with_it(things):
 
 
 def test_lights_that_are_linked_alike_share_a_group_and_too_many_are_told_of(things, add):
-    for number in range(26):
+    for number in range(MAX_LINK_GROUPS + 2):
         other = add(f"lamp {number}", bpy.data.lights.new("lamp", "AREA"))
         other.data.energy = 10.0
         collection = bpy.data.collections.new("group")
@@ -105,13 +106,14 @@ def test_lights_that_are_linked_alike_share_a_group_and_too_many_are_told_of(thi
         other.light_linking.receiver_collection = collection
     scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert set(scene.lights.receivers.tolist()) == {-1, 0, 1}
-    for number in range(26):
+    for number in range(MAX_LINK_GROUPS + 2):
         thing = add(f"thing {number}", ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
         bpy.data.objects[f"lamp {number}"].light_linking.receiver_collection.objects.link(thing)
     scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
-    assert set(scene.lights.receivers.tolist()) == {-1, *range(24)}
+    assert set(scene.lights.receivers.tolist()) == {-1, *range(MAX_LINK_GROUPS)}
     (warning,) = scene.warnings
-    assert warning.startswith("Lights are linked to no more than 24 groups, others are not linked: 'lamp")
+    told = f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked: 'lamp"
+    assert warning.startswith(told)
 
 
 @pytest.mark.parametrize("which", ["left", "instancer"])

@@ -133,8 +133,17 @@ def test_texture_coordinates_are_uploaded_with_images_alone(device):
     assert draw(device, painted, view).profile.rows["UploadUVs"].drawn == 1
 
 
-def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch):
-    monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
-    with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this engine can draw 100"):
-        MeshBuffers(device, (rubble(60), rubble(41)), in_trees=False)
-    assert MeshBuffers(device, (rubble(60), rubble(40)), in_trees=False).add((0, 1), {}) == 44 * 100
+@pytest.mark.parametrize("limit", ["int32", "rows"])
+def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch, limit):
+    """Of meshes that a picture needs. Up to the last triangle that there is room for, they are drawn."""
+    if limit == "int32":
+        monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
+    else:
+        monkeypatch.setattr(device.buffer_textures, "most", 302)
+    made = MeshBuffers(device, (rubble(60), rubble(41), rubble(30), rubble(10)), in_trees=False)
+    assert made.add((0,), {}) == 44 * 60
+    with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this OpenGL can draw 100"):
+        made.add((0, 1), {})
+    assert made.add((0, 2), {}) == 44 * 30
+    assert made.add((3,), {}) == 44 * 10
+    assert made.count == 100

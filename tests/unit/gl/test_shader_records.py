@@ -6,9 +6,22 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, head
-from ism_addon.gpu.gl.shader_records import LIGHT, Record, directions_from_octahedron, octahedron_from_directions
+from ism_addon.gpu.gl.shader_records import (
+    KINDS,
+    LIGHT,
+    Record,
+    directions_from_octahedron,
+    octahedron_from_directions,
+)
 
-ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4")
+ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4", mask="uint")
+
+
+#: Integers that a float32 cannot hold, and bits that are those of float32's infinities, NaNs and denormal numbers.
+ODD_BITS = np.array(
+    [*(0, 1, 2**24 + 1, 2**31 - 1, 2**31, 2**31 + 1, 2**32 - 1), *(0x7F800000, 0x7F800001, 0xFFC00001, 0x7FA00000, 5)],
+    np.uint32,
+)
 
 
 def run(device, declarations: str, expression: str, count: int, uniforms: dict) -> np.ndarray:
@@ -32,19 +45,45 @@ def test_every_member_of_every_row_arrives(device, record):
     table = np.zeros(rows, record.dtype)
     random = np.random.default_rng(0)
     for name in record.members:
-        table[name] = random.integers(-1000, 1000, table[name].shape)
+        table[name] = random.integers(0 if record.members[name] == "uint" else -1000, 1000, table[name].shape)
     texture = record.upload(device, table)
     for name, kind in record.members.items():
-        padding = {"float": ", 0, 0, 0", "int": ", 0, 0, 0", "vec2": ", 0, 0", "vec3": ", 0", "vec4": ""}[kind]
         told = run(
             device,
-            f"{record.glsl()}\nuniform samplerBuffer table;",
-            f"vec4(fetch_{record.name}(table, row).{name}{padding})",
+            f"{record.glsl()}\nuniform usamplerBuffer table;",
+            f"vec4(fetch_{record.name}(table, row).{name}{', 0' * (4 - KINDS[kind].words)})",
             rows,
             {"table": texture},
         )
         expected = table[name].reshape(rows, -1)
         assert np.array_equal(told[:, : expected.shape[1]], expected)
+
+
+def test_integers_arrive_bit_for_bit(device):
+    """Through a draw: where they were floats, they were exact to 2^24, and NaNs might be others."""
+    record = Record("Whole", before="float", signed="int", mask="uint", after="vec2")
+    table = np.zeros(len(ODD_BITS), record.dtype)
+    table["signed"], table["mask"] = ODD_BITS.view(np.int32), ODD_BITS
+    table["before"], table["after"] = -1.5, (2.5, 1e-38)
+    gl = device.gl
+    program = gl.program(
+        vertex_shader=head((), {}) + (FOLDER / "glsl/full_screen.vert").read_text(),
+        fragment_shader=f"{head((record,), {})}uniform usamplerBuffer table;\n"
+        "layout(location = 0) out uvec4 integers;\nlayout(location = 1) out vec4 floats;\nvoid main() {\n"
+        "    Whole row = fetch_Whole(table, int(gl_FragCoord.x));\n"
+        "    integers = uvec4(row.signed, row.mask, row.mask >> 31, row.signed < 0);\n"
+        "    floats = vec4(row.before, row.after, 0.0);\n}\n",
+    )
+    bind(program, table=record.upload(device, table))
+    integers, floats = (gl.texture((len(table), 1), 4, dtype=dtype) for dtype in ("u4", "f4"))
+    gl.enable_only(moderngl.NOTHING)
+    gl.framebuffer([integers, floats]).use()
+    gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+    found = np.frombuffer(integers.read(), np.uint32).reshape(-1, 4)
+    assert np.array_equal(found[:, 0].view(np.int32), table["signed"])
+    assert np.array_equal(found[:, 1], table["mask"])
+    assert np.array_equal(found[:, 2:], np.stack([table["mask"] >> 31, table["signed"] < 0], 1))
+    assert np.array_equal(np.frombuffer(floats.read(), "f4").reshape(-1, 4)[0, :3], np.float32([-1.5, 2.5, 1e-38]))
 
 
 def test_a_table_may_be_empty(device):

@@ -19,7 +19,8 @@ from tests.support.small_scenes import light
 
 RECEIVERS = 8
 MAIN = """
-uniform samplerBuffer points, normals, lights;
+uniform samplerBuffer points, normals;
+uniform usamplerBuffer lights;
 out vec4 result;
 void main() {
     int at = int(gl_FragCoord.x);

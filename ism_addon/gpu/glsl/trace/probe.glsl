@@ -1,7 +1,7 @@
 // One ray to a light from one of the pixels that a coarser pixel stands for.
 #include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
-uniform samplerBuffer lights;
+uniform usamplerBuffer lights;
 uniform ivec2 pixel_offset; // of the pixel among those
 
 // Rays that arrived, and rays. `light_uv` is that of the first of the pixels. Where the light sends something, but not

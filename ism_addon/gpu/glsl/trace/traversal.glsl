@@ -8,7 +8,7 @@
 uniform usamplerBuffer blas_nodes;
 uniform usamplerBuffer blas_leaf_starts;
 uniform usamplerBuffer tlas_nodes;
-uniform samplerBuffer casters;
+uniform usamplerBuffer casters;
 uniform int tlas_leaves;
 uniform vec3 tlas_centre;
 uniform vec3 tlas_scale;

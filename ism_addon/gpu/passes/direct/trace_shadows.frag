@@ -3,7 +3,7 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
-uniform samplerBuffer lights;
+uniform usamplerBuffer lights;
 uniform int light_index;
 uniform sampler2D prediction;         // visibility, and whether that is uncertain
 uniform sampler2D prediction_surface; // positions and normals that it was predicted for

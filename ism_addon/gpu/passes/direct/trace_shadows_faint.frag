@@ -3,7 +3,7 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
-uniform samplerBuffer lights;
+uniform usamplerBuffer lights;
 uniform uvec3 light_steps;
 flat in float tile_light;
 flat in float tile_visibility;

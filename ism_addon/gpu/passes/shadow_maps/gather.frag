@@ -3,9 +3,9 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 
-uniform samplerBuffer lights;
-uniform samplerBuffer virtual_light_ranges;
-uniform samplerBuffer virtual_lights;
+uniform usamplerBuffer lights;
+uniform usamplerBuffer virtual_light_ranges;
+uniform usamplerBuffer virtual_lights;
 uniform sampler2D shadow_maps;
 uniform int light_count; // of those that contribute
 uniform ivec2 batch;     // first virtual light, number of virtual lights

@@ -17,8 +17,8 @@ uniform vec2 first; // fine pixel of the first pixel
 uniform ivec2 last; // and the last one that there is
 flat in vec4 visibility_texel_and_offset;
 flat in float sample_index;
-uniform samplerBuffer instances;
-uniform samplerBuffer materials;
+uniform usamplerBuffer instances;
+uniform usamplerBuffer materials;
 uniform isamplerBuffer corner_normal_buffer;
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;

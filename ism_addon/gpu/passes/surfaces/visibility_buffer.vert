@@ -1,7 +1,7 @@
 // Object to clip space of the fine picture, see sampling.Grid. The mesh stands where its instance's rows say. Without
 // vertices or indices: they would take as much memory as the corners, which is all that there is of a large scene.
 #include "trace/triangle_fetch.glsl"
-uniform samplerBuffer instances;
+uniform usamplerBuffer instances;
 uniform int first_instance;
 uniform bool together; // small meshes that stand once: their triangles say whose they are
 uniform usamplerBuffer owners;
