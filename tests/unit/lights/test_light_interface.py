@@ -18,7 +18,7 @@ from .bulb import BULB, Bulb
 
 SIDE = 256
 MAIN = """
-uniform samplerBuffer lights;
+uniform usamplerBuffer lights;
 uniform vec3 point, normal;
 layout(location = 0) out vec4 of_sample;    // radiance, cosine, pdf; irradiance of all of the light
 layout(location = 1) out vec4 of_direction; // of that sample: pdf, emitted; of a direction of the hemisphere: the same
