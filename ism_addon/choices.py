@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are one of a few names."""
+"""Settings with a fixed set of values."""
 
 from enum import StrEnum
 from typing import Self
@@ -9,7 +9,7 @@ from .resource_types import Target
 
 
 class Choice(StrEnum):
-    """A setting of a few names. Each has a label and a meaning for its user."""
+    """A setting with a fixed set of values. Each has a label and a meaning, shown to the user."""
 
     label: str
     meaning: str
@@ -37,11 +37,11 @@ class Method(Choice):
 
 
 class Resolution(Choice):
-    """The side of the viewport's picture, in percent of the viewport's."""
+    """Width and height of what the viewport draws, in percent of the viewport."""
 
-    FULL = "100", "100 %", "Draw each pixel"
-    HALF = "50", "50 %", "Draw a quarter of the pixels, each twice as wide and high"
-    QUARTER = "25", "25 %", "Draw a sixteenth of the pixels, each four times as wide and high"
+    FULL = "100", "100 %", "Render at full resolution"
+    HALF = "50", "50 %", "Render at half width and height"
+    QUARTER = "25", "25 %", "Render at a quarter of the width and height"
 
 
 def _view(target: Target) -> tuple[str, str, str]:
@@ -49,7 +49,7 @@ def _view(target: Target) -> tuple[str, str, str]:
 
 
 class DebugView(Choice):
-    """The render, or any target with a label that a pass makes on the way to it."""
+    """The render, or any render target that has a label."""
 
     SAMPLE_COLOR = _view(resources.SAMPLE_COLOR)
     PRIMITIVE = _view(resources.PRIMITIVE)

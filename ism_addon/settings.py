@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every number a user can turn: label, meaning, unit, range and default, once.
+"""All settings: label, meaning, unit, range and default, declared once.
 
 Blender's property groups, the panels' tooltips, the command line's flags and docs/settings.md
 are made from these fields. A section is a frozen dataclass, so two settings compare by value.
@@ -15,7 +15,7 @@ from .choices import Choice, DebugView, Method, Resolution
 
 @dataclass(frozen=True)
 class Control:
-    """How a setting looks to its user. Units are Blender's names of property subtypes."""
+    """How a setting appears to the user. Units are Blender's names of property subtypes."""
 
     label: str
     meaning: str
@@ -23,7 +23,7 @@ class Control:
     high: float | None = None
     soft_high: float | None = None
     unit: str = "NONE"
-    method: Method | None = None  # the only one that the setting counts for
+    method: Method | None = None  # the only method that uses the setting
 
 
 def setting(default: Any, label: str, meaning: str, method: Method | None = None, **control: Any) -> Any:
@@ -74,7 +74,7 @@ class Shadow:
     fill_threshold: float = setting(
         0.02,
         "Fill Threshold",
-        "Depths that differ by less than this part of their distance count as one surface when holes are filled",
+        "Depths that differ by less than this fraction of their distance count as one surface when holes are filled",
         low=0.0,
         high=1.0,
         soft_high=0.2,
@@ -104,7 +104,7 @@ class SSAO:
     cone_angle: float = setting(
         math.radians(160.0),
         "Cone Angle",
-        "Opening of the cone around the surface's normal in which occluders are looked for. "
+        "Opening angle of the cone around the surface's normal that is searched for occluders. "
         "Narrow finds only what is straight above, wide also what is at the sides",
         low=math.radians(1.0),
         high=math.pi,
@@ -130,12 +130,12 @@ class SSAO:
 
 @dataclass(frozen=True)
 class Quality:
-    """How much work a picture is worth."""
+    """Sampling: how many samples, and when to stop; sizes of the shadow maps."""
 
     samples: int = setting(
         16,
         "Samples",
-        "Pictures that are averaged, each with other points on the lights and in the pixels. "
+        "Samples that are averaged, each with other points on the lights and in the pixels. "
         "More smooth edges and penumbrae; time grows in proportion",
         low=1,
         high=65536,
@@ -144,8 +144,8 @@ class Quality:
     error_threshold: float = setting(
         0.01,
         "Error Threshold",
-        "Blocks of 8×8 pixels have no more samples when their estimated error is below this part of the picture's mean "
-        "brightness, and the picture is done when all are; after 16 samples at the earliest. "
+        "Tiles of 8×8 pixels have no more samples when their estimated error is below this fraction of the render's "
+        "mean brightness, and the render is done when all are; after 16 samples at the earliest. "
         "Less is smoother and takes longer; 0 draws all samples",
         low=0.0,
         high=1.0,
@@ -195,50 +195,50 @@ class Quality:
 
 @dataclass(frozen=True)
 class ViewportQuality(Quality):
-    """How much work the viewport's picture is worth, and how large it is drawn."""
+    """Sampling in the viewport, and its resolution."""
 
     resolution: Resolution = setting(  # noqa: RUF009 (what it returns is a field)
         Resolution.FULL,
         "Resolution",
-        "Width and height of what is drawn, in parts of the viewport, which it is enlarged to. "
+        "Width and height of what is drawn, relative to the viewport, to which it is enlarged. "
         "Less is coarser; time falls with the number of pixels",
     )
 
 
-#: The two uses of Quality: Blender's final render, and its viewport, where waiting is felt.
+#: Defaults of final renders, and of the viewport, where latency matters.
 FINAL = Quality()
 VIEWPORT = ViewportQuality(virtual_lights=32, map_size=64, map_points=8192)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """All that shapes one picture, apart from the scene and the view."""
+    """All inputs of an image, apart from the scene and the view."""
 
     shadow: Shadow = Shadow()
     ssao: SSAO = SSAO()
     quality: Quality = FINAL
-    #: Off, no work is left out that would not change the picture, and nothing is taken from the picture before: to
-    #: measure what that saves.
+    #: Off: work that does not change the image is done all the same, and nothing is reused from the image before. To
+    #: measure what shortcuts save.
     shortcuts: bool = True
     debug_view: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
         DebugView.SAMPLE_COLOR,
         "Debug View",
-        "Show what a step of the method has made instead of the picture. Final renders are always the picture",
+        "Show an intermediate result in the viewport instead of the render. Final renders ignore it",
     )
 
 
-#: Sections by the name under which users and scripts find them.
+#: Sections by the name that scripts and the command line use.
 SECTIONS: dict[str, type] = {"shadow": Shadow, "ssao": SSAO, "quality": Quality}
 
 
 def setting_fields(section: type) -> Iterator[tuple[Field, Control]]:
-    """The fields of a section that users can turn, with what they see of them."""
+    """The fields of a section that are settings, with their Controls."""
     for member in fields(section):
         if "control" in member.metadata:
             yield member, member.metadata["control"]
 
 
 def help_text(member: Field, control: Control) -> str:
-    """What a setting means, and each of its choices if it is one."""
+    """The meaning of a setting; of a choice, also that of each value."""
     choices = type(member.default) if isinstance(member.default, Choice) else ()
     return ". ".join([control.meaning, *(f"{choice}: {choice.meaning}" for choice in choices)])

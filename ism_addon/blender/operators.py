@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of operators)
-"""What the writer of a bug report and the developer who reads it want: a picture's origin as a file, shaders anew."""
+"""Operators for debugging: save a snapshot, reload the shaders."""
 
 import bpy
 from bpy_extras.io_utils import ExportHelper
@@ -10,13 +10,13 @@ from .viewport import redraw_timer
 
 
 class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
-    """Scene, view and settings to one file, from which the picture can be drawn without Blender."""
+    """Scene, view and settings to one file, from which the render can be repeated without Blender."""
 
     bl_idname = "ism.save_snapshot"
     bl_label = "Save Snapshot"
     bl_description = (
-        "Save all that the picture is made of, to be drawn elsewhere or sent with a report: "
-        "what this viewport shows or, from other editors, what the scene's camera sees. Takes no time for drawing"
+        "Save scene, view and settings to one file, to render it elsewhere or to send it with a report: "
+        "those of this viewport or, in other editors, those of the final render. Renders nothing"
     )
     filename_ext = ".npz"
     filter_glob: bpy.props.StringProperty(default="*.npz", options={"HIDDEN"})
@@ -26,7 +26,7 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
         return context.engine == "ISM"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from .render import save_snapshot  # Blender starts without what reads scenes
+        from .render import save_snapshot  # imported late: Blender starts faster
         from .sync import camera
 
         try:
@@ -40,13 +40,13 @@ class ISM_OT_save_snapshot(ExportHelper, bpy.types.Operator):
 
 
 class ISM_OT_reload_shaders(bpy.types.Operator):
-    """What is drawn from now on is drawn by the shaders as they are now."""
+    """Compile the shaders again, from their files as they are now."""
 
     bl_idname = "ism.reload_shaders"
     bl_label = "Reload Shaders"
     bl_description = (
-        "Read the shaders' files again and draw the viewports anew, which takes the time of a first picture. "
-        "A mistake in a shader is told in the viewport, which keeps its picture"
+        "Read the shaders' files again and redraw the viewports. "
+        "An error in a shader is shown in the viewport's header, and the viewport keeps what it shows"
     )
 
     @classmethod
@@ -56,7 +56,7 @@ class ISM_OT_reload_shaders(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         shared.reload()
         redraw_timer.redraw()
-        self.report({"INFO"}, "The next picture is drawn by the shaders as they are now")
+        self.report({"INFO"}, "Shaders are compiled again")
         return {"FINISHED"}
 
 

@@ -9,8 +9,8 @@ from ..scene import Scene
 
 #: What is counted beside the passes.
 COUNTS = (
-    *("triangles_drawn", "pixels_drawn", "lights_used", "pixels_refined", "pixels_checked"),
-    *("virtual_lights", "map_points", "bytes_uploaded", "bytes_of_targets"),
+    *("triangles_drawn", "pixels_drawn", "lights_used", "pairs_traced", "retests"),
+    *("virtual_lights", "map_points", "bytes_uploaded", "render_target_bytes"),
 )
 
 
@@ -31,8 +31,8 @@ class Profile:
     rows: defaultdict[str, PassProfile] = field(default_factory=lambda: defaultdict(PassProfile))
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
 
-    def statistics(self, scene: Scene, samples: int, seconds: float, error: float, ended_by: str) -> dict:
-        """The same as plain values, for scripts; `error` as in convergence.py, `ended_by` as in render_loop.py."""
+    def statistics(self, scene: Scene, samples: int, seconds: float, error: float, stopped_by: str) -> dict:
+        """The same as plain values, for scripts; `error` as in convergence.py, `stopped_by` as in render_loop.py."""
         return {
             "passes": {name: asdict(row) for name, row in self.rows.items()},
             **self.counts,
@@ -40,7 +40,7 @@ class Profile:
             "samples": samples,
             "seconds": seconds,
             "error": error,
-            "ended_by": ended_by,
+            "stopped_by": stopped_by,
         }
 
 
@@ -51,7 +51,7 @@ def table(statistics: dict) -> str:
         lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")
     names = [name for name in ("samples", *COUNTS, "triangles") if statistics[name]]
     counted = (f"{statistics[name]:,} {name.replace('_', ' ')}" for name in names)
-    end = f"{statistics['seconds']:.2f} s, ended by {statistics['ended_by']}"
+    end = f"{statistics['seconds']:.2f} s, stopped by {statistics['stopped_by']}"
     if math.isfinite(statistics["error"]):
         end += f", estimated error {100.0 * statistics['error']:.2f} % of the mean brightness"
     return "\n".join([*lines, " · ".join(counted), end])

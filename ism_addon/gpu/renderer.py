@@ -98,7 +98,7 @@ class Renderer:
         yield from run(FILM, frame, profile)
         yield from run((AT_LAST, JUDGED) if is_due(sample, settings.quality.samples) else (JUDGED,), frame, profile)
         self.pace.end()
-        profile.counts["bytes_of_targets"] = self.graph.targets.bytes
+        profile.counts["render_target_bytes"] = self.graph.targets.bytes
         self.last = frame, profile
         self.device.collect()
 

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own panels that serve this engine too: it is added to their COMPAT_ENGINES, and taken out again."""
+"""Adds this engine to COMPAT_ENGINES of Blender's own panels, and removes it again."""
 
 from collections.abc import Iterator
 
 import bpy
 
-#: Made for Blender's engines by name, but right here too.
+#: Panels that name Blender's engines but suit this one too.
 ALSO = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "MATERIAL_PT_preview",
 }
-#: Open to every engine, but about what this one does not draw, or has a panel of its own for.
+#: Panels for every engine about what this one does not draw, or has its own panel for.
 LEFT_OUT = {
     "DATA_PT_light",
     "DATA_PT_spot",
@@ -26,7 +26,7 @@ LEFT_OUT_PREFIXES = ("DATA_PT_lightprobe", "VIEWLAYER_PT_freestyle")
 
 
 def panels() -> Iterator[type[bpy.types.Panel]]:
-    """Every panel to borrow, in this version of Blender and with the add-ons that are enabled."""
+    """Every compatible panel of this version of Blender and of the enabled add-ons."""
     for panel in bpy.types.Panel.__subclasses__():
         name = panel.__name__
         if name in LEFT_OUT or name.startswith(LEFT_OUT_PREFIXES):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels)
-"""The panel for those who look into the method, or report what went wrong."""
+"""The panel for debugging: debug views, snapshots, shaders."""
 
 import bpy
 

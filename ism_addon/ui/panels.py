@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels)
-"""The engine's own panels. Those for settings are loops over a section's fields, so a new setting shows by itself."""
+"""The engine's own panels. Those for settings loop over a section's fields, so a new setting appears by itself."""
 
 import bpy
 
@@ -9,7 +9,7 @@ from .presets import ISM_RENDER_PT_presets
 
 
 class ISMPanel:
-    """A panel of the properties editor that shows only while ISM is the render engine."""
+    """A panel of the properties editor, visible while ISM is the render engine."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -22,12 +22,12 @@ class ISMPanel:
 
 
 class SectionPanel(ISMPanel):
-    """The settings of one section that count for the scene's method, greyed out while what they rest on is off."""
+    """The settings of one section that the scene's method uses, greyed out while the switch they depend on is off."""
 
     layout: bpy.types.UILayout
     section: type
     name: str  # under scene.ism
-    rests_on: dict[str, str] = {}
+    depends_on: dict[str, str] = {}  # setting: the switch
 
     def draw(self, context: bpy.types.Context) -> None:
         group = getattr(context.scene.ism, self.name)
@@ -36,12 +36,12 @@ class SectionPanel(ISMPanel):
         layout.active = getattr(group, "enabled", True)
         for name in self.shown(context.scene):
             row = layout.row()
-            row.active = getattr(group, self.rests_on.get(name, ""), True)
+            row.active = getattr(group, self.depends_on.get(name, ""), True)
             row.prop(group, name)
 
     @classmethod
     def shown(cls, scene: bpy.types.Scene) -> list[str]:
-        """Names of the settings that the panel has in this scene; its switch is in the header."""
+        """Names of the settings that the panel shows in this scene; its switch is in the header."""
         return [
             member.name
             for member, control in settings.setting_fields(cls.section)
@@ -84,7 +84,7 @@ class ISM_RENDER_PT_shadow(SwitchedPanel, bpy.types.Panel):
     bl_label = "Shadows"
     section = settings.Shadow
     name = "shadow"
-    rests_on = {"fill_threshold": "fill_holes"}
+    depends_on = {"fill_threshold": "fill_holes"}
 
 
 class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
@@ -119,7 +119,7 @@ class ISM_VIEWLAYER_PT_passes(ISMPanel, bpy.types.Panel):
 
 
 class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
-    """Blender's own light panels are made for one engine each, and none has all that an area light can do here."""
+    """Blender's own light panels belong to one engine each, and none has all properties of an area light."""
 
     bl_label = "Light"
     bl_context = "data"
@@ -166,7 +166,7 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
 
 
 class ISM_OBJECT_PT_ray_visibility(ISMPanel, bpy.types.Panel):
-    bl_label = "Seen By"
+    bl_label = "Ray Visibility"
     bl_context = "object"
     bl_parent_id = "OBJECT_PT_visibility"
 

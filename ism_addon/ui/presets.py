@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels and operators)
-"""Presets of quality, as Blender keeps them: a script each, ours beside this floor, the user's own in Blender's folder.
+"""Quality presets: scripts, as in Blender. Ours are in the package, the user's own in Blender's folder.
 
-A preset begins with the defaults of all that it is about, so ours are scripts that say what differs.
+A preset first resets all properties in ABOUT, so ours only set what differs from the defaults.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ from . import redraw
 #: Holds the folder presets, where Blender looks for preset_subdir.
 FOLDER = str(Path(__file__).parents[1])
 
-#: What a preset is about, under scene.ism: how pictures are drawn, not how they look.
+#: Properties under scene.ism that a preset sets: (group, name). Quality, but not the look of shadows and occlusion.
 ABOUT = [
     ("shadow", "method"),
     *(("render", member.name) for member, _ in settings.setting_fields(type(settings.FINAL))),
@@ -35,7 +35,7 @@ class ISM_RENDER_PT_presets(PresetPanel, bpy.types.Panel):
 
     @staticmethod
     def reset_cb(context: bpy.types.Context, path: str) -> None:
-        """Before a preset's script is run. One that version 0.1.0 saved is written anew with today's names first."""
+        """Before a preset's script is run: reset the properties, and rewrite a script of 0.1.0 with today's names."""
         with open(path, encoding="utf-8") as file:
             script = file.read()
         if (current := old_names.current_preset(script)) != script:
@@ -46,13 +46,13 @@ class ISM_RENDER_PT_presets(PresetPanel, bpy.types.Panel):
 
     @staticmethod
     def post_cb(context: bpy.types.Context, path: str) -> None:
-        """After it: a step that can be undone, which Blender's operator is not by itself."""
+        """After it: push an undo step, which Blender's operator does not."""
         redraw.viewports(None, context)
         bpy.ops.ed.undo_push(message=f"Preset {bpy.path.display_name_from_filepath(path)}")
 
 
 class RENDER_OT_ism_preset_add(AddPresetBase, bpy.types.Operator):
-    """Keep the quality of the viewport and of final renders as a preset, or remove one"""
+    """Save the quality of the viewport and of final renders as a preset, or remove one"""
 
     bl_idname = "render.ism_preset_add"
     bl_label = "Add Quality Preset"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-Look stands there once, quality twice; `.debug_view` shows a step of the method. Every property can be animated, and an
-edit redraws the 3D viewports.
+`render` and `viewport` are sections of quality; `.debug_view` shows a render target. Every property can be animated,
+and an edit redraws the 3D viewports.
 """
 
 from dataclasses import Field
@@ -15,7 +15,7 @@ from . import redraw
 
 
 def _property(member: Field, control: settings.Control, default: Any) -> Any:
-    """The bpy property for a field. `bool` is asked for first: it is an `int` too."""
+    """The bpy property for a field. `bool` is tested first, because it is a subclass of `int`."""
     facts = {"name": control.label, "description": control.meaning, "default": default, "update": redraw.viewports}
     if isinstance(default, bool):
         return bpy.props.BoolProperty(**facts)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels)
-"""The settings that are turned most often, in the popover of the 3D viewport's shading."""
+"""The most used settings, in the popover of the 3D viewport's shading."""
 
 import bpy
 

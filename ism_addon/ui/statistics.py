@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels)
-"""The panel that says what the latest picture took, as the engine tells."""
+"""The panel with the statistics of the latest render."""
 
 from collections.abc import Sequence
 
@@ -15,12 +15,12 @@ COLUMNS = ("Pass", "Drawn", "Reused", "Skipped", "ms")
 
 
 def latest() -> tuple[str, dict]:
-    """Of which picture, and what it took: asked of the engine by its name, since this floor does not know it."""
+    """Its use, "viewport" or "render", and its statistics; by the engine's name, since `ui` does not import it."""
     return bpy.types.RenderEngine.bl_rna_get_subclass_py("ISM").latest_statistics()
 
 
 def passes(statistics: dict) -> list[tuple[str, ...]]:
-    """A row a pass that was drawn, reused or skipped."""
+    """A row for each pass: name, times drawn, reused and skipped, milliseconds."""
     return [
         (name, *(f"{row[count]:,}" for count in ("drawn", "reused", "skipped")), f"{row['ms']:,.1f}")
         for name, row in statistics["passes"].items()
@@ -28,12 +28,12 @@ def passes(statistics: dict) -> list[tuple[str, ...]]:
 
 
 def counts(statistics: dict) -> list[tuple[str, str]]:
-    """What else there is to count, without what there is none of."""
-    megabytes = {name: f"{statistics[name] / 2**20:,.1f} MB" for name in ("bytes_uploaded", "bytes_of_targets")}
+    """Labels and texts of all other statistics that are not 0."""
+    megabytes = {name: f"{statistics[name] / 2**20:,.1f} MB" for name in ("bytes_uploaded", "render_target_bytes")}
     rows = [
         ("Samples", "samples", f"{statistics['samples']:,}"),
         ("Time", "seconds", f"{statistics['seconds']:.2f} s"),
-        ("Ended By", "ended_by", ENDS[statistics["ended_by"]]),
+        ("Stopped By", "stopped_by", ENDS[statistics["stopped_by"]]),
         (
             "Estimated Error",
             "error",
@@ -43,12 +43,12 @@ def counts(statistics: dict) -> list[tuple[str, str]]:
         ("Triangles Drawn", "triangles_drawn", f"{statistics['triangles_drawn']:,}"),
         ("Pixels Drawn", "pixels_drawn", f"{statistics['pixels_drawn']:,}"),
         ("Lights Used", "lights_used", f"{statistics['lights_used']:,}"),
-        ("Pixels Refined", "pixels_refined", f"{statistics['pixels_refined']:,}"),
-        ("Pixels Checked", "pixels_checked", f"{statistics['pixels_checked']:,}"),
+        ("Pixel–Light Pairs Traced", "pairs_traced", f"{statistics['pairs_traced']:,}"),
+        ("Occlusion Retests", "retests", f"{statistics['retests']:,}"),
         ("Virtual Point Lights", "virtual_lights", f"{statistics['virtual_lights']:,}"),
         ("Points per Map", "map_points", f"{statistics['map_points']:,}"),
         ("Uploaded", "bytes_uploaded", megabytes["bytes_uploaded"]),
-        ("Memory of Targets", "bytes_of_targets", megabytes["bytes_of_targets"]),
+        ("Render Target Memory", "render_target_bytes", megabytes["render_target_bytes"]),
     ]
     return [(label, text) for label, name, text in rows if statistics[name]]
 
@@ -68,7 +68,7 @@ class ISM_RENDER_PT_statistics(ISMPanel, bpy.types.Panel):
         self.table([COLUMNS, *passes(statistics)], columns=len(COLUMNS))
 
     def table(self, rows: Sequence[tuple[str, ...]], columns: int) -> None:
-        """Texts in columns, the first to the left and numbers to the right."""
+        """Texts in columns: the first one left-aligned, the others right-aligned."""
         grid = self.layout.grid_flow(row_major=True, columns=columns, align=True)
         for row in rows:
             for column, text in enumerate(row):

@@ -34,7 +34,7 @@ TRUTH_SAMPLES = 128
 #: Samples whose error is the goal.
 GOALS = 1, 4, 16, 64
 SECONDS = 16.0  # that each accumulates
-COUNTED = ("lights_used", "triangles_drawn", "pixels_drawn", "pixels_refined", "pixels_checked", "bytes_uploaded")
+COUNTED = ("lights_used", "triangles_drawn", "pixels_drawn", "pairs_traced", "retests", "bytes_uploaded")
 
 
 def draw(renderer: Renderer, picture: Picture) -> tuple[float, Profile, np.ndarray]:

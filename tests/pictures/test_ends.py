@@ -40,14 +40,14 @@ def drawn(device):
 
 def test_all_samples_if_nothing_else_ends_it(drawn):
     job, _ = drawn(samples=5)
-    assert (job.samples_done, job.statistics["samples"], job.statistics["ended_by"]) == (5, 5, "samples")
+    assert (job.samples_done, job.statistics["samples"], job.statistics["stopped_by"]) == (5, 5, "samples")
 
 
 @pytest.mark.parametrize("method", Method)
 def test_a_small_error_ends_it(drawn, device, method):
     settings = replace(SMALL_SETTINGS, shadow=Shadow(method=method))
     job, _ = drawn(settings, samples=4096, error_threshold=0.2)
-    assert job.statistics["ended_by"] == "error"
+    assert job.statistics["stopped_by"] == "error"
     assert MIN_SAMPLES_TO_STOP <= job.samples_done == job.picture().samples < 4096
     assert job.statistics["error"] < 0.2
     asked = with_quality(settings, samples=4096, error_threshold=0.2)
@@ -65,19 +65,19 @@ def test_less_error_is_less(drawn):
 @pytest.mark.parametrize("coarse", [1, 4])
 def test_one_sample_is_drawn_however_little_time_there_is(drawn, coarse):
     job, _ = drawn(samples=4096, time_limit=1e-9, coarse=coarse)
-    assert (job.samples_done, job.picture().samples, job.statistics["ended_by"]) == (1, 1, "time")
+    assert (job.samples_done, job.picture().samples, job.statistics["stopped_by"]) == (1, 1, "time")
 
 
 def test_no_sample_is_begun_when_the_time_is_up(drawn):
     job, _ = drawn(samples=65536, time_limit=0.5)
-    assert job.statistics["ended_by"] == "time"
+    assert job.statistics["stopped_by"] == "time"
     assert 1 < job.samples_done < 65536
     assert job.picture().samples == job.samples_done
     assert job.statistics["seconds"] >= 0.5
 
 
 def test_time_that_is_enough_ends_nothing(drawn):
-    assert drawn(samples=3, time_limit=1e6)[0].statistics["ended_by"] == "samples"
+    assert drawn(samples=3, time_limit=1e6)[0].statistics["stopped_by"] == "samples"
 
 
 def test_the_error_is_told_as_soon_as_there_are_two_samples(drawn):
@@ -88,9 +88,9 @@ def test_the_error_is_told_as_soon_as_there_are_two_samples(drawn):
 
 
 def test_the_table_says_what_ended_it(drawn):
-    assert "ended by time" in table(drawn(samples=9, time_limit=1e-9)[0].statistics)
+    assert "stopped by time" in table(drawn(samples=9, time_limit=1e-9)[0].statistics)
     assert "error" not in table(drawn(samples=1)[0].statistics)
     job, _ = drawn(samples=2)
     told = table(job.statistics)
-    assert "ended by samples" in told
+    assert "stopped by samples" in told
     assert f"estimated error {100.0 * job.statistics['error']:.2f} %" in told

@@ -81,7 +81,7 @@ def test_what_is_not_needed_is_left_out(device, why, method):
         sum(memory_of(textures[target]) for target in spared & textures.keys())
         for textures in (each.renderer.graph.targets.textures for each in (whole, part))
     )
-    counted = (each.profile.counts["bytes_of_targets"] for each in (whole, part))
+    counted = (each.profile.counts["render_target_bytes"] for each in (whole, part))
     assert left <= 9 * 16 * len(spared) < taken
     assert next(counted) - next(counted) >= taken - left
 

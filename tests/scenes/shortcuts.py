@@ -69,13 +69,13 @@ def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
     of_them = SAMPLES * scene.triangle_count // 4  # the other rooms are beside the picture
     yield Case("first picture", whole, equal={"lights_used": 5}, at_most={"triangles_drawn": of_them})
     sky = looking((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), width, height)
-    nothing = {"lights_used": 0, "pixels_refined": 0, "pixels_checked": 0}
+    nothing = {"lights_used": 0, "pairs_traced": 0, "retests": 0}
     yield Case("nothing but background", (scene, sky, settings()), equal=nothing)
     yield from (edited(edit, *whole[:2], method) for method in Method for edit in EDITS)
     for lack in WITHOUT_LIGHT + WITHOUT_SHADOWS:
         lacking, without = lack(scene, settings())
         never = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded", "PredictVisibility"}
-        yield Case(words(lack), (lacking, view, without), never=frozenset(never), equal={"pixels_refined": 0})
+        yield Case(words(lack), (lacking, view, without), never=frozenset(never), equal={"pairs_traced": 0})
     for lack in WITHOUT_OCCLUSION:
         lacking, without = lack(scene, settings())
         if lack is not tiny_radius:  # in a room, a camera may be as close as it likes to what it sees
@@ -87,7 +87,7 @@ def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
         lit, _ = rooms({why: IDLE_LIGHTS}, width, height)
         looked_for = {"hidden": 4 * pixels, "faint": pixels}.get(why, 0)
         used = 5 + (IDLE_LIGHTS // 10 if why == "faint" else 0)  # here and there in the dark they may count
-        at_most = {"pixels_checked": looked_for, "lights_used": used}
+        at_most = {"retests": looked_for, "lights_used": used}
         yield Case(f"{IDLE_LIGHTS} lights {why}", (lit, view, settings()), at_most=at_most)
 
 

@@ -35,7 +35,7 @@ def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width)
     assert lights == (1 if settings is SMALL_SETTINGS else 0)
     others = memory_estimate.TARGETS_PER_LIGHT * lights + memory_estimate.FULL_SIZE_IMAGES
     wanted = memory_estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
-    assert wanted == pytest.approx(drawn.profile.counts["bytes_of_targets"], rel=0.1)
+    assert wanted == pytest.approx(drawn.profile.counts["render_target_bytes"], rel=0.1)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux")

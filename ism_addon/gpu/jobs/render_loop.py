@@ -117,10 +117,10 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
         job._picture = Picture(coarse_renderer.images([COMBINED]), 0)
         job.tell(first_seconds=coarse_renderer.pixel_pass_seconds(profile))
         yield
-    next_picture, ended_by = start, ""
+    next_picture, stopped_by = start, ""
     filtered = [each for each in request.passes if each.filtered]
     of_first_sample: dict[str, np.ndarray] = {}
-    while not ended_by:
+    while not stopped_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
         for _ in renderer.sample(*sample, low_latency=request.coarse > 0, cancelled=cancelled):
             if job.samples_done == 0:  # later ones do nothing new
@@ -131,14 +131,14 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
         if job.samples_done == 0:
             of_first_sample = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
-        ended_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
-        if ended_by:
+        stopped_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
+        if stopped_by:
             renderer.pace.finish()
         job.first_seconds = job.first_seconds or renderer.pixel_pass_seconds(profile)
         job.statistics = profile.statistics(
-            request.scene, job.samples_done, now - start, renderer.error.image_error, ended_by
+            request.scene, job.samples_done, now - start, renderer.error.image_error, stopped_by
         )
-        if ended_by or now >= next_picture:
+        if stopped_by or now >= next_picture:
             job._picture = Picture(renderer.images(filtered) | of_first_sample, job.samples_done)
             shown = time.perf_counter()
             next_picture = shown + (shown - now) * (1.0 - DISPLAY_TIME_FRACTION) / DISPLAY_TIME_FRACTION

@@ -44,7 +44,7 @@ def test_a_small_error_ends_it_and_the_status_says_how_small(scene, told):
     scene.ism.render.samples, scene.ism.render.error_threshold = 65536, 0.5
     said = told()
     statistics = engine.statistics()
-    assert statistics["ended_by"] == "error"
+    assert statistics["stopped_by"] == "error"
     assert f"Sample {statistics['samples']}/65536, error {100.0 * statistics['error']:.1f} %" in said
 
 
@@ -61,7 +61,7 @@ def test_the_status_counts_shaders_while_they_are_compiled(scene, told):
 def test_time_ends_it(scene, told):
     scene.ism.render.samples, scene.ism.render.time_limit = 65536, 0.001
     told()
-    assert (engine.statistics()["ended_by"], engine.statistics()["samples"]) == ("time", 1)
+    assert (engine.statistics()["stopped_by"], engine.statistics()["samples"]) == ("time", 1)
 
 
 def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):

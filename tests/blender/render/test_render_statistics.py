@@ -60,10 +60,10 @@ def test_counts_are_of_what_there_is(rendered, method, has_points):
     assert shown["Samples"] == "2"
     assert (shown["Triangles"], shown["Triangles Drawn"]) == ("12", "24")
     assert shown["Time"].endswith(" s")
-    assert shown["Ended By"] == "Samples"
+    assert shown["Stopped By"] == "Samples"
     assert 0.0 < float(shown["Estimated Error"].removesuffix(" %")) < 100.0
     assert ("Virtual Point Lights" in shown) == ("Points per Map" in shown) == has_points
-    assert all(float(shown[name].removesuffix(" MB")) >= 0.0 for name in ("Uploaded", "Memory of Targets"))
+    assert all(float(shown[name].removesuffix(" MB")) >= 0.0 for name in ("Uploaded", "Render Target Memory"))
 
 
 def test_the_newest_picture_is_the_latest():

@@ -54,7 +54,7 @@ def rest_when_good_enough(stage: Stage) -> Steps:
     yield from stage.rested()
     (job,) = engine.jobs()
     stage.measured("samples", job.samples_done)
-    assert job.statistics["ended_by"] == "error"
+    assert job.statistics["stopped_by"] == "error"
     assert job.statistics["error"] < 0.05
     since = time.perf_counter()
     yield from stage.wait(2.0)

@@ -61,6 +61,6 @@ def test_what_it_adds_is_the_same_on_average(device, monkeypatch):
         draw(device, *stage, replace(settings, shortcuts=False)).color[..., 0].sum(dtype=np.float64)
         for stage in (box_over_plane(*SIZE), faint(0.002))
     )
-    assert rarely.profile.counts["pixels_refined"] < always.profile.counts["pixels_refined"]
+    assert rarely.profile.counts["pairs_traced"] < always.profile.counts["pairs_traced"]
     for drawn in (rarely, always):
         assert drawn.color[..., 0].sum(dtype=np.float64) - without == pytest.approx(exactly - without, rel=0.1)

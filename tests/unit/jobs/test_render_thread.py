@@ -83,7 +83,7 @@ def test_statistics_are_plain_numbers(worker):
         "samples",
         "seconds",
         "error",
-        "ended_by",
+        "stopped_by",
     }
     assert 0 < told["triangles_drawn"] <= told["triangles"] == 12 * 8**2 + 12 * 3**2
     assert told["virtual_lights"] == 0 < told["triangles_drawn"]  # by rays

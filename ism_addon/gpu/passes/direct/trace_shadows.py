@@ -113,7 +113,7 @@ class TraceShadows(Pass):
             program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
             bind(program, **uniforms)
             draw_tiles(frame, predicted, program, shown)
-            frame.counts["pixels_refined"] += len(traced) * TILE_SIZE**2
+            frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 sequences = {"light_uv_shift": fixed_point(shift[:3]), **ray_sequence()}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
@@ -176,7 +176,7 @@ class TraceShadows(Pass):
     def draw_faint_lights(self, frame: Frame) -> set[int]:
         """All lights that are faint somewhere, one draw for each type; gives those that anything was drawn of."""
         rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
-        frame.counts["pixels_refined"] += rays * len(tiles) * TILE_SIZE**2
+        frame.counts["pairs_traced"] += rays * len(tiles) * TILE_SIZE**2
         lights = np.unique(tiles["light"]).astype(int)
         variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)

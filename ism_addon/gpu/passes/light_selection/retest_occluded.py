@@ -59,7 +59,7 @@ class RetestOccluded(Pass):
         if doubling(frame.sample) or frame.sample == 1:
             target.clear()
         tiles = self.pairs_to_retest(frame)
-        frame.counts["pixels_checked"] += len(tiles) * PROBES_PER_TILE_SIDE**2
+        frame.counts["retests"] += len(tiles) * PROBES_PER_TILE_SIDE**2
         self.device.gl.enable_only(moderngl.BLEND)
         self.device.gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(
