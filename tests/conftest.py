@@ -47,7 +47,7 @@ def device(opened_device):
         assert gl.error == "GL_NO_ERROR", "an earlier use of this context left an error behind"
         yield opened_device
         assert gl.error == "GL_NO_ERROR"
-        opened_device.collect()
+        opened_device.free_released()
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ def draw_tiles(
     bind(program, tile_counts=(columns, rows), size=float(size))
     try:
         for part in portions(len(tiles), rays * size * size):
-            frame.pace.ask(rays * size * size * (part.stop - part.start))
+            frame.submission.before_draw(rays * size * size * (part.stop - part.start))
             frame.device.points.draw(program, tiles[part], TILE_LAYOUT)
     finally:
         if own != whole:
@@ -61,7 +61,7 @@ def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.Ver
     size = target.viewport[2:]
     try:
         for part in rectangles(size, rays):
-            frame.pace.ask(rays * part[2] * part[3])
+            frame.submission.before_draw(rays * part[2] * part[3])
             if part[2:] != size:
                 target.scissor = part
             shader.render(moderngl.TRIANGLES, vertices=3)

@@ -70,7 +70,7 @@ class Frame:
     estimators: tuple[Estimator, ...]
     counts: dict[str, int]
     grid: PixelGrid  # where in the pixels samples lie
-    pace: Submission
+    submission: Submission
     uniforms: moderngl.Buffer
     step: Pass | None = None  # at work; None may read and make anything
 
@@ -99,7 +99,7 @@ class Frame:
         if not declared:
             raise UndeclaredResourceError(f"{self.step} has not declared {resource}")
         if self.sample == 0 and self.step is not None and resource in self.step.feedback:
-            raise UndeclaredResourceError(f"{self.step} asks for {resource} before the first sample has made it")
+            raise UndeclaredResourceError(f"{self.step} reads {resource} before the first sample has made it")
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
         """To draw into outputs of the pass. Raises UndeclaredResourceError."""

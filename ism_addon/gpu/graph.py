@@ -103,7 +103,7 @@ class Graph:
             except Cancelled:
                 self.abandon()
                 raise
-            frame.pace.passed(row, start)
+            frame.submission.end_pass(row, start)
         else:
             self.drop(kind.outputs)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)

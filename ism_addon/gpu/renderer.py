@@ -68,7 +68,7 @@ class Renderer:
 
     def __init__(self, device: Device):
         self.device = device
-        self.pace = Submission(device)
+        self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
 
@@ -87,7 +87,7 @@ class Renderer:
         With `low_latency` the first sample comes sooner, and all that follow come later. Raises Cancelled within a long
         pass if that is so: then the picture is lost, and another may be begun.
         """
-        self.pace.begin(sample, cancelled)
+        self.submission.begin(sample, cancelled)
         frame = self.frame(scene, view, settings, sample, profile, low_latency)
         run = self.graph.run
         yield from run(UPLOAD, frame, profile)
@@ -97,10 +97,10 @@ class Renderer:
             yield from run(estimator.passes(frame), frame, profile)
         yield from run(FILM, frame, profile)
         yield from run((AT_LAST, JUDGED) if is_due(sample, settings.quality.samples) else (JUDGED,), frame, profile)
-        self.pace.end()
+        self.submission.end()
         profile.counts["render_target_bytes"] = self.graph.targets.bytes
         self.last = frame, profile
-        self.device.collect()
+        self.device.free_released()
 
     def frame(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
@@ -134,7 +134,7 @@ class Renderer:
             estimators=chosen,
             counts=profile.counts,
             grid=grid,
-            pace=self.pace,
+            submission=self.submission,
             uniforms=self.uniforms,
         )
 
@@ -172,7 +172,7 @@ class Renderer:
         frame, profile = self.last
         if any(each.filtered for each in wanted):
             self.graph.step(AT_LAST, frame, profile)
-            self.pace.finish()
+            self.submission.finish()
         found = {each.name: image(self.graph.targets, each, frame.anchor) for each in wanted}
         self.device.check()  # else they might be whatever was in memory
         return found
@@ -191,7 +191,7 @@ class Renderer:
     def release(self) -> None:
         """Free the GPU's memory."""
         self.graph.release()
-        self.device.collect()
+        self.device.free_released()
 
 
 def kinds_of(chosen: tuple[Estimator, ...]) -> tuple[type[Pass], ...]:

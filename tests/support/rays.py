@@ -41,7 +41,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     program = device.gl.program(vertex_shader=shader, varyings=["told"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}
-    bind(program, **{name: device.array(rows) for name, rows in padded.items()}, **frame[TLAS])
+    bind(program, **{name: device.buffer_from(rows) for name, rows in padded.items()}, **frame[TLAS])
     device.gl.simple_framebuffer((1, 1)).use()
     buffer = device.gl.buffer(reserve=4 * len(starts))
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))

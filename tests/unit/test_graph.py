@@ -78,7 +78,7 @@ def test_what_it_has_declared_it_can(execute):
 
 
 def test_feedback_is_there_from_the_second_sample_on(execute):
-    with pytest.raises(UndeclaredResourceError, match="Told asks for mean_luminance before the first sample"):
+    with pytest.raises(UndeclaredResourceError, match="Told reads mean_luminance before the first sample"):
         execute(Told, lambda frame: frame[MEAN_LUMINANCE])
     assert len(execute(Told, lambda frame: frame.get(MEAN_LUMINANCE), sample=1)) == 1
 

@@ -52,12 +52,12 @@ def samples(counted):
         renderer, counts = Renderer(device), []
         for sample in range(ORDINARY.stop):
             if sample == ORDINARY.start:
-                renderer.pace.finish()
+                renderer.submission.finish()
                 profile, start = Profile(), time.perf_counter()
             before = calls.so_far
             list(renderer.sample(scene, view, settings, sample, profile if sample in ORDINARY else Profile()))
             counts.append(calls.so_far - before)
-        renderer.pace.finish()
+        renderer.submission.finish()
         assert all(count["glDrawArraysInstanced"] > 10 for count in counts), "nothing was drawn, or counted"
         return [counts[sample] for sample in ORDINARY], profile, time.perf_counter() - start
 

@@ -59,8 +59,8 @@ class BLASBuffers:
     def __init__(self, device: Device, trees: tuple[BLAS, ...]):
         self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
         self.first_leaves = np.cumsum([0] + [tree.leaves for tree in trees])
-        self.nodes = device.room(2 * int(self.first_nodes[-1]), 4, "u4")
-        self.leaf_starts = device.room(int(self.first_leaves[-1]), 1, "u4")
+        self.nodes = device.new_buffer(2 * int(self.first_nodes[-1]), 4, "u4")
+        self.leaf_starts = device.new_buffer(int(self.first_leaves[-1]), 1, "u4")
         for group in in_groups([tree.leaves for tree in trees]):  # small ones in one write
             some, first = trees[group], group.start
             self.nodes.write(joined([rows_of(tree.nodes) for tree in some]), 2 * int(self.first_nodes[first]))

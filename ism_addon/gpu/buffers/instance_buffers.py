@@ -47,7 +47,7 @@ class Owners:
         owners = np.zeros((int((first + counts).max(initial=0)), 1), np.uint32)
         within = np.arange(counts.sum()) - (np.cumsum(counts) - counts).repeat(counts)
         owners[first.repeat(counts) + within, 0] = rows.repeat(counts)
-        self.array = device.array(owners)
+        self.texture = device.buffer_from(owners)
         self.bytes = owners.nbytes
 
 

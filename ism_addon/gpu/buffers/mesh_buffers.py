@@ -158,13 +158,13 @@ class MeshBuffers:
         self.centres, self.scales = quantizations(meshes)
         low, high = bounding_boxes(meshes).swapaxes(0, 1)
         self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
-        self.corners, self.normals = device.growing(4, "u4"), device.growing(2, "i2")
+        self.corners, self.normals = device.growing_buffer(4, "u4"), device.growing_buffer(2, "i2")
         self.most = min(MAX_TRIANGLES, device.buffer_textures.most // 3)  # normals have three rows each
 
     @property
-    def arrays(self) -> dict[str, BufferTexture]:
+    def samplers(self) -> dict[str, BufferTexture]:
         """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
-        return {"corners": self.corners.array, "corner_normal_buffer": self.normals.array}
+        return {"corners": self.corners.texture, "corner_normal_buffer": self.normals.texture}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
         """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes.
@@ -225,12 +225,12 @@ class UVBuffers:
 
     def __init__(self, device: Device, geometry: MeshBuffers):
         self.geometry, self.meshes, self.bytes = geometry, 0, 0
-        self.uvs = device.growing(2, "f4")
+        self.uvs = device.growing_buffer(2, "f4")
 
     def follow(self) -> int:
         """Upload those of the meshes that have come: bytes."""
         order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
-        self.uvs.count = self.bytes // self.uvs.array.row  # of what has failed, none is left
+        self.uvs.count = self.bytes // self.uvs.texture.row  # of what has failed, none is left
         self.uvs.reserve(3 * order.count)
         for uvs in order.made(uvs_of, with_vertices=False):
             self.uvs.append(uvs)

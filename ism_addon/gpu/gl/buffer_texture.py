@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays that shaders fetch from by number: OpenGL's buffer textures, which moderngl leaves out.
+"""Buffer textures: arrays that shaders fetch from by index. moderngl does not offer them.
 
-They can be written anywhere, and processors fetch from them sooner than from textures that have lines.
+Any range of rows can be written, and software drivers fetch from them faster than from 2D textures.
 """
 
 import ctypes
@@ -19,7 +19,7 @@ from .bound_state import MODERNGL_UNIT
 TEXTURE_BUFFER = 0x8C2A
 TEXTURE0 = 0x84C0
 
-#: OpenGL's internal formats, by numpy's type and how many of them a row has.
+#: OpenGL's internal formats, by dtype and components of a row.
 FORMATS = {
     ("f4", 1): 0x822E,
     ("f4", 2): 0x8230,
@@ -31,47 +31,47 @@ FORMATS = {
 
 
 class BufferTextureApi:
-    """What OpenGL offers for them, in one context."""
+    """OpenGL's functions for buffer textures, in one context."""
 
-    def __init__(self, load: Callable[[str], int], most: int):
-        """`load` gives the addresses of OpenGL's functions, `most` is how many rows an array may have."""
-        self.most = most
+    def __init__(self, load: Callable[[str], int], max_rows: int):
+        """`load` gives the addresses of OpenGL's functions; `max_rows` is GL_MAX_TEXTURE_BUFFER_SIZE."""
+        self.max_rows = max_rows
         name, names = ctypes.c_uint, ctypes.POINTER(ctypes.c_uint)
         self._generate = ctypes.CFUNCTYPE(None, ctypes.c_int, names)(load("glGenTextures"))
         self._delete = ctypes.CFUNCTYPE(None, ctypes.c_int, names)(load("glDeleteTextures"))
         self._activate = ctypes.CFUNCTYPE(None, name)(load("glActiveTexture"))
         self._bind = ctypes.CFUNCTYPE(None, name, name)(load("glBindTexture"))
         self._attach = ctypes.CFUNCTYPE(None, name, name, name)(load("glTexBuffer"))
-        self._tell = ctypes.CFUNCTYPE(None, name, ctypes.c_int, ctypes.c_int)(load("glProgramUniform1i"))
-        #: Of textures that nobody has any more: that may be so in another thread, where OpenGL must not be called.
-        self._let_go: deque[int] = deque()
+        self._set_uniform = ctypes.CFUNCTYPE(None, name, ctypes.c_int, ctypes.c_int)(load("glProgramUniform1i"))
+        #: Textures whose owners are gone. Owners may be freed in other threads, where OpenGL must not be called.
+        self._released: deque[int] = deque()
 
     def create(self, owner: object, buffer: moderngl.Buffer, format: int) -> int:
-        """The name of a texture of a buffer, for as long as there is its owner."""
+        """The name of a texture over a buffer. It lives as long as its owner."""
         made = ctypes.c_uint()
         self._generate(1, made)
         self.use(made.value, MODERNGL_UNIT)
         self._attach(TEXTURE_BUFFER, format, buffer.glo)
-        weakref.finalize(owner, self._let_go.append, made.value).atexit = False
+        weakref.finalize(owner, self._released.append, made.value).atexit = False
         return made.value
 
     def use(self, texture: int, unit: int) -> None:
-        """Put it where a sampler may find it."""
+        """Bind it to a texture unit."""
         self._activate(TEXTURE0 + unit)
         self._bind(TEXTURE_BUFFER, texture)
 
-    def tell(self, program: moderngl.Program, name: str, unit: int) -> None:
-        """Where a sampler of a program finds its texture."""
-        self._tell(program.glo, cast(moderngl.Uniform, program[name]).location, unit)
+    def set_sampler(self, program: moderngl.Program, name: str, unit: int) -> None:
+        """Let a sampler of a program read from a texture unit."""
+        self._set_uniform(program.glo, cast(moderngl.Uniform, program[name]).location, unit)
 
-    def collect(self) -> None:
-        """Free those whose owner is gone."""
-        while self._let_go:
-            self._delete(1, ctypes.c_uint(self._let_go.popleft()))
+    def free_released(self) -> None:
+        """Delete textures whose owners are gone."""
+        while self._released:
+            self._delete(1, ctypes.c_uint(self._released.popleft()))
 
 
 class BufferTexture:
-    """Room on the GPU for (count, components) numbers, which a samplerBuffer, or one of integers, reads row by row."""
+    """A buffer of `count` rows, which a samplerBuffer, isamplerBuffer or usamplerBuffer reads row by row."""
 
     def __init__(self, gl: moderngl.Context, textures: BufferTextureApi, count: int, components: int, dtype: str):
         row = np.dtype(dtype).itemsize * components
@@ -82,37 +82,37 @@ class BufferTexture:
         self._texture = textures.create(self, self.buffer, FORMATS[dtype, components])
 
     def write(self, rows: np.ndarray, first: int = 0) -> None:
-        """Write rows from the `first` one on."""
+        """Write rows, beginning at row `first`."""
         if len(rows):
             self.buffer.write(np.ascontiguousarray(rows), offset=first * self.row)
 
     def use(self, location: int) -> None:
-        """Put it into a texture unit."""
+        """Bind it to a texture unit."""
         self._textures.use(self._texture, location)
 
-    def tell(self, program: moderngl.Program, name: str, unit: int) -> None:
-        """Let a sampler of a program read from a texture unit with an array in it."""
-        self._textures.tell(program, name, unit)
+    def set_sampler(self, program: moderngl.Program, name: str, unit: int) -> None:
+        """Let a sampler of a program read from a texture unit."""
+        self._textures.set_sampler(program, name, unit)
 
 
 class GrowingBuffer:
-    """An array to whose end rows are written: a larger one takes its place when it is full."""
+    """A buffer texture that rows are appended to. A larger one replaces it when it is full."""
 
-    def __init__(self, gl: moderngl.Context, room: Callable[[int], BufferTexture], most: int):
-        """`room` makes an array for so many rows, `most` is how many it may have."""
-        self._gl, self._room, self._most = gl, room, most
-        self.array, self.count = room(0), 0
+    def __init__(self, gl: moderngl.Context, allocate: Callable[[int], BufferTexture], most: int):
+        """`allocate` makes a buffer texture of so many rows, `most` is how many it may have."""
+        self._gl, self._allocate, self._most = gl, allocate, most
+        self.texture, self.count = allocate(0), 0
 
     def reserve(self, more: int) -> None:
-        """Make room for more rows: for just so many at first, then for some to come."""
+        """Make room for `more` rows: exactly that many the first time, then half of what there is in advance."""
         needed = self.count + more
-        if needed > self.array.count:
-            larger = self._room(max(needed, min(self.count + self.count // 2, self._most)))
+        if needed > self.texture.count:
+            larger = self._allocate(max(needed, min(self.count + self.count // 2, self._most)))
             if self.count:
-                self._gl.copy_buffer(larger.buffer, self.array.buffer, self.count * self.array.row)
-            self.array = larger
+                self._gl.copy_buffer(larger.buffer, self.texture.buffer, self.count * self.texture.row)
+            self.texture = larger
 
     def append(self, rows: np.ndarray) -> None:
-        """Write rows that there is room for."""
-        self.array.write(rows, self.count)
+        """Append rows that room has been reserved for."""
+        self.texture.write(rows, self.count)
         self.count += len(rows)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where an OpenGL context comes from, what it must be able to do, and how to wait for it.
+"""Opens an OpenGL context without a window, and waits for it.
 
-The context belongs to the thread that opens it, which must not be Blender's main thread: there Blender's
-own context would stay current and take our calls without a word.
+The context belongs to the thread that opens it. That must not be Blender's main thread: there Blender's own context
+would stay current and receive our calls without an error.
 """
 
 import ctypes
@@ -24,10 +24,10 @@ from .errors import ContextLost, GraphicsError, NoOpenGL
 from .point_batch import PointBatch
 from .timestamps import GpuClock
 
-#: OpenGL's version that every pass gets by with; macOS offers no newer one.
+#: The OpenGL version that all passes need. macOS offers no newer one.
 MIN_GL_VERSION = 410
 
-#: Where contexts need no window, and no display either.
+#: EGL opens contexts without a window and without a display.
 ON_EGL = sys.platform.startswith("linux")
 
 SYNC_GPU_COMMANDS_COMPLETE = 0x9117
@@ -36,61 +36,61 @@ NO_TIMEOUT = (1 << 64) - 1  # ns
 
 @dataclass(frozen=True)
 class Device:
-    """An open context, its limits, and its name."""
+    """An open context, with its limits and the functions that moderngl lacks."""
 
     gl: moderngl.Context
     texture_size: int
     name: str
-    #: Returns when the GPU has done all that was asked of it, without holding the interpreter's lock:
-    #: moderngl's own finish() and read() hold it while they wait, and Blender's window with it.
+    #: glFinish without the interpreter's lock (GIL): moderngl's finish() and read() hold it, which freezes Blender's
+    #: window.
     wait: Callable[[], None]
-    #: Lets the GPU begin with what was asked of it since the last time, and waits in the same way until it is done with
-    #: what was asked before that: two portions are on their way at most. Software drivers have room for no more, and
-    #: would wait for it in the middle of a draw.
+    #: Flushes, then waits without the GIL for the submission before this one: at most two are in flight. Software
+    #: drivers queue no more, and would block within a draw, which holds the GIL.
     submit: Callable[[], None]
-    #: Draws so many triangles by a vertex array, from a first one on, and each so many times. It does not hold the
-    #: interpreter's lock either: software drivers are done with all vertices before they return.
+    #: Draws triangles of a vertex array: first triangle, count, instances. Without the GIL: software drivers process
+    #: all vertices before the call returns.
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
-    #: Draws many such portions of triangles at once, (N,) first ones and (N,) how many, once each.
+    #: Draws N ranges of triangles in one call: first triangles (N,) and counts (N,).
     draw_ranges: Callable[[moderngl.VertexArray, np.ndarray, np.ndarray], None]
-    #: Whether the driver still has the context.
+    #: Whether the context is not lost.
     is_alive: Callable[[], bool]
     buffer_textures: BufferTextureApi
-    #: Whether depth is nearness, see depth.py.
+    #: Whether the depth buffer is reversed, see depth.py.
     reversed_depth: bool
     clock: GpuClock
-    #: For the points that passes draw once.
+    #: Draws points that change with each draw.
     points: PointBatch
-    #: Compiled shaders by what they were made of: renderers share them.
+    #: Compiled programs by files, records and constants. All renderers share them.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
-    #: Called before a program is compiled, which takes some drivers a second.
+    #: Called before a program is compiled, which can take a second.
     on_compile: list[Callable[[], None]] = field(default_factory=list)
-    #: What was made of parts of scenes, as long as any renderer uses it: see Frame.shared.
+    #: Resources made from parts of scenes, as long as any renderer uses them: see Frame.shared_resource.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
-    def room(self, count: int, components: int, dtype: str) -> BufferTexture:
-        """For rows that shaders fetch by number. Raises ValueError if they are more than it can have."""
-        most = self.buffer_textures.most
-        if count > most:
+    def new_buffer(self, count: int, components: int, dtype: str) -> BufferTexture:
+        """An empty buffer texture of `count` rows. Raises ValueError if these are too many."""
+        limit = self.buffer_textures.max_rows
+        if count > limit:
             raise ValueError(
-                f"{count:,} rows are more than the {most:,} that this OpenGL can fetch from; "
+                f"{count:,} rows are more than the {limit:,} that this OpenGL can fetch from; "
                 "a scene of fewer triangles, instances and lights takes fewer"
             )
         return BufferTexture(self.gl, self.buffer_textures, count, components, dtype)
 
-    def array(self, rows: np.ndarray) -> BufferTexture:
-        """The same with rows (count, components) in it."""
+    def buffer_from(self, rows: np.ndarray) -> BufferTexture:
+        """A buffer texture with rows (count, components)."""
         count, components = rows.shape
-        made = self.room(count, components, rows.dtype.str[1:])
-        made.write(rows)
-        return made
+        buffer = self.new_buffer(count, components, rows.dtype.str[1:])
+        buffer.write(rows)
+        return buffer
 
-    def growing(self, components: int, dtype: str) -> GrowingBuffer:
-        """The same for rows that come by and by."""
-        return GrowingBuffer(self.gl, lambda count: self.room(count, components, dtype), self.buffer_textures.most)
+    def growing_buffer(self, components: int, dtype: str) -> GrowingBuffer:
+        """An empty buffer texture that rows are appended to."""
+        most = self.buffer_textures.most
+        return GrowingBuffer(self.gl, lambda count: self.new_buffer(count, components, dtype), most)
 
     def check(self) -> None:
-        """Whether all that was asked since the last time could be done. Raises ContextLost or GraphicsError."""
+        """Raises ContextLost, or GraphicsError if any call since the last check has failed."""
         if not self.is_alive():
             raise ContextLost(
                 "The graphics driver has taken OpenGL away, as it does when it resets the card: render again"
@@ -104,24 +104,24 @@ class Device:
             raise GraphicsError(f"the graphics driver refuses it ({error})")
 
     def forget_programs(self) -> None:
-        """Compile shaders again for those who ask from now on."""
+        """Clear the cache of compiled programs."""
         self.programs.clear()
         self.points.forget()
 
-    def collect(self) -> None:
-        """Free what was let go of. In the thread that opened it."""
+    def free_released(self) -> None:
+        """Delete OpenGL objects that Python has freed. In the thread that opened the context."""
         self.gl.gc()
-        self.buffer_textures.collect()
+        self.buffer_textures.free_released()
 
     def close(self) -> None:
-        """Free the context and all that is in it. In the thread that opened it."""
+        """Free the context with all its objects. In the thread that opened it."""
         if ON_EGL:
-            # It keeps a context with all its textures as long as it is current in a thread, even in one that is gone.
+            # EGL keeps a context with all its textures while it is current in a thread, even in one that has ended.
             ctypes.CFUNCTYPE(ctypes.c_uint)(self.gl.mglo._context.load("eglReleaseThread"))()
         self.gl.release()
 
 
-#: The processes that have opened OpenGL, of which this one may be a copy.
+#: Ids of the processes that have opened OpenGL. After a fork, the child's copy holds the parent's id.
 _openers: set[int] = set()
 
 
@@ -141,13 +141,13 @@ def open_device() -> Device:
             f"OpenGL {MIN_GL_VERSION // 100}.{MIN_GL_VERSION // 10 % 10} could not be opened ({reason}): "
             "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
         ) from reason
-    gl.gc_mode = "context_gc"  # what is let go of is freed by collect(), in this thread
+    gl.gc_mode = "context_gc"  # free_released() deletes freed objects, in this thread
     gl.extra = BoundState(gl)
     driver_variants.use_all_samplers(gl)
     load = gl.mglo._context.load
     finish = ctypes.CFUNCTYPE(None)(load("glFinish"))
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
-    arrays = BufferTextureApi(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
+    buffer_textures = BufferTextureApi(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
     submit, is_alive = two_in_flight(load), fence_alive(load)
     clock, points = GpuClock(load), PointBatch(gl)
     return Device(
@@ -159,7 +159,7 @@ def open_device() -> Device:
             submit,
             *draw_without_gil(load),
             is_alive,
-            arrays,
+            buffer_textures,
             depth.use_reversed_depth(gl),
             clock,
             points,
@@ -168,18 +168,18 @@ def open_device() -> Device:
 
 
 def two_in_flight(load: Callable[[str], int]) -> Callable[[], None]:
-    """What Device.submit is; `load` gives the addresses of OpenGL's functions."""
+    """Device.submit. `load` gives the addresses of OpenGL's functions."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     wait = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint64)(load("glClientWaitSync"))
     delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
     flush = ctypes.CFUNCTYPE(None)(load("glFlush"))
-    under_way: deque[int] = deque()
+    in_flight: deque[int] = deque()
 
     def submit() -> None:
-        under_way.append(fence(SYNC_GPU_COMMANDS_COMPLETE, 0))
+        in_flight.append(fence(SYNC_GPU_COMMANDS_COMPLETE, 0))
         flush()
-        if len(under_way) > 1:
-            earlier = under_way.popleft()
+        if len(in_flight) > 1:
+            earlier = in_flight.popleft()
             wait(earlier, 0, NO_TIMEOUT)
             delete(earlier)
 
@@ -187,11 +187,11 @@ def two_in_flight(load: Callable[[str], int]) -> Callable[[], None]:
 
 
 def draw_without_gil(load: Callable[[str], int]) -> tuple[Callable[..., None], Callable[..., None]]:
-    """What Device.draw and Device.draw_ranges are."""
+    """Device.draw and Device.draw_ranges."""
     use_program = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glUseProgram"))
     bind_vertex_array = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glBindVertexArray"))
     draw_arrays = ctypes.CFUNCTYPE(None, ctypes.c_uint, *[ctypes.c_int] * 3)(load("glDrawArraysInstanced"))
-    # moderngl has no such call that OpenGL 4.1 offers.
+    # moderngl does not offer glMultiDrawArrays, which OpenGL 4.1 has.
     ints = ctypes.POINTER(ctypes.c_int)
     draw_many = ctypes.CFUNCTYPE(None, ctypes.c_uint, ints, ints, ctypes.c_int)(load("glMultiDrawArrays"))
 
@@ -210,13 +210,13 @@ def draw_without_gil(load: Callable[[str], int]) -> tuple[Callable[..., None], C
 
 
 def fence_alive(load: Callable[[str], int]) -> Callable[[], bool]:
-    """What Device.is_alive is: without a context, drivers do nothing and say nothing, but they give no fences."""
+    """Device.is_alive. Of a lost context, drivers ignore calls without an error, but create no fences."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
 
     def is_alive() -> bool:
-        given = fence(SYNC_GPU_COMMANDS_COMPLETE, 0)
-        delete(given)  # none is passed over
-        return given is not None
+        sync = fence(SYNC_GPU_COMMANDS_COMPLETE, 0)
+        delete(sync)  # ignores None
+        return sync is not None
 
     return is_alive

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Depth, by which the nearer of two surfaces is seen: what is far is told apart as well, in parts, as what is near.
+"""The depth buffer: reversed depth in float32, with the same relative precision at all distances.
 
-Nearer is more: 1 at the near plane, 0 at the far one. Best is nearness itself, the near plane's distance over that of
-the surface, as float32: so processors know what is hidden before they shade it. OpenGL keeps what is close to 0 exact
-if it does not map depths from -1 … 1 (ARB_clip_control, of OpenGL 4.5). Where it must, as on macOS, the fragment shader
-writes a logarithm of the distance.
+Depth is 1 at the near plane and 0 at the far plane: the near plane's distance over that of the surface. It keeps early
+depth tests. Depths close to 0 stay exact only if clip space has depths from 0 to 1 (ARB_clip_control, OpenGL 4.5).
+Where it has -1 to 1, as on macOS, the fragment shader writes a logarithm of the distance.
 """
 
 import ctypes
@@ -18,27 +17,27 @@ DEPTH_COMPONENT32F = 0x8CAC
 FLOAT = 0x1406
 LOWER_LEFT, ZERO_TO_ONE = 0x8CA1, 0x935F
 
-#: Far planes at which projections have none, in near planes' distances.
+#: Distance of the far plane over that of the near plane from which on it counts as infinite.
 INFINITE_FAR = 2.0**40
 
 
 def use_reversed_depth(gl: moderngl.Context) -> bool:
-    """Let a context draw what is nearer: whether by nearness. No other pass of ours minds."""
+    """Let the nearer surface pass the depth test. Whether depth is reversed; other passes do not use depth."""
     gl.depth_func = ">"
     return maps_to_zero(gl)
 
 
 def maps_to_zero(gl: moderngl.Context) -> bool:
-    """Let clip space have depths from 0 to 1, if OpenGL can."""
-    can = gl.version_code >= 450 or "GL_ARB_clip_control" in gl.extensions
-    if can:
+    """Let clip space have depths from 0 to 1. Whether OpenGL can."""
+    is_supported = gl.version_code >= 450 or "GL_ARB_clip_control" in gl.extensions
+    if is_supported:
         clip_control = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(gl.mglo._context.load("glClipControl"))
         clip_control(LOWER_LEFT, ZERO_TO_ONE)
-    return can
+    return is_supported
 
 
 def float_depth(gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
-    """A depth buffer of float32; moderngl's own has 24 bits of a whole number, so it is given another store."""
+    """A depth buffer of float32. moderngl allocates 24-bit integers, so the texture is allocated again."""
     texture, load = gl.depth_texture(size), gl.mglo._context.load
     ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(load("glBindTexture"))(TEXTURE_2D, texture.glo)
     image = ctypes.CFUNCTYPE(None, ctypes.c_uint, *[ctypes.c_int] * 5, ctypes.c_uint, ctypes.c_uint, ctypes.c_void_p)
@@ -48,7 +47,7 @@ def float_depth(gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture
 
 
 def planes(clip_from_view: np.ndarray) -> tuple[float, float] | None:
-    """Distance of the near plane, and one over that of the far one; None for an orthographic view."""
+    """Distance of the near plane, and the reciprocal of that of the far plane; None for an orthographic view."""
     (a, b), p = clip_from_view[2, 2:], clip_from_view[3, 2]
     if p == 0.0:
         return None
@@ -61,18 +60,18 @@ def nearness(clip_from_view: np.ndarray) -> tuple[float, float]:
 
     (0, 0) for an orthographic view, whose depth is linear.
     """
-    found = planes(clip_from_view)
-    if found is None:
+    near_and_far = planes(clip_from_view)
+    if near_and_far is None:
         return 0.0, 0.0
-    near, over_far = found
+    near, over_far = near_and_far
     x = near / (1.0 - near * over_far)
     return float(x), float(-x * over_far)
 
 
 def logarithm(clip_from_view: np.ndarray) -> tuple[float, float]:
     """(x, y) so that x + y log2(w) is 1 at the near plane and 0 at the far one; likewise."""
-    found = planes(clip_from_view)
-    if found is None:
+    near_and_far = planes(clip_from_view)
+    if near_and_far is None:
         return 0.0, 0.0
-    nearest, farthest = np.log2(found[0]), -np.log2(found[1])
+    nearest, farthest = np.log2(near_and_far[0]), -np.log2(near_and_far[1])
     return float(farthest / (farthest - nearest)), float(-1.0 / (farthest - nearest))

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What keeps Mesa's software driver from compiling a shader again for what it is given: a part of a second each time.
+"""Keeps Mesa's software driver from compiling variants of a shader, a fraction of a second each.
 
-It compiles for textures whose sides are powers of two and for those whose are not, for buffers of less than 256 bytes
-and for larger ones (what it takes for a texture's last level are bits 8 to 15 of a buffer's size), and for the state of
-each sampler, which for a buffer is whatever was there before. So all that we give it is of one kind.
+It compiles one variant for textures whose sides are powers of two and one for others; one for buffers of less than 256
+bytes and one for larger ones (it reads bits 8 to 15 of a buffer's size as a texture's last level); and one for each
+state of each sampler, which for a buffer is that of whatever was bound before. So all textures and buffers are alike.
 """
 
 import moderngl
 
-#: The longest side of a texture that any OpenGL 4.1 can have.
+#: GL_MAX_TEXTURE_SIZE that every OpenGL 4.1 has at least.
 MAX_SIDE = 1 << 14
 
-#: Samplers that OpenGL 4.1 has at least for each stage, and no shader of ours has more.
+#: GL_MAX_TEXTURE_IMAGE_UNITS that every OpenGL 4.1 has at least. No shader uses more.
 SAMPLERS = 16
 
 VERTICES = "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }"
@@ -23,24 +23,24 @@ void main() {{ color = {" + ".join(f"texelFetch(all_of_them[{k}], ivec2(0), 0)" 
 
 
 def side(texels: int) -> int:
-    """As many texels or one more, or three, for a side of a texture: no power of two, unless that is the longest."""
+    """A side of a texture with room for so many texels: no power of two, unless it is MAX_SIDE."""
     return texels if texels & (texels - 1) or texels >= MAX_SIDE else max(3, texels + 1)
 
 
 def sides(size: tuple[int, int]) -> tuple[int, int]:
-    """The same of both."""
+    """Likewise for width and height."""
     return side(size[0]), side(size[1])
 
 
 def rows(count: int, each: int) -> int:
-    """As many rows of `each` bytes or a few more, for a buffer."""
+    """Rows of `each` bytes for a buffer with room for `count` rows."""
     while not (count * each >> 8 & 255 and count * each & (count * each - 1)):
         count += 1
     return count
 
 
 def use_all_samplers(gl: moderngl.Context) -> None:
-    """Give each sampler of the fragment stage the state that all textures of ours have."""
+    """Give each sampler of the fragment stage the state of our textures, see never_filtered."""
     program = gl.program(f"#version 410 core\n{VERTICES}", fragment_shader=f"#version 410 core\n{PIXELS}")
     program["all_of_them"] = [0] * SAMPLERS
     texel, target = gl.texture((1, 1), 4), gl.framebuffer([gl.texture((1, 1), 4)])
@@ -51,9 +51,9 @@ def use_all_samplers(gl: moderngl.Context) -> None:
 
 
 def never_filtered(texture: moderngl.Texture) -> None:
-    """Nor repeated: the state that all textures of ours have.
+    """Nearest texel, clamped, one mip level: the sampler state of all our textures.
 
-    That of whole numbers takes the nearest of its levels, whatever it is told; so all do, and have but one.
+    Integer textures use the nearest mip level in any case, so all others do too.
     """
     texture.build_mipmaps(0, 0)
     texture.filter = moderngl.NEAREST_MIPMAP_NEAREST, moderngl.NEAREST

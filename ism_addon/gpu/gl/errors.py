@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ends a picture before its time; the messages of OpenGL's are sentences for the artist."""
+"""Errors that end a render early. Messages are sentences for the artist."""
 
 
 class NoOpenGL(RuntimeError):
-    """This machine gives no usable OpenGL context."""
+    """No usable OpenGL context can be opened."""
 
 
 class ContextLost(RuntimeError):
-    """The driver has taken the context away, with all that is in it."""
+    """The driver has lost the context with all its objects."""
 
 
 class Cancelled(Exception):
-    """Nobody wants the picture any more."""
+    """The render was cancelled."""
 
 
 class GraphicsError(RuntimeError):
-    """OpenGL has not done what was asked of it, so what it has drawn is wrong."""
+    """An OpenGL call has failed, so the image is wrong."""

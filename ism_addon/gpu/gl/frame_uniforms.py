@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every pass may ask about the frame: one uniform block, filled by numpy and read by GLSL."""
+"""Uniforms of the frame that all passes share: one uniform block, filled by numpy and read by GLSL."""
 
 import numpy as np
 
@@ -7,29 +7,31 @@ from ...color import luminance
 from ...scene import View
 from ...spaces import view_from_anchor
 
-#: Members in order; each fills whole vec4s, so std140 has nothing to pad.
+#: Members in order. Each fills whole vec4s, so std140 needs no padding.
 MEMBERS = {
     "clip_from_anchor": "mat4",
     "view_from_anchor": "mat4",
-    "ray_origin": "vec4",  # of the pixel coordinate (0, 0), anchor space
-    "ray_origin_x": "vec4",  # its step from pixel to pixel
+    "ray_origin": "vec4",  # at pixel coordinate (0, 0), anchor space
+    "ray_origin_x": "vec4",  # difference from pixel to pixel
     "ray_origin_y": "vec4",
     "ray_direction": "vec4",  # likewise; its length is 1 along the view's axis
     "ray_direction_x": "vec4",
     "ray_direction_y": "vec4",
-    "luminance_weights": "vec4",  # of a colour's three numbers
+    "luminance_weights": "vec4",  # of red, green and blue
     "picture_size": "vec4",  # width and height, px; textures may be larger, see driver_variants.py
 }
-DTYPE = np.dtype([(name, "f4", (16 if kind == "mat4" else 4,)) for name, kind in MEMBERS.items()])
+DTYPE = np.dtype([(name, "f4", (16 if type_ == "mat4" else 4,)) for name, type_ in MEMBERS.items()])
 NAME = "Frame"
 BINDING = 0
 
-GLSL = "layout(std140) uniform Frame {\n" + "".join(f"    {kind} {name};\n" for name, kind in MEMBERS.items()) + "};\n"
+GLSL = (
+    "layout(std140) uniform Frame {\n" + "".join(f"    {type_} {name};\n" for name, type_ in MEMBERS.items()) + "};\n"
+)
 GLSL += "ivec2 last_pixel() { return ivec2(picture_size.xy) - 1; }\n"
 
 
 def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and directions of the view rays: two (3,3), the rows for pixel (0,0), its step in x, and in y.
+    """Origins and directions of the view rays: two (3,3), rows at pixel (0,0), difference in x, and in y.
 
     View space. Both are linear in the pixel's coordinate, for perspective (one origin) and for
     orthographic projections (one direction).

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the moderngl that Python finds is one that we can use: all of Blender's add-ons share it.
+"""Checks the version of moderngl, which all of Blender's add-ons share.
 
-The extension brings one in a wheel. But of two extensions' wheels Blender keeps the newer one, and an add-on may have
-loaded a copy of its own before.
+The extension brings it as a wheel. But of two extensions' wheels Blender keeps the newer one, and another add-on may
+have imported its own copy before.
 """
 
 import re
 
 from .errors import NoOpenGL
 
-#: The versions that do, from the first one on and below the second one. 5.9 lacks calls that we make, 5.10 draws.
+#: The oldest supported version, and the next major one, which is not. 5.9 lacks functions that we call.
 OLDEST, NEXT_MAJOR = (5, 10), (6, 0)
 
 
 def check() -> None:
-    """Raises NoOpenGL for another version; ImportError and OSError where there is none, or it is broken."""
+    """Raises NoOpenGL for an unsupported version; ImportError or OSError if it is missing or broken."""
     import moderngl
 
     version = str(getattr(moderngl, "__version__", "without a version"))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points that are drawn once: a buffer that is filled again and again, and for each program a vertex array over it."""
+"""Draws points that change with each draw: one buffer, refilled each time, and a vertex array for each program."""
 
 import moderngl
 import numpy as np
 
 
 class PointBatch:
-    """Of one context."""
+    """The buffer and vertex arrays of one context."""
 
     def __init__(self, gl: moderngl.Context):
         self._gl = gl
@@ -14,14 +14,14 @@ class PointBatch:
         self._vertex_arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def draw(self, program: moderngl.Program, rows: np.ndarray, layout: tuple[str, ...]) -> None:
-        """A point a row, laid out as moderngl is told: formats, and names of inputs. Programs need not have all."""
+        """Draw a point for each row. `layout`: moderngl's format and attribute names; programs may lack some."""
         if program not in self._vertex_arrays:
             content = [(self._buffer, *layout)]
             self._vertex_arrays[program] = self._gl.vertex_array(program, content, skip_errors=True)
-        self._buffer.orphan(rows.nbytes)  # drivers may still be drawing what it had
+        self._buffer.orphan(rows.nbytes)  # the driver may still read the old contents
         self._buffer.write(rows)
         self._vertex_arrays[program].render(moderngl.POINTS, vertices=len(rows))
 
     def forget(self) -> None:
-        """Let go of the programs."""
+        """Release the programs."""
         self._vertex_arrays.clear()

@@ -10,15 +10,15 @@ from ...resource_types import Target
 from . import driver_variants
 from .depth import float_depth
 
-#: Texels to a row of a target in strips, as long as they are no longer than this.
+#: Width of a target in strips, in texels, up to this height.
 TILE_STRIP_WIDTH, MAX_STRIP_HEIGHT = 9, 4100
 
 
 def size_of(target: Target, width: int, height: int) -> tuple[int, int]:
-    """Texels across and up of a target for a picture of this size.
+    """Width and height in texels of a target, for an image of this size in pixels.
 
-    Texels that are few and take long lie in strips, one row of the picture behind the other: software drivers share
-    out a target to cores in parts of 64 by 64 texels or so, of which there would be too few.
+    Targets with a texel a tile are laid out in strips: software drivers parallelise over blocks of 64×64 texels, of
+    which there would be too few.
     """
     columns, rows = -(-width // target.divisor), -(-height // target.divisor)
     if not target.strips:
@@ -28,19 +28,19 @@ def size_of(target: Target, width: int, height: int) -> tuple[int, int]:
 
 
 def create(gl: moderngl.Context, target: Target, size: tuple[int, int]) -> moderngl.Texture:
-    """A texture of so many texels or a little more, see driver_variants.py; never filtered."""
-    room = driver_variants.sides(size)
+    """A texture with room for `size` texels, see driver_variants.py."""
+    allocated = driver_variants.sides(size)
     if target.is_depth:
-        return float_depth(gl, room)
-    texture = gl.texture(room, target.components, dtype=target.dtype)
+        return float_depth(gl, allocated)
+    texture = gl.texture(allocated, target.components, dtype=target.dtype)
     driver_variants.never_filtered(texture)
     return texture
 
 
 def create_neutral(gl: moderngl.Context, target: Target) -> moderngl.Texture:
-    """A few texels of the target's neutral value. Raises ValueError if it has none: then a pass must make it."""
+    """A texture of a few texels with the target's neutral value. Raises ValueError if it has none."""
     if target.neutral is None:
-        raise ValueError(f"nothing can stand for {target.name}, which no pass has made")
+        raise ValueError(f"{target.name} has no neutral value, and no pass has made it")
     texture = create(gl, target, (1, 1))
     dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[target.dtype]
     texel = np.array(target.neutral[: target.components]) * (255 if target.dtype == "f1" else 1)
@@ -49,12 +49,12 @@ def create_neutral(gl: moderngl.Context, target: Target) -> moderngl.Texture:
 
 
 class RenderTargets:
-    """Allocates a target when it is first needed, or in another size, and frees what it replaces."""
+    """Allocates textures of targets when they are needed or change size."""
 
     def __init__(self, gl: moderngl.Context):
         self.gl = gl
         self.textures: dict[Target, moderngl.Texture] = {}
-        #: Of what is drawn of each; those that neutral texels stand for have none.
+        #: Size of each that passes have made; neutral ones have none.
         self.sizes: dict[Target, tuple[int, int]] = {}
         self.framebuffers: dict[tuple[Target, ...], moderngl.Framebuffer] = {}
 
@@ -74,12 +74,12 @@ class RenderTargets:
             self.allocate(target, size)
 
     def ensure(self, target: Target) -> None:
-        """Let neutral texels stand for a target that no pass has made."""
+        """Make the neutral texture of a target that no pass has made."""
         if target not in self.textures:
             self.textures[target] = create_neutral(self.gl, target)
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
-        """The framebuffer that draws into these targets; the depth buffer, if there is one, comes last."""
+        """The framebuffer of these targets; a depth buffer, if any, comes last."""
         if targets not in self.framebuffers:
             textures = [self.textures[target] for target in targets]
             depth = textures.pop() if textures[-1].depth else None
@@ -94,11 +94,11 @@ class RenderTargets:
 
     @property
     def bytes(self) -> int:
-        """What all of them take."""
+        """Memory of all textures."""
         return sum(t.width * t.height * t.components * int(t.dtype[1:]) for t in self.textures.values())
 
     def release(self, targets: Iterable[Target] | None = None) -> None:
-        """Free these targets, or all, with the framebuffers around them."""
+        """Free these targets, or all, with their framebuffers."""
         for target in list(self.textures) if targets is None else targets:
             if target in self.textures:
                 del self.textures[target]
@@ -108,14 +108,14 @@ class RenderTargets:
 
 
 def draw_into(target: moderngl.Framebuffer) -> None:
-    """Let what is drawn from now on go there. To choose what is chosen already would be a dozen calls of OpenGL."""
+    """Bind a framebuffer, unless it is bound: moderngl makes a dozen OpenGL calls for it."""
     if target.ctx.fbo is not target:
         target.use()
 
 
 def pixels(texture: moderngl.Texture) -> np.ndarray:
-    """(H,W,components) float32 of a texture of floats or of bytes, these as parts of 255."""
-    bytes_ = texture.dtype == "f1"
-    whole: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if bytes_ else np.float32)
+    """(H,W,components) float32 of a texture of floats, or of bytes over 255."""
+    has_bytes = texture.dtype == "f1"
+    whole: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if has_bytes else np.float32)
     texture.read_into(whole, alignment=1)
-    return whole / np.float32(255) if bytes_ else whole
+    return whole / np.float32(255) if has_bytes else whole

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Load, complete and compile shaders; say in which file an error is.
+"""Loads shaders, resolves includes and compiles; error messages name the file.
 
-A shader's text is its file with `#include "folder/name.glsl"`, of the folder `glsl`, resolved (each file once), after a
-head that holds the GLSL version, fetch.glsl, the frame's block, the records it reads and the constants that Python also
-knows.
+The source of a stage is a head and its file. `#include "folder/name.glsl"` is resolved in the folder `glsl`, each file
+once. The head has the GLSL version, constants from Python, fetch.glsl, the frame's uniform block and the records.
 """
 
 import re
@@ -18,29 +17,29 @@ from .buffer_texture import BufferTexture
 from .context import Device
 from .shader_records import Record
 
-#: Shaders are named by their path in it: each lies beside its pass, and what several include or draw with in `glsl`.
+#: Shaders are named by their path in this folder: beside their pass, or in `glsl` if several passes use them.
 FOLDER = Path(__file__).parents[1]
 STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
-#: Lines of the k-th file of a shader are counted from k times this: Mesa forgets the file that #line names.
+#: Line numbers of the k-th file of a shader start at k times this: Mesa drops the file number of #line.
 LINES_PER_FILE = 10_000
-#: A uniform's declaration: its name.
+#: A uniform's declaration; group 1 is its name.
 UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.M)
-#: The first error that a compiler tells of: its line, and what is wrong.
+#: The first error of a compiler's log: line and message.
 #: Mesa and Intel write 0:33(2): error: …, NVIDIA 0(33) : error C1503: …, AMD and Apple ERROR: 0:33: …
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
 
 
-#: Files to include that are no files, by name: what gives their text.
+#: Generated includes by name: functions that return their source.
 GENERATED: dict[str, Callable[[], str]] = {}
 
 
 class ShaderError(RuntimeError):
-    """A shader does not compile; the message is one line that names the file and the place in it."""
+    """A shader does not compile. The message is one line with file and line number."""
 
 
 def expand(path: Path, files: list[Path]) -> str:
-    """A file's text with its includes; `files` grows by each file read, and says where its lines are counted from."""
+    """A file's source with its includes. Appends each file read to `files`; its index gives its line numbers."""
     files.append(path)
     start = len(files) * LINES_PER_FILE
     lines = [f"#line {start + 1}"]
@@ -58,7 +57,7 @@ def expand(path: Path, files: list[Path]) -> str:
 
 
 def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
-    """What stands before every shader's own text."""
+    """The head of a stage's source."""
     lines = ["#version 410 core"]
     lines += [f"#define {name.upper()} {value}" for name, value in constants.items()]
     fetch = (FOLDER / "glsl/textures/fetch.glsl").read_text("utf-8")
@@ -69,11 +68,11 @@ def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
 def compile_program(
     device: Device, *names: str, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
-    """The program of the files `names` in the shader folder, one a stage; compiled once. Raises ShaderError."""
+    """The program of these files, one for each stage. Compiled once and cached. Raises ShaderError."""
     key = (names, tuple(record.name for record in records), tuple(constants.items()))
     if key not in device.programs:
-        for begins in device.on_compile:
-            begins()
+        for callback in device.on_compile:
+            callback()
         device.programs[key] = compile_stages(device.gl, names, records, constants)
     return device.programs[key]
 
@@ -81,7 +80,7 @@ def compile_program(
 def compile_stages(
     gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: dict[str, int | float]
 ) -> moderngl.Program:
-    """Compile and link, with the frame's block bound."""
+    """Compile, link and bind the frame's uniform block."""
     begin = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
@@ -97,26 +96,26 @@ def compile_stages(
 
 
 def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
-    """Where and what it is, or all that was said if that cannot be told; `files` are those of each stage."""
-    said = str(error)
-    found = FIRST_ERROR.search(said)
-    stage = next((stage for stage in files if stage in said), None)
-    number, line = divmod(int(found[1]), LINES_PER_FILE) if found else (0, 0)
-    if found is None or not number or stage is None:  # in what stands before the files, or as the program is linked
-        return " ".join(said.split())
-    return f"{files[stage][number - 1].name}, line {line}: {found[2]}"
+    """File, line and message of the first error, or the whole log if that is not recognised. `files` by stage."""
+    log = str(error)
+    match = FIRST_ERROR.search(log)
+    stage = next((stage for stage in files if stage in log), None)
+    file, line = divmod(int(match[1]), LINES_PER_FILE) if match else (0, 0)
+    if match is None or not file or stage is None:  # an error in the head, or of linking
+        return " ".join(log.split())
+    return f"{files[stage][file - 1].name}, line {line}: {match[2]}"
 
 
 class UndeclaredUniformError(RuntimeError):
-    """A pass sets a uniform that no source of its program declares. A fault of the pass, which no scene can cause."""
+    """A pass sets a uniform that its program's sources do not declare: a programming error."""
 
 
 def bind(program: moderngl.Program, **values: object) -> None:
-    """Give uniforms their values, and samplers their textures; what the compiler left out is passed over.
+    """Set uniforms and samplers. Those that the compiler has optimised away are skipped.
 
-    Raises UndeclaredUniformError for a name that the program's sources do not have.
+    Raises UndeclaredUniformError for a name that the program's sources do not declare.
     """
-    held = program.ctx.extra
+    state = program.ctx.extra
     for name, value in values.items():
         uniform: Any = program.get(name, None)
         if uniform is None:
@@ -124,10 +123,10 @@ def bind(program: moderngl.Program, **values: object) -> None:
                 raise UndeclaredUniformError(f"no source of the program declares the uniform {name}")
             continue
         if isinstance(value, BufferTexture):
-            unit = held.unit_with(name, value)
-            if held.is_new(program, name, unit):
-                value.tell(program, name, unit)
+            unit = state.unit_with(name, value)
+            if state.is_new(program, name, unit):
+                value.set_sampler(program, name, unit)
         else:
-            content = held.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
-            if held.is_new(program, name, content):
+            content = state.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
+            if state.is_new(program, name, content):
                 uniform.value = content

@@ -68,7 +68,7 @@ class Record:
         """A table (N,) of this record's dtype."""
         words = table.view(np.uint32).reshape(len(table), self.dtype.itemsize // 4)
         packed = np.pad(words, ((0, 0), (0, TEXEL_WORDS * self.texels - words.shape[1])))
-        return device.array(packed.reshape(-1, TEXEL_WORDS))
+        return device.buffer_from(packed.reshape(-1, TEXEL_WORDS))
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What time it is when the GPU has done what, without waiting for that: OpenGL 3.3's timestamps."""
+"""Timestamps of the GPU (OpenGL 3.3 timer queries), read without waiting."""
 
 import ctypes
 from collections.abc import Callable
@@ -10,13 +10,13 @@ QUERY_RESULT = 0x8866
 
 
 class GpuClock:
-    """Of one context."""
+    """The timer queries of one context."""
 
     def __init__(self, load: Callable[[str], int]):
         """`load` gives the addresses of OpenGL's functions."""
         name, names = ctypes.c_uint, ctypes.POINTER(ctypes.c_uint)
         self._generate = ctypes.CFUNCTYPE(None, ctypes.c_int, names)(load("glGenQueries"))
-        self._note = ctypes.CFUNCTYPE(None, name, name)(load("glQueryCounter"))
+        self._query_counter = ctypes.CFUNCTYPE(None, name, name)(load("glQueryCounter"))
         times = ctypes.POINTER(ctypes.c_uint64)
         self._result = ctypes.CFUNCTYPE(None, name, name, times)(load("glGetQueryObjectui64v"))
         self._free: list[int] = []
@@ -24,21 +24,21 @@ class GpuClock:
         ctypes.CFUNCTYPE(None, name, name, ctypes.POINTER(ctypes.c_int))(load("glGetQueryiv"))(
             TIMESTAMP, QUERY_COUNTER_BITS, bits
         )
-        #: Some drivers have none that does.
-        self.runs = bits.value > 0
+        #: Some drivers have no timer.
+        self.is_available = bits.value > 0
 
-    def note(self) -> int:
-        """Let the GPU note the time when it has done all that it was asked for: the name to read it by, once."""
+    def record(self) -> int:
+        """Record the time when the GPU has finished all commands so far. Gives a query, to be read once."""
         if not self._free:
-            made = ctypes.c_uint()
-            self._generate(1, made)
-            self._free.append(made.value)
+            query_name = ctypes.c_uint()
+            self._generate(1, query_name)
+            self._free.append(query_name.value)
         query = self._free.pop()
-        self._note(query, TIMESTAMP)
+        self._query_counter(query, TIMESTAMP)
         return query
 
     def read(self, query: int) -> float:
-        """The time that was noted, ms; waits for it if the GPU has not come by yet."""
+        """The recorded time, ms. Waits if the GPU has not recorded it yet."""
         time = ctypes.c_uint64()
         self._result(query, QUERY_RESULT, time)
         self._free.append(query)

@@ -51,7 +51,7 @@ class RenderLoop:
             self.shader_version = shader_version
             self.device.forget_programs()
             self.renderers.clear()
-            self.device.collect()
+            self.device.free_released()
 
     def step(self, client: Hashable, job: Job) -> None:
         """Draw one pass of a job. Whatever goes wrong is its own error, but for ContextLost, which is raised."""
@@ -133,7 +133,7 @@ def draw_job(renderer: Renderer, coarse_renderer: Renderer, job: Job) -> Generat
         job.samples_done += 1
         stopped_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
         if stopped_by:
-            renderer.pace.finish()
+            renderer.submission.finish()
         job.first_seconds = job.first_seconds or renderer.pixel_pass_seconds(profile)
         job.statistics = profile.statistics(
             request.scene, job.samples_done, now - start, renderer.error.image_error, stopped_by

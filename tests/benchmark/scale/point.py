@@ -41,7 +41,7 @@ def measure(picture: Picture) -> dict:
     empty = memory.resident()
     device = open_device()
     drawn(device, depsgraph, small)
-    device.collect()
+    device.free_released()
     opengl = memory.resident() - empty
     depsgraph = opened(picture)
     before = memory.resident()

@@ -103,9 +103,9 @@ def test_rows_beyond_the_limit_are_not_there(limited):
     """Whoever made room for more than is allowed would read nothing from it."""
     most = LIMITS["GL_MAX_TEXTURE_BUFFER_SIZE"]
     rows = limited.buffer_textures
-    rows.most, allowed = 2 * most, rows.most
-    table = limited.array(np.ones((most + 1, 1), np.float32))
-    rows.most = allowed
+    rows.max_rows, allowed = 2 * most, rows.max_rows
+    table = limited.buffer_from(np.ones((most + 1, 1), np.float32))
+    rows.max_rows = allowed
     program = limited.gl.program(
         vertex_shader="#version 410 core\nuniform samplerBuffer table;\nout vec2 told;\n"
         f"void main() {{ told = vec2(texelFetch(table, {most - 1}).x, texelFetch(table, {most}).x); }}",

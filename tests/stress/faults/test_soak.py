@@ -85,7 +85,7 @@ class Census(threading.Event):
 
     def take(self, studio: RenderLoop) -> None:
         load = studio.device.gl.mglo._context.load
-        studio.device.collect()
+        studio.device.free_released()
         tests = [ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(load(f"glIs{kind}")) for kind in KINDS]
         self.count = sum(bool(test(name)) for test in tests for name in range(1, NAMES))
         self.set()

@@ -18,11 +18,11 @@ from tests.support.small_scenes import draw, from_above, light, quad, rubble, st
 def uploaded(made: MeshBuffers) -> tuple[np.ndarray, np.ndarray]:
     """Corners (T,3,3) in steps and normals (T,3,3) of all triangles, from the arrays."""
     count = made.count
-    words = np.frombuffer(made.arrays["corners"].buffer.read(), np.uint32)[: 8 * count].reshape(-1, 8)
+    words = np.frombuffer(made.samplers["corners"].buffer.read(), np.uint32)[: 8 * count].reshape(-1, 8)
     last = ((words[:, :4] & 127).astype(np.int64) << np.array([0, 7, 14, 21])).sum(1)
     last = (last ^ 1 << 27) - (1 << 27)
     corners = np.column_stack([words.view(np.int32) >> 7, last]).reshape(-1, 3, 3)
-    points = np.frombuffer(made.arrays["corner_normal_buffer"].buffer.read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
+    points = np.frombuffer(made.samplers["corner_normal_buffer"].buffer.read(), np.int16)[: 6 * count].reshape(-1, 3, 2)
     return corners, directions_from_octahedron(points / 32767.0)
 
 
@@ -93,7 +93,7 @@ def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatc
         short.setattr(mesh_buffers, "uvs_of", some)
         coordinates.follow()
     coordinates.follow()
-    found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)
+    found = np.frombuffer(coordinates.uvs.texture.buffer.read(), np.float32)
     assert np.array_equal(
         found[: 6 * made.count], np.repeat([5, TRIANGLES_AT_A_TIME, 7], [6 * 5, 6 * TRIANGLES_AT_A_TIME, 6 * 7])
     )
@@ -111,7 +111,7 @@ def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(devic
     made.add(range(4), trees)
     coordinates = UVBuffers(device, made)
     coordinates.follow()
-    found = np.frombuffer(coordinates.uvs.array.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
+    found = np.frombuffer(coordinates.uvs.texture.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
     orders = [trees[k].order if trees else np.arange(count) for k, count in enumerate(counts)]
     uvs[1] = np.zeros((counts[1], 3, 2), np.float32)
     assert np.array_equal(found, np.concatenate([own[order] for own, order in zip(uvs, orders, strict=True)]))

@@ -32,12 +32,12 @@ def fetched(device, array, dtype: str, count: int) -> np.ndarray:
 @pytest.mark.parametrize("count", [1, 2, 1000])
 def test_rows_arrive(device, dtype, components, count):
     rows = np.random.default_rng(count).integers(0, 1 << 15, (count, components)).astype(dtype)
-    assert np.array_equal(fetched(device, device.array(rows), dtype, count)[:, :components], rows)
+    assert np.array_equal(fetched(device, device.buffer_from(rows), dtype, count)[:, :components], rows)
 
 
 def test_rows_are_written_anywhere(device):
     rows = np.arange(4 * 50, dtype=np.float32).reshape(50, 4)
-    array = device.room(50, 4, "f4")
+    array = device.new_buffer(50, 4, "f4")
     for part in (slice(17, 50), slice(0, 3), slice(3, 17), slice(5, 5)):
         array.write(rows[part], part.start)
     assert np.array_equal(fetched(device, array, "f4", 50), rows)
@@ -47,16 +47,16 @@ def test_rows_are_written_anywhere(device):
 def test_arrays_are_of_one_kind(device, row):
     """Else scenes of other sizes are other shaders to Mesa's software driver."""
     for count in (*range(20), 255, 256, 257, 4096):
-        size = device.room(count, row // 4, "f4").bytes
+        size = device.new_buffer(count, row // 4, "f4").bytes
         assert row * count <= size <= row * (count + 1) + 256
         assert size & (size - 1)
         assert size >> 8 & 255
 
 
 def test_more_rows_than_can_be_fetched_are_refused_with_a_sentence(device):
-    most = device.buffer_textures.most
+    most = device.buffer_textures.max_rows
     with pytest.raises(ValueError, match=f"{most + 1:,} rows are more than the {most:,} that this OpenGL can fetch"):
-        device.room(most + 1, 1, "f4")
+        device.new_buffer(most + 1, 1, "f4")
 
 
 def test_rows_that_come_by_and_by_may_fill_all_the_room_there_is(device, monkeypatch):
@@ -70,24 +70,24 @@ def test_rows_that_come_by_and_by_may_fill_all_the_room_there_is(device, monkeyp
 
 def test_what_is_let_go_of_in_another_thread_is_freed_in_this_one(device):
     is_texture = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(device.gl.mglo._context.load("glIsTexture"))
-    kept = [device.room(10, 4, "f4")]
+    kept = [device.new_buffer(10, 4, "f4")]
     number = kept[0]._texture
     thread = Thread(target=kept.clear)
     thread.start()
     thread.join()
     assert is_texture(number)
-    device.collect()
+    device.free_released()
     assert not is_texture(number)
 
 
 def test_rows_that_come_by_and_by(device):
     """In one array while there is room; then in a larger one, and the one before still has what it had."""
-    rows, growing, arrays = np.arange(4 * 100, dtype=np.float32).reshape(100, 4), device.growing(4, "f4"), []
+    rows, growing, arrays = np.arange(4 * 100, dtype=np.float32).reshape(100, 4), device.growing_buffer(4, "f4"), []
     for first, end in ((0, 40), (40, 41), (41, 60), (60, 60), (60, 100)):
         growing.reserve(end - first)
         growing.append(rows[first:end])
-        arrays.append(growing.array)
-        assert np.array_equal(fetched(device, growing.array, "f4", end), rows[:end])
+        arrays.append(growing.texture)
+        assert np.array_equal(fetched(device, growing.texture, "f4", end), rows[:end])
     assert arrays[1] is arrays[2] is arrays[3]
     assert len(set(map(id, arrays))) == 3
     assert np.array_equal(fetched(device, arrays[0], "f4", 40), rows[:40])

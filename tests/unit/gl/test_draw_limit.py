@@ -40,7 +40,7 @@ counts_draws = pytest.mark.skipif(
 @pytest.fixture
 def asked(monkeypatch) -> dict[str, list[float]]:
     """By pass, the rays of each draw."""
-    step, ask, now, asked = Graph.step, Submission.ask, [""], {}
+    step, ask, now, asked = Graph.step, Submission.before_draw, [""], {}
 
     def step_and_say(self, kind, frame, profile):
         now[0] = kind.__name__
@@ -51,7 +51,7 @@ def asked(monkeypatch) -> dict[str, list[float]]:
         ask(self, rays)
 
     monkeypatch.setattr(Graph, "step", step_and_say)
-    monkeypatch.setattr(Submission, "ask", ask_and_note)
+    monkeypatch.setattr(Submission, "before_draw", ask_and_note)
     return asked
 
 
@@ -100,7 +100,7 @@ def test_every_draw_is_asked_for(monkeypatch, asked, case):
     before = calls[0].so_far
     for sample in range(3):
         list(renderer.sample(scene, replace(view, filter_width=filter_width), settings, sample, Profile()))
-    renderer.pace.finish()
+    renderer.submission.finish()
     drawn = calls[0].so_far - before
     assert drawn["glDrawArraysInstanced"] == sum(map(len, asked.values())) + len(triangles) > 20
     device.close()

@@ -107,6 +107,6 @@ def test_python_and_glsl_fold_directions_alike(device):
         f"{library}\nuniform samplerBuffer table;",
         "vec4(octahedron_from_direction(texelFetch(table, row).xyz), 0, 0)",
         1000,
-        {"table": device.array(np.pad(directions, ((0, 0), (0, 1))))},
+        {"table": device.buffer_from(np.pad(directions, ((0, 0), (0, 1))))},
     )
     assert told[:, :2] == pytest.approx(octahedron_from_directions(directions.astype(float)), abs=1e-6)

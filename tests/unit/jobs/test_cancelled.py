@@ -36,7 +36,7 @@ class Watch:
         #: In that pass, how many looks find nothing.
         self.in_vain = 0
         self.most: dict[str, float] = {}
-        step, ask = Graph.step, submission.Submission.ask
+        step, ask = Graph.step, submission.Submission.before_draw
 
         def step_and_say(graph, kind, frame, profile):
             self.now, self.asked = kind.__name__, 0.0
@@ -48,7 +48,7 @@ class Watch:
             self.most[self.now] = max(self.most.get(self.now, 0.0), self.asked)
 
         monkeypatch.setattr(Graph, "step", step_and_say)
-        monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
+        monkeypatch.setattr(submission.Submission, "before_draw", ask_and_note)
 
     def cancelled(self) -> bool:
         self.asked = 0.0
@@ -191,7 +191,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     """
     reached, asked_after, looks_after = threading.Event(), [], []
     watch = Watch(monkeypatch)
-    ask, look = submission.Submission.ask, submission.Submission.look
+    ask, look = submission.Submission.before_draw, submission.Submission.check_cancelled
 
     def ask_and_note(its_pace, rays):
         ask(its_pace, rays)
@@ -208,8 +208,8 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
             while not job.cancelled and time.monotonic() < until:
                 time.sleep(0.001)
 
-    monkeypatch.setattr(submission.Submission, "ask", ask_and_note)
-    monkeypatch.setattr(submission.Submission, "look", look_and_wait)
+    monkeypatch.setattr(submission.Submission, "before_draw", ask_and_note)
+    monkeypatch.setattr(submission.Submission, "check_cancelled", look_and_wait)
     settings = with_quality(MAPS, virtual_lights=4096, map_size=1024, map_points=1 << 20)
     job = worker.start(Request(*box_over_plane(320, 180), settings), "client")
     (thread,) = (each for each in threading.enumerate() if each.name == "ISM renderer")

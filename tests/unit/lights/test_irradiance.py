@@ -47,7 +47,7 @@ def shader(opened_device):
         count = len(points)
         places = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
         with opened_device.gl as gl:
-            points, normals = map(opened_device.array, places)
+            points, normals = map(opened_device.buffer_from, places)
             table = LIGHT.upload(opened_device, light_table(lights, np.zeros(3)))
             gl.enable_only(moderngl.NOTHING)
             frame.use()

@@ -27,4 +27,4 @@ class SamplePoints(Pass):
     def execute(self, frame: Frame) -> None:
         seen = frame.settings.quality.map_points
         count = max(seen, min(POINTS_PER_MAP_POINT * seen, MAX_POINTS))
-        frame[POINT_CLOUD] = make_point_cloud(frame.scene, frame.anchor, count, frame.pace.look)
+        frame[POINT_CLOUD] = make_point_cloud(frame.scene, frame.anchor, count, frame.submission.check_cancelled)

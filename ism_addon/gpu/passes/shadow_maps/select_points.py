@@ -107,7 +107,7 @@ class SelectPoints(Pass):
     def execute(self, frame: Frame) -> None:
         cloud, lights = frame[POINT_CLOUD], frame.scene.lights
         count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
-        look, contributing = frame.pace.look, frame[CONTRIBUTING_LIGHTS]
+        look, contributing = frame.submission.check_cancelled, frame[CONTRIBUTING_LIGHTS]
 
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:

@@ -83,5 +83,5 @@ class SplatMaps(Pass):
         rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
         for part in portions(subset.count, rays):
             count = part.stop - part.start
-            frame.pace.ask(rays * count)
+            frame.submission.before_draw(rays * count)
             discs.render(moderngl.POINTS, vertices=count, first=subset.first + part.start)

@@ -56,7 +56,7 @@ class GBuffer(Pass):
             instances=frame[INSTANCE_BUFFERS].table,
             materials=materials.table,
             texels=materials.texels.texture,
-            **frame[MESH_BUFFERS].arrays,
-            **({"uvs": frame[UV_BUFFERS].uvs.array} if images else {}),
+            **frame[MESH_BUFFERS].samplers,
+            **({"uvs": frame[UV_BUFFERS].uvs.texture} if images else {}),
         )
         draw_tiles(frame, frame.framebuffer(DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE), program)

@@ -61,9 +61,9 @@ class VisibilityBuffer(Pass):
             rotation=tuple((part[:, None] * rotation).T.ravel()),
             shift=tuple(part * shift),
             depth=(nearness if self.device.reversed_depth else logarithm)(frame.view.clip_from_view),
-            corners=frame[MESH_BUFFERS].arrays["corners"],
+            corners=frame[MESH_BUFFERS].samplers["corners"],
             instances=instances.table,
-            owners=instances.owners.array,
+            owners=instances.owners.texture,
         )
         if frame.settings.shortcuts:
             pixel = 2.0 / min(frame.size)
@@ -83,5 +83,5 @@ class VisibilityBuffer(Pass):
             frame.counts["triangles_drawn"] += count
             waiting += count
             if waiting >= TRIANGLES_AT_A_TIME:
-                frame.pace.submit()
+                frame.submission.submit()
                 waiting = 0

@@ -94,8 +94,8 @@ class BuildTLAS(Pass):
         frame[TLAS] = {
             "blas_nodes": buffers.nodes,
             "blas_leaf_starts": buffers.leaf_starts,
-            "corners": meshes.arrays["corners"],
-            "tlas_nodes": self.device.array(nodes),
+            "corners": meshes.samplers["corners"],
+            "tlas_nodes": self.device.buffer_from(nodes),
             "casters": CASTER.upload(self.device, np.append(casters, np.zeros(1, CASTER.dtype))[tree.order]),
             "tlas_leaves": tree.leaves,
             "tlas_centre": tuple(middle),
