@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The door without Blender: draw a snapshot. python -m ism_addon.gpu scene.npz -o out.png"""
+"""The command line: renders a snapshot without Blender. python -m ism_addon.gpu scene.npz -o out.png"""
 
 import argparse
 import signal
@@ -25,7 +25,7 @@ from .profile import table
 
 def parser() -> argparse.ArgumentParser:
     """The command line: a flag for each setting, made from its label and meaning."""
-    line = argparse.ArgumentParser(prog="python -m ism_addon.gpu", description="Draw a snapshot of a scene.")
+    line = argparse.ArgumentParser(prog="python -m ism_addon.gpu", description="Render a snapshot of a scene.")
     line.add_argument("snapshot", type=Path, help="an .npz that the add-on or ism_addon.snapshot wrote")
     line.add_argument("-o", "--output", type=Path, default=Path("out.png"), help="the PNG to write (%(default)s)")
     for each in render_passes.RENDER_PASSES:
@@ -40,21 +40,21 @@ def parser() -> argparse.ArgumentParser:
         "--size",
         type=size,
         metavar="WIDTHxHEIGHT",
-        help="instead of the snapshot's own; it keeps the field of view across",
+        help="instead of the snapshot's own; the horizontal field of view stays",
     )
     line.add_argument(
         "--show",
         type=choice(DebugView),
         choices=list(DebugView),
         metavar="TARGET",
-        help="an intermediate target instead of the picture: %(choices)s",
+        help="a render target instead of the render: %(choices)s",
     )
     line.add_argument(
         "--shortcuts",
         action=argparse.BooleanOptionalAction,
-        help="leave out work that does not change the picture; off, to measure what that saves",
+        help="skip work that does not change the image; off, to measure what that saves",
     )
-    line.add_argument("--profile", action="store_true", help="print what each pass took")
+    line.add_argument("--profile", action="store_true", help="print statistics, with the time of each pass")
     for name, section in SECTIONS.items():
         group = line.add_argument_group(name)
         for member, control in setting_fields(section):
@@ -65,22 +65,22 @@ def parser() -> argparse.ArgumentParser:
 def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
     """--shadow-bias 1.0 for a number, --no-shadow-enabled for a switch, --shadow-method SHADOW_MAPS for a choice."""
     flag = "--" + (member.name if section == "quality" else f"{section}_{member.name}").replace("_", "-")
-    kind: dict = {"type": member.type}
+    options: dict = {"type": member.type}
     if member.type is bool:
-        kind = {"action": argparse.BooleanOptionalAction}
+        options = {"action": argparse.BooleanOptionalAction}
     elif isinstance(member.default, Choice):
-        kind = {"type": choice(type(member.default)), "choices": list(type(member.default))}
+        options = {"type": choice(type(member.default)), "choices": list(type(member.default))}
     meaning = help_text(member, control).replace("%", "%%")
-    group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **kind)
+    group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **options)
 
 
-def choice(kind: type[Choice]) -> Callable[[str], Choice]:
-    """What reads a choice from the command line, in capitals or not."""
-    names = {each.upper(): each for each in kind}
+def choice(type_: type[Choice]) -> Callable[[str], Choice]:
+    """A parser of one of these values, in capitals or not."""
+    names = {each.upper(): each for each in type_}
 
     def choice(text: str) -> Choice:
         if text.upper() not in names:
-            raise argparse.ArgumentTypeError(f"{text or 'nothing'} is none of {', '.join(kind)}")
+            raise argparse.ArgumentTypeError(f"{text or 'nothing'} is none of {', '.join(type_)}")
         return names[text.upper()]
 
     return choice
@@ -108,32 +108,32 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
 
 
 def outputs(options: argparse.Namespace) -> dict[RenderPass, Path]:
-    """The render passes that have a file of their own, and which."""
+    """Files of the render passes that are written, by pass."""
     files = {each: getattr(options, each.name) for each in render_passes.RENDER_PASSES}
     return {each: file for each, file in files.items() if file}
 
 
 def resized(view: View, width: int, height: int) -> View:
-    """The view at another size, with square pixels and the same field of view across."""
+    """The view at another size, with square pixels and the same horizontal field of view."""
     clip_from_view = view.clip_from_view.copy()
     clip_from_view[1] *= (width / height) / (view.width / view.height)
     return replace(view, clip_from_view=clip_from_view, width=width, height=height)
 
 
 def draw(request: Request) -> tuple[Picture | None, Job]:
-    """Draw on a worker of our own, to the end."""
-    worker = RenderThread()
+    """Render in a render thread, to the end."""
+    thread = RenderThread()
     try:
-        job = worker.start(request, "command line")
+        job = thread.start(request, "command line")
         while not job.finished:
             job.wait(1.0)
     finally:
-        worker.stop()
+        thread.stop()
     return job.picture(), job
 
 
 def main() -> int:
-    """Exit status: 0, or 1 with a sentence on stderr where there is no whole picture, or a shell's own after Ctrl+C."""
+    """Exit status: 0; 1 with a sentence on stderr if the render failed; after Ctrl+C that of shells."""
     try:
         return run(parser().parse_args())
     except KeyboardInterrupt:
@@ -142,7 +142,7 @@ def main() -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Draw what is asked for and write it: main's exit status."""
+    """Render and write the files: main's exit status."""
     try:
         scene, view, settings = snapshot.load(options.snapshot)
         view = resized(view, *options.size) if options.size else view
@@ -167,7 +167,7 @@ def run(options: argparse.Namespace) -> int:
         return 1
     if options.profile:
         print(table(job.statistics))
-    if job.error:  # the picture is as far as it came
+    if job.error:  # the image has fewer samples
         print(job.error, file=sys.stderr)
     return int(bool(job.error))
 

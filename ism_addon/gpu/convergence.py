@@ -1,42 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large the error of an image still is, tile by tile, and which tiles are good enough.
+"""Estimates the error of an image by tile, and which tiles have converged.
 
-The mean of all n samples and that of their first k differ by chance as s² (1/k - 1/n), s² being the variance of one
-sample; the mean itself is off by s² / n. So how far a tile has moved while its samples doubled says how far it is from
-its end (compare Dammertz et al. 2010, who take every other sample). That is measured on the picture itself, with all
-that makes samples err less than chance would: even places, and corrections as far as they are shrinkage. What no sample
-has met yet, and what stays wrong for ever (shadow maps), moves nothing and is not in it.
+The expected squared difference between the mean of n samples and the mean of their first k is s² (1/k - 1/n), where s²
+is the variance of one sample; the squared error of the mean is s² / n. So the change of a tile while its samples double
+gives its error (compare Dammertz et al. 2010, who take every other sample). It is measured on the image itself, so it
+includes the gain of stratified samples and of shrunken residuals. It does not include features that no sample has hit
+yet, nor bias (shadow maps).
 """
 
 import numpy as np
 
 
 class Convergence:
-    """Of tiles (rows,columns). Errors are root mean squares over the image's mean luminance."""
+    """State of the tiles, arrays (rows,columns). Errors are RMS, relative to the image's mean luminance."""
 
     def __init__(self, shape: tuple[int, ...]):
-        #: Samples that each tile is the mean of, float32; and was when the image was last compared.
+        #: Samples of each tile, float32; and when the image was last compared.
         self.counts = np.zeros(shape, np.float32)
         self.half_counts = self.counts
-        #: Of one sample; infinite before anything is known.
+        #: Of one sample; infinite before the first estimate.
         self.variance = np.full(shape, np.inf, np.float32)
-        #: Whether a tile is good enough, and has no more samples.
+        #: Whether a tile needs no more samples.
         self.converged = np.zeros(shape, bool)
 
     def update(self, difference: np.ndarray) -> None:
-        """By mean squares (rows,columns) by which tiles differ from what they were at `half_counts` samples."""
+        """Estimate the variance from mean squared differences (rows,columns) to the image at `half_counts`."""
         more = self.counts > self.half_counts
         gained = np.subtract(1.0 / self.half_counts, 1.0 / self.counts, where=more, out=np.ones_like(difference))
         self.variance = np.where(more, difference / gained, self.variance)
 
     def stop_below(self, threshold: float) -> None:
-        """Tiles whose own error is below `threshold`, and the mean of those about them, have enough samples."""
+        """Tiles converge whose own error, and the mean error of their neighbourhood, are below `threshold`."""
         squares = self._squares
         self.converged = self.converged | (np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2)
 
     @property
     def image_error(self) -> float:
-        """Infinite before anything is known."""
+        """Infinite before the first estimate."""
         return float(np.sqrt(self._squares.mean()))
 
     @property
@@ -45,6 +45,6 @@ class Convergence:
 
 
 def neighbourhood_mean(values: np.ndarray) -> np.ndarray:
-    """(H,W): the mean of each one and its eight neighbours."""
+    """(H,W): the mean of each element and its eight neighbours."""
     padded = np.pad(values, 1, mode="edge")
     return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).mean((2, 3))

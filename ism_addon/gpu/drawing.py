@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How passes draw: some tiles, all pixels, or a texel for each tile; no draw longer than a card may take."""
+"""Draws tiles, all pixels, or a texel for each tile, split into draws within draw_limit."""
 
 from typing import Any
 
@@ -23,9 +23,9 @@ def draw_tiles(
     side: int = TILE_SIZE,
     rays: float = 1.0,
 ) -> None:
-    """Draw the pixels of rows of TILE, or of all that take part in this sample, and `margin` px around them.
+    """Draw the pixels of `tiles`, rows of TILE, or of all that take part in this sample, and `margin` px around each.
 
-    A tile has `side` pixels along a side in this target. A pixel takes the time of so many `rays`, see draw_limit.
+    In this target, a tile has `side`×`side` pixels. A pixel takes the time of `rays` rays, see draw_limit.
     """
     tiles = frame[TILES] if tiles is None else tiles
     if not len(tiles):
@@ -40,31 +40,31 @@ def draw_tiles(
     size = side + 2 * margin
     bind(program, tile_counts=(columns, rows), size=float(size))
     try:
-        for part in portions(len(tiles), rays * size * size):
-            frame.submission.before_draw(rays * size * size * (part.stop - part.start))
-            frame.device.points.draw(program, tiles[part], TILE_LAYOUT)
+        for portion in portions(len(tiles), rays * size * size):
+            frame.submission.before_draw(rays * size * size * (portion.stop - portion.start))
+            frame.device.points.draw(program, tiles[portion], TILE_LAYOUT)
     finally:
         if own != whole:
             target.viewport = own
 
 
 def draw_per_tile(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any) -> None:
-    """Draw a target that has a texel for each tile, in strips, by a shader that asks for its tile_index."""
+    """Draw a target with a texel for each tile, in strips, by a shader that includes tile_index.glsl."""
     frame.device.gl.enable_only(moderngl.NOTHING)
     bind(shader.program, columns=frame.tiles[0], strip=target.viewport[2], **uniforms)
     draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # of two images, about
 
 
 def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0) -> None:
-    """Draw all pixels of a target by the triangle that covers them; each takes the time of so many `rays`."""
+    """Draw all pixels of a target by a full-screen triangle. A pixel takes the time of `rays` rays."""
     draw_into(target)
     size = target.viewport[2:]
     try:
-        for part in rectangles(size, rays):
-            frame.submission.before_draw(rays * part[2] * part[3])
-            if part[2:] != size:
-                target.scissor = part
+        for rectangle in rectangles(size, rays):
+            frame.submission.before_draw(rays * rectangle[2] * rectangle[3])
+            if rectangle[2:] != size:
+                target.scissor = rectangle
             shader.render(moderngl.TRIANGLES, vertices=3)
     finally:
-        if part[2:] != size:
+        if rectangle[2:] != size:
             target.scissor = None  # type: ignore[assignment] # None resets it

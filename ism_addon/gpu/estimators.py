@@ -34,7 +34,7 @@ class Estimator(Protocol):
     #: Whether a sample takes less time the fewer tiles take part in it.
     adaptive: bool
     #: All passes that a sample may need.
-    kinds: tuple[type[Pass], ...]
+    pass_types: tuple[type[Pass], ...]
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Those of this sample, in order; some more than once. Each is executed before the next is asked for."""
@@ -44,11 +44,11 @@ class RayTracedDirect:
     """Direct light by shadow rays: predicted, then corrected (Heitz, Hill & McGuire 2018)."""
 
     traces_rays = adaptive = True
-    kinds: tuple[type[Pass], ...] = (ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows)
+    pass_types: tuple[type[Pass], ...] = (ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Prediction first, then the rays that correct it."""
-        yield from self.kinds
+        yield from self.pass_types
 
 
 class ShadowMappedDirect:
@@ -57,7 +57,7 @@ class ShadowMappedDirect:
     traces_rays = adaptive = False
     PREPARE = SamplePoints, WeighLights, PlaceVirtualLights, SelectPoints
     FOR_EACH_ATLAS = SplatMaps, FillHoles, GatherLight
-    kinds: tuple[type[Pass], ...] = (*PREPARE, *FOR_EACH_ATLAS)
+    pass_types: tuple[type[Pass], ...] = (*PREPARE, *FOR_EACH_ATLAS)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """For as many virtual lights as an atlas holds, their maps and the light that they let through."""
@@ -72,11 +72,11 @@ class WorldLight:
     """The world's light, as far as ambient occlusion leaves it."""
 
     traces_rays, adaptive = False, True
-    kinds: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion)
+    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Occlusion, then its noise is blurred."""
-        yield from self.kinds
+        yield from self.pass_types
 
 
 DIRECT: dict[Method, Estimator] = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a pass is, and what it is handed: one sample of a picture."""
+"""Base class of passes, and Frame: one sample of an image, as passes see it."""
 
 from __future__ import annotations
 
@@ -28,37 +28,37 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-#: What a pass depends on: a resource, a part of the scene or the view, or a setting by its path, like "shadow.bias".
+#: An input of a pass: a resource, a part of the scene or the view, or a setting by its path, like "shadow.bias".
 Input: TypeAlias = Resource[Any] | Change | str
 
 
 def has_doubled(count: int) -> bool:
-    """Whether so many samples are twice as many as when that was last so: 1, 2, 4, 8, …"""
+    """Whether the number of samples is a power of two: 1, 2, 4, 8, …"""
     return count > 0 and count & (count - 1) == 0
 
 
 class Schedule(Enum):
-    """The samples before which a pass is due, if its inputs are new."""
+    """The samples in which a pass is executed, if its inputs have changed."""
 
     EVERY = "each sample"
     FIRST = "the first sample"
-    #: From 4 on: before that, the pixels' own rays say less than the probe rays.
+    #: From 4 on: with fewer samples, shadow rays predict visibility worse than probe rays.
     DOUBLING = "the first sample, and whenever 4, 8, 16, … samples are done"
 
     def is_due(self, sample: int) -> bool:
-        """Before the sample of this index, counted from 0."""
+        """In the sample of this index, counted from 0."""
         return (
             self is Schedule.EVERY or sample == 0 or (self is Schedule.DOUBLING and sample > 2 and has_doubled(sample))
         )
 
 
 class UndeclaredResourceError(RuntimeError):
-    """A pass reads or makes what it has not declared. A fault of the pass, which no scene can cause."""
+    """A pass reads or makes a resource that it has not declared: a programming error."""
 
 
 @dataclass
 class Frame:
-    """One sample of one picture, as the passes see it. `frame[X]` is a resource that the pass at work has declared."""
+    """One sample of one image, as the passes see it. `frame[X]` is a resource that the current pass has declared."""
 
     device: Device
     scene: Scene
@@ -69,29 +69,29 @@ class Frame:
     graph: Graph
     estimators: tuple[Estimator, ...]
     counts: dict[str, int]
-    grid: PixelGrid  # where in the pixels samples lie
+    grid: PixelGrid  # positions of samples in pixels
     submission: Submission
     uniforms: moderngl.Buffer
-    step: Pass | None = None  # at work; None may read and make anything
+    step: Pass | None = None  # the current pass; None may read and make any resource
 
     def for_pass(self, step: Pass) -> Frame:
-        """The same frame with what this pass has declared, and no more."""
+        """The same frame, restricted to the resources that this pass has declared."""
         own = copy(self)
         own.step = step
         return own
 
     def __getitem__(self, resource: Resource[T]) -> T:
-        """Raises UndeclaredResourceError, and KeyError for what no pass has made."""
+        """Raises UndeclaredResourceError, and KeyError if no pass has made the resource."""
         self._check(resource, self.step is None or resource in self.step.readable)
         return self.graph[resource]
 
     def get(self, resource: Resource[T]) -> T | None:
-        """The same, or None for what no pass has made."""
+        """Likewise, or None if no pass has made the resource."""
         self._check(resource, self.step is None or resource in self.step.readable)
         return self.graph.get(resource)
 
     def __setitem__(self, resource: Resource[T], content: T) -> None:
-        """Hand on what a pass has made. Raises UndeclaredResourceError."""
+        """Store an output of the pass. Raises UndeclaredResourceError."""
         self._check(resource, self.step is None or resource in self.step.outputs)
         self.graph[resource] = content
 
@@ -102,48 +102,48 @@ class Frame:
             raise UndeclaredResourceError(f"{self.step} reads {resource} before the first sample has made it")
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
-        """To draw into outputs of the pass. Raises UndeclaredResourceError."""
+        """A framebuffer of outputs of the pass. Raises UndeclaredResourceError."""
         for target in targets:
             self._check(target, self.step is None or target in self.step.outputs)
         return self.graph.targets.framebuffer(*targets)
 
     def copy_target(self, into: Target, source: Target) -> None:
-        """Let an output hold what another target of the picture's size does."""
+        """Copy a target of the image's size to an output."""
         self._check(source, self.step is None or source in self.step.readable)
         self.device.gl.copy_framebuffer(self.framebuffer(into), self.graph.targets.framebuffer(source))
 
     def read(self, target: Target) -> np.ndarray:
-        """(H,W,components) float32 of a target of floats, bottom row first, when the GPU is done with it."""
+        """(H,W,components) float32 of a target of floats, bottom row first. Waits for the GPU."""
         self._check(target, self.step is None or target in self.step.readable)
         return self.graph.targets.read(target)
 
     def allocate(self, target: Target, size: tuple[int, int]) -> None:
-        """Make sure that an output with a size of its own has this one."""
+        """Allocate an output that has its own size."""
         self._check(target, self.step is None or target in self.step.outputs)
         self.graph.targets.allocate(target, size)
 
     def reserve(self, target: Target, size: tuple[int, int]) -> None:
-        """The same for this size or a larger one: pages of new memory take long to come."""
+        """Likewise, but keep a larger texture: new memory pages are slow."""
         self._check(target, self.step is None or target in self.step.outputs)
         self.graph.targets.reserve(target, size)
 
     def is_neutral(self, target: Target) -> bool:
-        """Whether no pass has made a target, so that neutral texels stand for it."""
+        """Whether no pass has made a target, so that its texture is the neutral one."""
         return target not in self.graph.targets.sizes
 
     @property
     def size(self) -> tuple[int, int]:
-        """Of the picture. px"""
+        """Of the image. px"""
         return self.view.width, self.view.height
 
     @property
     def tiles(self) -> tuple[int, int]:
-        """Columns and rows of tiles that cover the picture."""
+        """Columns and rows of tiles that cover the image."""
         return -(-self.view.width // TILE_SIZE), -(-self.view.height // TILE_SIZE)
 
     @property
     def casts_shadows(self) -> bool:
-        """Whether anything can stand in a light's way."""
+        """Whether any light and any instance cast shadows."""
         return bool(
             self.settings.shadow.enabled
             and self.scene.lights.casts_shadow.any()
@@ -155,17 +155,17 @@ class Frame:
         """Whether shadow rays are traced that can hit anything."""
         return self.casts_shadows and any(estimator.traces_rays for estimator in self.estimators)
 
-    def shared(self, make: Callable[..., T], *parts: Any) -> T:
-        """`make(device, *parts)`: one object for all renderers that use it with the same parts at a time."""
+    def shared_resource(self, make: Callable[..., T], *parts: Any) -> T:
+        """`make(device, *parts)`, shared by all renderers that use it with the same parts of the scene."""
         key = make, *parts
-        made: Any = self.device.shared.get(key)
-        if made is None:
-            made = self.device.shared[key] = make(self.device, *parts)
-            self.counts["bytes_uploaded"] += made.bytes
-        return made
+        resource: Any = self.device.shared.get(key)
+        if resource is None:
+            resource = self.device.shared[key] = make(self.device, *parts)
+            self.counts["bytes_uploaded"] += resource.bytes
+        return resource
 
     def value_of(self, change: Change) -> object:
-        """What stands for one part of the input: equal as long as it did not change."""
+        """A value that identifies the current state of a part of the scene or view: equal while it is unchanged."""
         view = self.view
         return {
             Change.MESHES: self.scene.meshes,
@@ -185,10 +185,10 @@ class Frame:
 
 
 class Pass:
-    """One step of the method. Its class and row in the profile have one name; its shaders lie beside its module.
+    """A pass. Its row in the profile has the name of its class; its shaders lie beside its module.
 
-    It is executed when it is due and any of its inputs is new. Feedback is what the sample before has left, which is
-    there from the second sample on. An output may depend on some of the inputs alone: its own inputs stand with it.
+    It is executed when its schedule says so and any of its inputs has changed. Feedback is what the sample before has
+    made; it exists from the second sample on. `outputs` lists with each output the inputs that only it depends on.
     """
 
     schedule: ClassVar[Schedule] = Schedule.EVERY
@@ -208,30 +208,30 @@ class Pass:
         return type(self).__name__
 
     def needed(self, frame: Frame) -> bool:
-        """Whether the picture would differ without this pass."""
+        """Whether the image would differ without this pass."""
         return True
 
     def execute(self, frame: Frame) -> None:
-        """Make the outputs; those that are no targets as the last that it does: it may raise Cancelled."""
+        """Make the outputs. Those that are no targets are stored last, because it may raise Cancelled."""
         raise NotImplementedError
 
-    def tile_program(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.Program:
-        """The program of the file named like this pass, or like a part of it, for drawing.draw_tiles."""
-        stages = "glsl/tiles.vert", f"{self.name_of(part)}.frag"
+    def tile_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.Program:
+        """The program of this pass's shader file for drawing.draw_tiles; see shader_name."""
+        stages = "glsl/tiles.vert", f"{self.shader_name(suffix)}.frag"
         return compile_program(self.device, *stages, records=records, tile_size=TILE_SIZE, **constants)
 
-    def full_screen_program(self, *records: Record, part: str = "", **constants: int | float) -> moderngl.VertexArray:
-        """The triangle that covers all pixels, shaded by the file named like this pass, or like a part of it."""
-        stages = "glsl/full_screen.vert", f"{self.name_of(part)}.frag"
+    def full_screen_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
+        """A full-screen triangle with this pass's shader file; see shader_name."""
+        stages = "glsl/full_screen.vert", f"{self.shader_name(suffix)}.frag"
         program = compile_program(self.device, *stages, records=records, **constants)
         return self.device.gl.vertex_array(program, [])
 
-    def name_of(self, part: str = "") -> str:
-        """Of the shader file of this pass, which lies beside it, or of a part of it: its path without a suffix."""
+    def shader_name(self, suffix: str = "") -> str:
+        """Path of a shader file without its extension: this pass's module, or module_suffix."""
         module = type(self).__module__.rpartition(".gpu.")[2]
-        return "_".join(filter(None, (module.replace(".", "/"), part)))
+        return "_".join(filter(None, (module.replace(".", "/"), suffix)))
 
 
 def outputs(*resources: Resource[Any]) -> dict[Resource[Any], tuple[Input, ...]]:
-    """Those that depend on all inputs of a pass."""
+    """Outputs that depend on all inputs of a pass."""
     return dict.fromkeys(resources, ())

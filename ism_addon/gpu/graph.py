@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which passes are executed, and what each resource holds.
+"""The frame graph: executes passes, and keeps the contents of resources (compare O'Donnell 2017).
 
-A pass has a recipe: its inputs, each by what stands for what it holds. As long as that is what it was, the pass is not
-executed again. Resources are compared by numbers: what holds the same has the same number. Compare the frame graph of
-O'Donnell 2017, whose passes declare likewise what they read and make.
+The recipe of a pass is the identity of each of its inputs. While the recipe is unchanged, the pass is not executed
+again. The identity of a resource is a number, the same for the same contents.
 """
 
 import itertools
@@ -26,77 +25,77 @@ Recipe = dict[Any, object]
 
 
 class Graph:
-    """Of one renderer."""
+    """The frame graph of one renderer."""
 
     def __init__(self, device: Device):
         self.device = device
         self.targets = RenderTargets(device.gl)
-        self.held: dict[Resource[Any], Any] = {}
+        self.contents: dict[Resource[Any], Any] = {}
         self.passes: dict[type[Pass], Pass] = {}
-        #: Of each pass, when it was last executed or left out.
+        #: Of each pass, as of when it was last executed or skipped.
         self.recipes: dict[type[Pass], Recipe] = {}
-        #: Of resources: the same number where they hold the same.
-        self.numbers: dict[Resource[Any], int] = {}
-        #: Of each output, for the newest first sample that it was made for: its part of the recipe, and its number.
+        #: Of each resource, a number: the same for the same contents.
+        self.identities: dict[Resource[Any], int] = {}
+        #: Of each output in the latest first sample: its part of the recipe, and its identity.
         self.first_samples: dict[Resource[Any], tuple[Recipe, int]] = {}
-        self.fresh = itertools.count(1)
+        self.new_identities = itertools.count(1)
 
     def __getitem__(self, resource: Resource[T]) -> T:
-        """What a resource holds. Raises KeyError where no pass has made it."""
-        held: Any = None
+        """The contents of a resource. Raises KeyError if no pass has made it."""
+        contents: Any = None
         if isinstance(resource, Channel):
-            held = self.targets[resource.of]
+            contents = self.targets[resource.of]
         else:
-            held = self.targets[resource] if isinstance(resource, Target) else self.held[resource]
-        return held
+            contents = self.targets[resource] if isinstance(resource, Target) else self.contents[resource]
+        return contents
 
     def __setitem__(self, resource: Resource[T], content: T) -> None:
-        self.held[resource] = content
+        self.contents[resource] = content
 
     def get(self, resource: Resource[T]) -> T | None:
-        """The same of what is no target, or None where no pass has made it."""
-        held: T | None = self.held.get(resource)
-        return held
+        """The contents of a resource that is no target, or None if no pass has made it."""
+        contents: T | None = self.contents.get(resource)
+        return contents
 
-    def instance(self, kind: type[Pass]) -> Pass:
+    def instance(self, pass_type: type[Pass]) -> Pass:
         """The pass of this class."""
-        if kind not in self.passes:
-            self.passes[kind] = kind(self.device)
-        return self.passes[kind]
+        if pass_type not in self.passes:
+            self.passes[pass_type] = pass_type(self.device)
+        return self.passes[pass_type]
 
-    def begin(self, kinds: Iterable[type[Pass]]) -> None:
-        """A picture begins that these passes may be executed for: free what others have made."""
-        kinds = set(kinds)
-        made = {output for kind in kinds for output in kind.outputs}
-        for kind in self.recipes.keys() - kinds:
-            del self.recipes[kind], self.passes[kind]
-            self.drop(output for output in kind.outputs if output not in made)
-            for output in kind.outputs:
+    def begin(self, pass_types: Iterable[type[Pass]]) -> None:
+        """Begin an image that needs only these passes: free the outputs of all others."""
+        pass_types = set(pass_types)
+        needed = {output for pass_type in pass_types for output in pass_type.outputs}
+        for pass_type in self.recipes.keys() - pass_types:
+            del self.recipes[pass_type], self.passes[pass_type]
+            self.drop(output for output in pass_type.outputs if output not in needed)
+            for output in pass_type.outputs:
                 self.first_samples.pop(output, None)
-                self.numbers.pop(output, None)
+                self.identities.pop(output, None)
 
-    def run(self, kinds: Iterable[type[Pass]], frame: Frame, profile: Profile) -> Iterator[str]:
-        """Execute those that are due and have new inputs; yields the name of each when it has been submitted."""
-        for kind in kinds:
-            self.step(kind, frame, profile)
-            yield kind.__name__
+    def run(self, pass_types: Iterable[type[Pass]], frame: Frame, profile: Profile) -> Iterator[str]:
+        """Execute passes; yields the name of each after it."""
+        for pass_type in pass_types:
+            self.step(pass_type, frame, profile)
+            yield pass_type.__name__
 
-    def step(self, kind: type[Pass], frame: Frame, profile: Profile) -> None:
-        """Execute a pass, reuse what it made, or leave it out. Raises Cancelled."""
-        step, row = self.instance(kind), profile.rows[kind.__name__]
+    def step(self, pass_type: type[Pass], frame: Frame, profile: Profile) -> None:
+        """Execute a pass, reuse its outputs, or skip it. Raises Cancelled."""
+        step, row = self.instance(pass_type), profile.rows[pass_type.__name__]
         own = frame.for_pass(step)
         needed = step.needed(own)
-        recipe = self.recipe(kind, frame) if needed else {}
-        # What a first sample left is kept: the next picture may use it again.
-        due = kind.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
+        recipe = self.recipe(pass_type, frame) if needed else {}
+        # Outputs of a first sample are kept: the next image may reuse them.
+        due = pass_type.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
         may_reuse = frame.settings.shortcuts or frame.sample > 0 or not needed
-        if may_reuse and kind in self.recipes and (not due or self.recipes[kind] == recipe):
+        if may_reuse and pass_type in self.recipes and (not due or self.recipes[pass_type] == recipe):
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return
         start = time.perf_counter()
         if needed:
-            self.prepare(kind, frame)
-            # Another renderer may have drawn since the last pass.
+            self.prepare(pass_type, frame)
+            # Another renderer may have bound its own uniforms since the last pass.
             frame.uniforms.bind_to_uniform_block(frame_uniforms.BINDING)
             try:
                 step.execute(own)
@@ -105,69 +104,69 @@ class Graph:
                 raise
             frame.submission.end_pass(row, start)
         else:
-            self.drop(kind.outputs)
+            self.drop(pass_type.outputs)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
-        self.recipes[kind] = recipe
-        for output, exclusive in kind.outputs.items():
-            others = {each for inputs in kind.outputs.values() for each in inputs} - set(exclusive)
+        self.recipes[pass_type] = recipe
+        for output, exclusive in pass_type.outputs.items():
+            others = {each for inputs in pass_type.outputs.values() for each in inputs} - set(exclusive)
             self.identify(output, {key: value for key, value in recipe.items() if key not in others}, frame.sample)
 
-    def prepare(self, kind: type[Pass], frame: Frame) -> None:
-        """Allocate a pass's targets, and let neutral texels stand for those that it reads and no pass has made."""
-        for output in kind.outputs:
+    def prepare(self, pass_type: type[Pass], frame: Frame) -> None:
+        """Allocate a pass's targets, and neutral textures for those that it reads and no pass has made."""
+        for output in pass_type.outputs:
             if isinstance(output, Target) and output.divisor:
                 self.targets.allocate(output, size_of(output, *frame.size))
-        for resource in (*kind.inputs, *(kind.feedback if frame.sample > 0 else ())):
+        for resource in (*pass_type.inputs, *(pass_type.feedback if frame.sample > 0 else ())):
             target = resource.of if isinstance(resource, Channel) else resource
             if isinstance(target, Target):
                 self.targets.ensure(target)
 
-    def recipe(self, kind: type[Pass], frame: Frame) -> Recipe:
-        """All that a pass depends on: equal as long as what it made last still holds."""
-        sized = any(isinstance(output, Target) and output.divisor for output in kind.outputs)
-        return {each: self.identity(each, frame) for each in kind.inputs} | ({"size": frame.size} if sized else {})
+    def recipe(self, pass_type: type[Pass], frame: Frame) -> Recipe:
+        """The identities of all inputs of a pass: equal while its outputs are still valid."""
+        sized = any(isinstance(output, Target) and output.divisor for output in pass_type.outputs)
+        return {each: self.identity(each, frame) for each in pass_type.inputs} | ({"size": frame.size} if sized else {})
 
     def identity(self, each: Input, frame: Frame) -> object:
-        """What stands for what an input holds."""
+        """A value that identifies the contents of an input."""
         if isinstance(each, Change):
             return frame.value_of(each)
         if isinstance(each, Resource):
-            return self.held.get(each) if each.by_value else self.numbers.get(each, 0)
+            return self.contents.get(each) if each.by_value else self.identities.get(each, 0)
         return setting(frame.settings, each)
 
     def identify(self, output: Resource[Any], recipe: Recipe, sample: int) -> None:
-        """Number what a pass has made. What a first sample makes depends on the recipe alone."""
+        """Give an output its identity. In a first sample, the same recipe gives the same identity."""
         if sample > 0:
-            self.numbers[output] = next(self.fresh)
+            self.identities[output] = next(self.new_identities)
             return
         if self.first_samples.get(output, (None, 0))[0] != recipe:
-            self.first_samples[output] = recipe, next(self.fresh)
-        self.numbers[output] = self.first_samples[output][1]
+            self.first_samples[output] = recipe, next(self.new_identities)
+        self.identities[output] = self.first_samples[output][1]
 
     def drop(self, resources: Iterable[Resource[Any]]) -> None:
-        """Free what resources hold."""
+        """Free the contents of resources."""
         resources = list(resources)
         self.targets.release(each for each in resources if isinstance(each, Target))
         for each in resources:
-            self.held.pop(each, None)
+            self.contents.pop(each, None)
 
     def abandon(self) -> None:
-        """Keep no targets: one may be half drawn, or half added to. Passes make all else as the last that they do."""
-        for kind in self.passes:
-            targets = [output for output in kind.outputs if isinstance(output, Target)]
+        """Invalidate all targets: one may be drawn in part. Other outputs are stored last, so they are whole."""
+        for pass_type in self.passes:
+            targets = [output for output in pass_type.outputs if isinstance(output, Target)]
             if targets:
-                self.recipes.pop(kind, None)
-            for target in kind.outputs if targets else ():
+                self.recipes.pop(pass_type, None)
+            for target in pass_type.outputs if targets else ():
                 self.first_samples.pop(target, None)
 
     def release(self) -> None:
         """Free all."""
         self.targets.release()
-        self.held.clear()
+        self.contents.clear()
 
 
 def setting(settings: Settings, path: str) -> object:
-    """The setting, or section of settings, that a path such as "shadow.bias" names."""
+    """The setting, or section of settings, at a path such as "shadow.bias"."""
     value: object = settings
     for name in path.split("."):
         value = getattr(value, name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture took: how often each pass was drawn, and how long that was."""
+"""Statistics of an image: how often each pass was executed, how long that took, and counts."""
 
 import math
 from collections import defaultdict
@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 
 from ..scene import Scene
 
-#: What is counted beside the passes.
+#: Counts of an image, beside those of its passes.
 COUNTS = (
     *("triangles_drawn", "pixels_drawn", "lights_used", "pairs_traced", "retests"),
     *("virtual_lights", "map_points", "bytes_uploaded", "render_target_bytes"),
@@ -16,7 +16,7 @@ COUNTS = (
 
 @dataclass
 class PassProfile:
-    """A pass's row."""
+    """Statistics of a pass."""
 
     drawn: int = 0
     reused: int = 0
@@ -26,13 +26,13 @@ class PassProfile:
 
 @dataclass
 class Profile:
-    """Of one picture, as far as it is drawn."""
+    """Statistics of one image so far."""
 
     rows: defaultdict[str, PassProfile] = field(default_factory=lambda: defaultdict(PassProfile))
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
 
     def statistics(self, scene: Scene, samples: int, seconds: float, error: float, stopped_by: str) -> dict:
-        """The same as plain values, for scripts; `error` as in convergence.py, `stopped_by` as in render_loop.py."""
+        """As plain values, for scripts. `error`: see convergence.py; `stopped_by`: see render_loop.py."""
         return {
             "passes": {name: asdict(row) for name, row in self.rows.items()},
             **self.counts,
@@ -45,7 +45,7 @@ class Profile:
 
 
 def table(statistics: dict) -> str:
-    """Statistics for people: a line a pass, and one of counts."""
+    """Statistics as text: a line for each pass, and one of counts."""
     lines = [f"{'pass':<16}{'drawn':>7}{'reused':>8}{'skipped':>9}{'ms':>11}"]
     for name, row in statistics["passes"].items():
         lines.append(f"{name:<16}{row['drawn']:>7}{row['reused']:>8}{row['skipped']:>9}{row['ms']:>11.1f}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws samples of pictures: runs the passes in order; the graph skips those whose inputs are unchanged.
+"""Draws samples of an image: runs the passes in order; the graph skips those whose inputs are unchanged.
 
 Direct light: predicted, then corrected by rays (Heitz, Hill & McGuire 2018), or by imperfect shadow maps (Ritschel et
 al. 2008; Beck-Norén & Valter 2013, "Soft shadows in real time by imperfect shadow maps and screen space ambient
@@ -43,28 +43,29 @@ from .profile import Profile
 from .read_back import image
 from .submission import Submission, never
 
-#: What changed in the scene goes to the GPU. Triangles lie in the order of their trees.
+#: Uploads what has changed in the scene. Triangles lie in the order of their BLAS.
 UPLOAD = CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, UploadMaterials, UploadLights
 #: What the camera sees, in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, GBuffer
-#: Which lights matter in which tile. Large trees are finished while the camera's passes draw.
+#: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
 SELECTION = UploadBLAS, BuildTLAS, CullLights
-#: Radiance to the picture, the sums of all samples to an image, and how far that is from its end.
+#: Radiance of a sample, and the sums of all samples.
 FILM = Shade, DebugImage, Accumulate
-AT_LAST = Resolve
-JUDGED = EstimateError
 
-#: Passes of every picture.
-COMMON = *UPLOAD, *SURFACES, *SELECTION, *FILM, AT_LAST, JUDGED
+#: Passes of every image.
+COMMON = *UPLOAD, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
 ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT
-PASSES: tuple[type[Pass], ...] = (*COMMON, *(kind for estimator in ALL_ESTIMATORS for kind in estimator.kinds))
+PASSES: tuple[type[Pass], ...] = (
+    *COMMON,
+    *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
+)
 
-#: Pixels of the largest visibility buffer, 12 bytes each.
+#: Most pixels of a visibility buffer, 12 bytes each.
 MAX_FINE_PIXELS = 1 << 25
 
 
 class Renderer:
-    """Draws samples of pictures; keeps what the next one can use again."""
+    """Draws samples of images; keeps what the next sample or image can reuse."""
 
     def __init__(self, device: Device):
         self.device = device
@@ -82,10 +83,10 @@ class Renderer:
         low_latency: bool = False,
         cancelled: Callable[[], bool] = never,
     ) -> Iterator[str]:
-        """Draw one sample, and yield the name of each pass when the GPU has been asked for it, see submission.py.
+        """Draw one sample, and yield the name of each pass after it has been submitted, see submission.py.
 
-        With `low_latency` the first sample comes sooner, and all that follow come later. Raises Cancelled within a long
-        pass if that is so: then the picture is lost, and another may be begun.
+        With `low_latency` the first sample is done sooner, and all others later. Raises Cancelled if `cancelled()`,
+        also within a long pass: the image is then lost, and another one can be begun.
         """
         self.submission.begin(sample, cancelled)
         frame = self.frame(scene, view, settings, sample, profile, low_latency)
@@ -96,7 +97,8 @@ class Renderer:
         for estimator in frame.estimators:
             yield from run(estimator.passes(frame), frame, profile)
         yield from run(FILM, frame, profile)
-        yield from run((AT_LAST, JUDGED) if is_due(sample, settings.quality.samples) else (JUDGED,), frame, profile)
+        resolves = is_due(sample, settings.quality.samples)
+        yield from run((Resolve, EstimateError) if resolves else (EstimateError,), frame, profile)
         self.submission.end()
         profile.counts["render_target_bytes"] = self.graph.targets.bytes
         self.last = frame, profile
@@ -105,10 +107,10 @@ class Renderer:
     def frame(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
     ) -> Frame:
-        """What the passes are told about this sample.
+        """The input of the passes for one sample.
 
         Raises ValueError for an unknown debug view and for more pixels than OpenGL can draw at once, and MemoryError
-        for a picture that would take more memory than there is.
+        for an image that would take more memory than is free.
         """
         if settings.debug_view not in list(DebugView):
             raise ValueError(f"there is no target {settings.debug_view} to show, only {', '.join(DebugView)}")
@@ -121,7 +123,7 @@ class Renderer:
         grid, chosen = self.grid(view, settings, sample, low_latency), estimators(settings)
         if sample == 0:
             self.estimate_memory(scene, view, settings, chosen, int(grid.bounds(view.width, view.height)[1].prod()))
-            self.graph.begin(kinds_of(chosen))
+            self.graph.begin(pass_types_of(chosen))
         self.uniforms.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
         return Frame(
             device=self.device,
@@ -139,7 +141,7 @@ class Renderer:
         )
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
-        """Where in the pixels a sample lies. The first is at their centres; drawn alone, it comes sooner."""
+        """Positions of a sample in the pixels. The first is at their centres; drawn alone, it is done sooner."""
         if filter_margin(view.filter_width) == 0:
             return narrow_pixel_grid(sample, view.filter_width)
         count = samples_per_visibility_buffer(view, settings.quality.samples, self.device.texture_size)
@@ -149,7 +151,7 @@ class Renderer:
     def estimate_memory(
         self, scene: Scene, view: View, settings: Settings, chosen: tuple[Estimator, ...], fine_pixels: int
     ) -> None:
-        """Raises MemoryError if a picture would take more than there is."""
+        """Raises MemoryError if an image would take more memory than is free."""
         casting = int(scene.lights.casts_shadow.sum()) if settings.shadow.enabled else 0
         traced = any(estimator.traces_rays for estimator in chosen)
         map_texels = 0
@@ -158,34 +160,36 @@ class Renderer:
             atlas, *_ = batches(points, settings.quality.map_size, self.device.texture_size)
             map_texels = math.prod(atlas.size)
         lights = casting if traced else 0
-        targets = {output for kind in kinds_of(chosen) for output in kind.outputs if isinstance(output, Target)}
+        targets = {
+            output for pass_type in pass_types_of(chosen) for output in pass_type.outputs if isinstance(output, Target)
+        }
         wanted = needed(targets, view, fine_pixels, lights, map_texels)
         check(self.device.gl, wanted - self.graph.targets.bytes, view, lights)
 
     def picture(self) -> np.ndarray:
-        """(H,W,4): the samples so far as one picture, alpha premultiplied, bottom row first. Raises as Device.check."""
+        """(H,W,4): the image of all samples so far, alpha premultiplied, bottom row first. Raises as Device.check."""
         return self.images([COMBINED])[COMBINED.name]
 
     def images(self, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
         """Render passes (H,W,channels) by name, bottom row first: filtered ones of all samples so far, others of the
-        newest. Raises as Device.check."""
+        latest sample. Raises as Device.check."""
         frame, profile = self.last
         if any(each.filtered for each in wanted):
-            self.graph.step(AT_LAST, frame, profile)
+            self.graph.step(Resolve, frame, profile)
             self.submission.finish()
-        found = {each.name: image(self.graph.targets, each, frame.anchor) for each in wanted}
-        self.device.check()  # else they might be whatever was in memory
-        return found
+        images = {each.name: image(self.graph.targets, each, frame.anchor) for each in wanted}
+        self.device.check()  # after an error they might be uninitialised memory
+        return images
 
     @property
     def error(self) -> Convergence:
-        """Of the picture so far."""
+        """Of the image so far."""
         return self.graph[CONVERGENCE]
 
     @staticmethod
     def pixel_pass_seconds(profile: Profile) -> float:
-        """What of the profile's time went into passes that draw pixels, the fewer the sooner."""
-        drawing = {kind.__name__ for kind in PASSES if any_target(kind)}
+        """Time of the passes that draw targets: it grows with the number of pixels."""
+        drawing = {pass_type.__name__ for pass_type in PASSES if draws_target(pass_type)}
         return sum(row.ms for name, row in profile.rows.items() if name in drawing) / 1e3
 
     def release(self) -> None:
@@ -194,18 +198,18 @@ class Renderer:
         self.device.free_released()
 
 
-def kinds_of(chosen: tuple[Estimator, ...]) -> tuple[type[Pass], ...]:
-    """All passes of a picture with these estimators."""
-    return (*COMMON, *(kind for estimator in chosen for kind in estimator.kinds))
+def pass_types_of(chosen: tuple[Estimator, ...]) -> tuple[type[Pass], ...]:
+    """All passes of an image with these estimators."""
+    return (*COMMON, *(pass_type for estimator in chosen for pass_type in estimator.pass_types))
 
 
-def any_target(kind: type[Pass]) -> bool:
-    """Whether a pass draws."""
-    return any(isinstance(output, Target) for output in kind.outputs)
+def draws_target(pass_type: type[Pass]) -> bool:
+    """Whether a pass draws a target."""
+    return any(isinstance(output, Target) for output in pass_type.outputs)
 
 
 def samples_per_visibility_buffer(view: View, samples: int, limit: int) -> int:
-    """How many samples share one drawing of the triangles, on a grid finer than the pixels' by as much."""
+    """How many samples share one visibility buffer, which has as many times more pixels."""
     for count in sorted((count for count in PIXEL_GRIDS if count <= samples), reverse=True):
         size = pixel_grid(0, count).room(view.width, view.height)
         if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shaders that include surfaces/receiver.glsl read of the G-buffer."""
+"""Inputs of shaders that include surfaces/receiver_linking.glsl."""
 
 from typing import Any
 
@@ -7,12 +7,12 @@ from ..resource_types import Resource
 from ..resources import INSTANCE_BUFFERS, NORMAL, POSITION, PRIMITIVE, TERMINATOR_OFFSET
 from .frame import Frame
 
-#: Among the inputs of their passes.
+#: To be among the inputs of their passes.
 SURFACE: tuple[Resource[Any], ...] = POSITION, NORMAL, PRIMITIVE, TERMINATOR_OFFSET, INSTANCE_BUFFERS
 
 
 def surface_samplers(frame: Frame) -> dict[str, Any]:
-    """Samplers by name. Base color only scales the probability of rays: alone, it makes no pass new."""
+    """Samplers by name. Base color is no input: it only scales the probability of rays."""
     return {
         "position": frame[POSITION],
         "normal": frame[NORMAL],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What takes the picture."""
+"""The camera's view."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -9,13 +9,13 @@ import numpy as np
 from .arrays import Arrays, array
 from .limits import MAX_DISTANCE
 
-#: A picture's width and height, as in Blender.
+#: Of an image's width and height, as in Blender.
 MAX_PIXELS = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
 class View(Arrays):
-    """A camera and the picture it takes."""
+    """A camera, and the size and filter of its image."""
 
     #: OpenGL's clip space.
     clip_from_view: np.ndarray = array("float64 4 4", most=4.0 * MAX_DISTANCE)
@@ -23,7 +23,7 @@ class View(Arrays):
     view_from_world: np.ndarray = array("float64 4 4", "m", most=4.0 * MAX_DISTANCE)
     width: int  # type: ignore[misc] # px; mypy takes array() for a default
     height: int  # type: ignore[misc] # px
-    filter_width: float = 1.5  # px that the Blackman-Harris pixel filter reaches to all sides
+    filter_width: float = 1.5  # radius of the Blackman-Harris pixel filter, px
     transparent: bool = False  # leave the background empty instead of showing the world
 
     def __post_init__(self) -> None:
@@ -31,6 +31,6 @@ class View(Arrays):
         if not (1 <= self.width <= MAX_PIXELS and 1 <= self.height <= MAX_PIXELS):
             raise ValueError(f"a picture of {self.width}×{self.height} pixels cannot be drawn")
 
-    def coarse(self, pixel: int) -> Self:
-        """The same in pixels that are `pixel` of these wide and high, as far as they divide them."""
-        return replace(self, width=max(self.width // pixel, 1), height=max(self.height // pixel, 1))
+    def with_larger_pixels(self, factor: int) -> Self:
+        """The same view with pixels `factor` times as wide and high, rounded down."""
+        return replace(self, width=max(self.width // factor, 1), height=max(self.height // factor, 1))

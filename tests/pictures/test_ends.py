@@ -23,9 +23,10 @@ def drawn(device):
     """Draws a picture of another quality to its end: the job, and how it stood after each sample."""
     renderers = Renderer(device), Renderer(device)
 
-    def drawn(settings=SMALL_SETTINGS, coarse: int = 1, **quality: float) -> tuple[Job, list[str]]:
+    def drawn(settings=SMALL_SETTINGS, preview_pixel_size: int = 1, **quality: float) -> tuple[Job, list[str]]:
         job = Job(
-            Request(*pillar_field(48, 32), with_quality(settings, **quality), coarse=coarse), threading.Condition()
+            Request(*pillar_field(48, 32), with_quality(settings, **quality), preview_pixel_size=preview_pixel_size),
+            threading.Condition(),
         )
         told = [""]
         for _ in steps(*renderers, job):
@@ -62,9 +63,9 @@ def test_less_error_is_less(drawn):
     assert jobs[0].statistics["error"] > jobs[1].statistics["error"]
 
 
-@pytest.mark.parametrize("coarse", [1, 4])
-def test_one_sample_is_drawn_however_little_time_there_is(drawn, coarse):
-    job, _ = drawn(samples=4096, time_limit=1e-9, coarse=coarse)
+@pytest.mark.parametrize("preview_pixel_size", [1, 4])
+def test_one_sample_is_drawn_however_little_time_there_is(drawn, preview_pixel_size):
+    job, _ = drawn(samples=4096, time_limit=1e-9, preview_pixel_size=preview_pixel_size)
     assert (job.samples_done, job.picture().samples, job.statistics["stopped_by"]) == (1, 1, "time")
 
 

@@ -18,7 +18,7 @@ from tests.support.small_scenes import SMALL_SETTINGS, draw, prepared
 
 def plan(direct) -> list[type[Pass]]:
     """All passes of a sample, in order."""
-    return [*UPLOAD, *SURFACES, *SELECTION, *direct.kinds, *WORLD_LIGHT.kinds, *FILM, Resolve, EstimateError]
+    return [*UPLOAD, *SURFACES, *SELECTION, *direct.pass_types, *WORLD_LIGHT.pass_types, *FILM, Resolve, EstimateError]
 
 
 class Reads(Pass):

@@ -47,13 +47,13 @@ class _Timer:
 
     def __call__(self) -> float | None:
         if self.draws:
-            shared.go_on()
+            shared.resume()
             self.draws, self.waited = False, None
         elif self.waited is None and any(viewport.has_news for viewport in _alive):
-            shared.rest(REST)
+            shared.pause(REST)
             self.waited = 0.0
         if self.waited is not None:
-            if not shared.is_still and self.waited < PATIENCE:
+            if not shared.is_idle and self.waited < PATIENCE:
                 self.waited += STILL_EVERY
                 return STILL_EVERY
             redraw_viewports()

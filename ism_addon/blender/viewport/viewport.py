@@ -96,7 +96,7 @@ class Viewport:
             if self._job is not None and self._job.first_seconds:
                 self._coarse = next_preview_size(self._coarse, self._job.first_seconds)
                 self._look_at_job()
-            request = Request(scene, view, chosen, coarse=self._coarse)
+            request = Request(scene, view, chosen, preview_pixel_size=self._coarse)
             self._job = shared.start(request, self._client)
             self._asked, self._place = asked, place
             of_images = images_beyond_limits(scene.images)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thread that draws: requests in, images out."""
+"""The render thread: requests in, images out."""

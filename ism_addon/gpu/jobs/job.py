@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is to be drawn, and what has come of it so far."""
+"""A request to render, and its progress."""
 
 import math
 import threading
@@ -14,25 +14,24 @@ from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
 
-#: s between two updates of a viewport that say how many shaders have been compiled: each makes Blender draw its window.
+#: Seconds between two redraws that show how many shaders are compiled: each makes Blender draw its window.
 COMPILING_SHOWN_EVERY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What is to be drawn."""
+    """What to render."""
 
     scene: Scene
     view: View
     settings: Settings
     passes: tuple[RenderPass, ...] = (COMBINED,)  # the images that are wanted
-    coarse: int = 0  # px of the view along either side of one in the first picture, which comes the sooner; 0 if
-    # nobody waits for that, but only for the last one
+    preview_pixel_size: int = 0  # width of the first picture's pixels, in pixels; 0: only the last picture matters
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """The average of `samples` samples, or of none the coarse first picture. Bottom row first."""
+    """The mean of `samples` samples; of 0, the preview. Bottom row first."""
 
     passes: Mapping[str, np.ndarray]  # (H,W,channels) float32 by the render pass's name
     samples: int
@@ -44,61 +43,61 @@ class Picture:
 
 
 class Job:
-    """One request on its way. All of it may be asked from any thread."""
+    """The progress of one request. May be read from any thread."""
 
-    def __init__(self, request: Request, news: threading.Condition):
+    def __init__(self, request: Request, changed: threading.Condition):
         view, settings = view_within_limits(request.view), within_limits(request.settings)
         self.request = replace(request, view=view, settings=settings)
         self.samples = self.request.settings.quality.samples  # at most
         self.samples_done = 0
-        self.first_seconds = 0.0  # that the pixels of the first picture took, as soon as there is one
+        self.first_seconds = 0.0  # of the passes that drew the first picture's pixels; 0 before it is done
         self.finished = False
         self.cancelled = False
         self.error = ""
         self.statistics: dict = {}
-        self.compiles = False  # the pass that is being drawn
-        self.programs = 0  # compiled for this job. How many it will need is not known: passes ask for them as they draw
-        self.programs_shown = 0  # of them, when viewports should say it again
+        self.compiles = False  # whether the current pass compiles shaders
+        self.programs = 0  # compiled for this job; how many it will need is unknown
+        self.programs_shown = 0  # `programs` as viewports show it
         self._shown_at = time.monotonic()
-        self._news = news
-        self._seen = 0
-        self._happened = 0
+        self._changed = changed
+        self._changes_seen = 0
+        self._changes = 0
         self._picture: Picture | None = None
 
     @property
     def status(self) -> str:
-        """How far it is, and how far the picture is thought to be from its end."""
+        """For the user: samples done, and the estimated error."""
         if self.compiles:
             return f"Compiling shaders ({self.programs})"
         error = self.statistics.get("error", math.inf)
-        told = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
-        return f"Sample {self.samples_done}/{self.samples}{told}"
+        error_text = f", error {error:.1%}".replace("%", " %") if math.isfinite(error) else ""
+        return f"Sample {self.samples_done}/{self.samples}{error_text}"
 
     def picture(self) -> Picture | None:
-        """The newest picture, the same object until there is a newer one."""
+        """The latest picture, the same object until there is a later one."""
         return self._picture
 
     def wait(self, timeout: float) -> bool:
-        """Until there is news since the last call, or `timeout` seconds: whether there was any."""
-        with self._news:
-            told = self._news.wait_for(lambda: self._happened != self._seen or self.finished, timeout)
-            self._seen = self._happened
-            return told
+        """Wait for a change since the last call, or `timeout` seconds. Whether there was any."""
+        with self._changed:
+            has_changed = self._changed.wait_for(lambda: self._changes != self._changes_seen or self.finished, timeout)
+            self._changes_seen = self._changes
+            return has_changed
 
     def cancel(self) -> None:
-        """Stop after the pass that is being drawn or, if that is a long one, within it."""
+        """Stop after the current pass, or within a long one."""
         self.cancelled = True
 
     def begin_program(self) -> None:
-        """A program is going to be compiled. The worker's side."""
-        self.tell(compiles=True, programs=self.programs + 1)
+        """A program is about to be compiled. For the render thread."""
+        self.notify(compiles=True, programs=self.programs + 1)
         if (now := time.monotonic()) - self._shown_at > COMPILING_SHOWN_EVERY:
             self.programs_shown, self._shown_at = self.programs, now
 
-    def tell(self, **changes: object) -> None:
-        """Set attributes and wake whoever waits. The worker's side."""
-        with self._news:
+    def notify(self, **changes: object) -> None:
+        """Set attributes and wake waiting threads. For the render thread."""
+        with self._changed:
             for name, value in changes.items():
                 setattr(self, name, value)
-            self._happened += 1
-            self._news.notify_all()
+            self._changes += 1
+            self._changed.notify_all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures to PNG files with nothing but the standard library: Blender ships no image library for Python."""
+"""Writes PNG files with the standard library alone: Blender ships no image library for Python."""
 
 import struct
 import zlib
@@ -21,14 +21,14 @@ def display_from_linear(color: np.ndarray) -> np.ndarray:
 def write_png(path: Path, pixels: np.ndarray) -> None:
     """Write (H,W,4) uint8, bottom row first, as a PNG of 8-bit RGBA (ISO 15948). Raises OSError."""
     height, width = pixels.shape[:2]
-    lines = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter, 0: none
+    lines = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter type, 0: none
     lines[:, 1:] = pixels[::-1].reshape(height, -1)
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    def chunk(type_: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + type_ + data + struct.pack(">I", zlib.crc32(type_ + data))
 
     header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
     with atomic_write(path) as file:
         file.write(b"\x89PNG\r\n\x1a\n")
-        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
-            file.write(chunk(kind, data))
+        for type_, data in ((b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
+            file.write(chunk(type_, data))

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The thread that owns the OpenGL context: requests in, pictures out.
 
-A context opened in Blender's main thread is silently wrong, and waiting for the GPU there would freeze the window;
-so one thread does all OpenGL, a pass at a time, and takes turns between its clients (viewports, final renders).
-Nobody waits for it unless they ask to.
+Blender's main thread has its own current context, and waiting for the GPU there would freeze the window. So one thread
+does all OpenGL, one pass at a time, in turns for each of its clients (viewports, final renders).
 """
 
 import os
@@ -21,103 +20,103 @@ from .job import Job, Request
 if TYPE_CHECKING:
     from .render_loop import RenderLoop
 
-#: s that stop() waits for the pass under way. Some take longer, and where a driver hangs it has no end.
-PATIENCE = 2.0
+#: Seconds that stop() waits for the current pass. Some take longer, and a driver may hang.
+JOIN_TIMEOUT = 2.0
 
 
 class RenderThread:
-    """Draws the newest job of each client, in turns."""
+    """Draws the latest job of each client, in turns."""
 
     def __init__(self) -> None:
-        self._news = threading.Condition()
+        self._changed = threading.Condition()
         self._jobs: dict[Hashable, Job] = {}
         self._forgotten: set[Hashable] = set()
         self._thread: threading.Thread | None = None
-        self._rest_ends = 0.0  # monotonic s
-        self._rests = False
-        #: Counts how often shaders were read anew: pictures of another version may differ.
+        self._pause_ends = 0.0  # monotonic s
+        self._is_paused = False
+        #: How often shaders were reloaded: pictures of another version may differ.
         self.shader_version = 0
-        _workers.add(self)
+        _instances.add(self)
 
     def start(self, request: Request, client: Hashable) -> Job:
-        """Draw this instead of what the client asked for before."""
-        job = Job(request, self._news)
-        with self._news:
+        """Start a job, in place of the client's earlier one."""
+        job = Job(request, self._changed)
+        with self._changed:
             self._drop(client)
             self._jobs[client] = job
             self._forgotten.discard(client)
-            self._begin()
-            self._news.notify_all()
+            self._ensure_thread()
+            self._changed.notify_all()
         return job
 
     def expect(self) -> None:
-        """Open OpenGL now: a request is to come, as soon as its scene is read."""
-        with self._news:
-            self._begin()
+        """Open OpenGL now, while the scene of a coming request is still being read."""
+        with self._changed:
+            self._ensure_thread()
 
-    def _begin(self) -> None:
-        """See that there is a thread. With the lock held."""
+    def _ensure_thread(self) -> None:
+        """Start the thread if there is none. With the lock held."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name="ISM renderer", daemon=True)
             self._thread.start()
 
     def reload(self) -> None:
-        """Read the shaders' files again for all jobs that are started from now on."""
-        with self._news:
+        """Compile the shaders again for all jobs that start from now on."""
+        with self._changed:
             self.shader_version += 1
 
     def forget(self, client: Hashable) -> None:
-        """Cancel the client's job and free what is kept for it."""
-        with self._news:
+        """Cancel the client's job and free its renderers."""
+        with self._changed:
             self._drop(client)
             self._forgotten.add(client)
-            self._news.notify_all()
+            self._changed.notify_all()
 
-    def rest(self, seconds: float) -> None:
-        """Begin no pass until go_on(), or for so long: for those who have something short to do undisturbed."""
-        with self._news:
-            self._rest_ends = time.monotonic() + seconds
+    def pause(self, seconds: float) -> None:
+        """Begin no pass until resume(), or for so long."""
+        with self._changed:
+            self._pause_ends = time.monotonic() + seconds
 
-    def go_on(self) -> None:
-        """End a rest."""
-        with self._news:
-            self._rest_ends = 0.0
-            self._news.notify_all()
+    def resume(self) -> None:
+        """End a pause."""
+        with self._changed:
+            self._pause_ends = 0.0
+            self._changed.notify_all()
 
     @property
-    def is_still(self) -> bool:
-        """Whether nothing is being drawn."""
-        with self._news:
-            return self._rests or self._thread is None or not self._has_work()
+    def is_idle(self) -> bool:
+        """Whether no pass is being executed."""
+        with self._changed:
+            return self._is_paused or self._thread is None or not self._has_work()
 
     def stop(self) -> None:
-        """End all jobs and the thread. Where its pass is a long one, it frees what it has and ends later, by itself."""
-        with self._news:
+        """End all jobs and the thread. If its pass is a long one, it ends after JOIN_TIMEOUT by itself."""
+        with self._changed:
             thread, self._thread = self._thread, None
             for client in list(self._jobs):
                 self._drop(client)
-            self._news.notify_all()
+            self._changed.notify_all()
         if thread is not None:
-            thread.join(PATIENCE)
+            thread.join(JOIN_TIMEOUT)
 
     def _after_fork(self) -> None:
-        """In the child: its threads are not there, and whoever held the lock might never give it back."""
-        self._news, jobs, self._jobs = threading.Condition(), self._jobs, {}
-        self._thread, self._rests = None, False
+        """In the child: it has no other threads, and the lock may be held by one that does not exist."""
+        self._changed, jobs, self._jobs = threading.Condition(), self._jobs, {}
+        self._thread, self._is_paused = None, False
         self._forgotten.clear()
         for job in jobs.values():
-            job._news = self._news
-            job.tell(error="The picture is drawn by the process that this one was forked from", finished=True)
+            job._changed = self._changed
+            job.notify(error="The picture is drawn by the process that this one was forked from", finished=True)
 
     def _drop(self, client: Hashable) -> None:
-        """End the client's job, even if the thread has not seen it yet. With the lock held."""
+        """End the client's job, even if the thread has not started it. With the lock held."""
         job = self._jobs.pop(client, None)
         if job is not None:
             job.cancel()
-            job.tell(finished=True)
+            job.notify(finished=True)
 
     def _run(self) -> None:
-        """Draw until stop(). Whatever ends it before is told to all who have asked; who asks next begins anew."""
+        """Draw until stop(). An earlier end fails all jobs; the next request starts a new thread."""
         why = "The thread that draws has ended unexpectedly: render again"
         try:
             try:
@@ -130,65 +129,65 @@ class RenderThread:
                     "install the extension again"
                 )
                 return
-            with closing(RenderLoop(open_device(), self.shader_version)) as studio:
-                self._draw(studio)
+            with closing(RenderLoop(open_device(), self.shader_version)) as loop:
+                self._draw(loop)
         except (NoOpenGL, ContextLost) as reason:
             why = str(reason)
         finally:
-            self._refuse(why)
+            self._fail_jobs(why)
 
-    def _draw(self, studio: "RenderLoop") -> None:
-        """All that is asked for, until stop()."""
+    def _draw(self, loop: "RenderLoop") -> None:
+        """Draw all jobs, until stop()."""
         while True:
-            with self._news:
-                self._news.wait_for(self._has_work)
+            with self._changed:
+                self._changed.wait_for(self._has_work)
                 if self._stopped():
                     return
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
                 forgotten, self._forgotten = self._forgotten, set()
                 shader_version = self.shader_version
-            studio.tidy(jobs, forgotten)
-            studio.reload(shader_version)
+            loop.tidy(jobs, forgotten)
+            loop.reload(shader_version)
             for client, job in jobs.items():
-                self._rest()
-                studio.step(client, job)
+                self._wait_while_paused()
+                loop.step(client, job)
 
-    def _rest(self) -> None:
-        """Wait as long as a rest lasts."""
-        with self._news:
-            self._rests = True
-            while (left := self._rest_ends - time.monotonic()) > 0.0 and not self._stopped():
-                self._news.wait(left)
-            self._rests = False
+    def _wait_while_paused(self) -> None:
+        """Wait until a pause ends."""
+        with self._changed:
+            self._is_paused = True
+            while (left := self._pause_ends - time.monotonic()) > 0.0 and not self._stopped():
+                self._changed.wait(left)
+            self._is_paused = False
 
     def _has_work(self) -> bool:
         return self._stopped() or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
 
     def _stopped(self) -> bool:
-        """Whether the calling thread is no longer the worker's own: stop() may be followed by another one at once."""
+        """Whether the calling thread was stopped; a new one may have been started since."""
         return self._thread is not threading.current_thread()
 
-    def _refuse(self, reason: str) -> None:
-        """Answer everyone who waits with `reason`; the next request tries again."""
-        with self._news:
+    def _fail_jobs(self, reason: str) -> None:
+        """End all jobs with the error `reason`; the next request starts a new thread."""
+        with self._changed:
             if self._stopped():
                 return
             self._thread = None
             jobs = [job for job in self._jobs.values() if not job.finished]
             self._jobs.clear()
         for job in jobs:
-            job.tell(error=reason, finished=True)
+            job.notify(error=reason, finished=True)
 
 
 def _after_fork() -> None:
-    for worker in _workers:
-        worker._after_fork()
+    for instance in _instances:
+        instance._after_fork()
 
 
-#: All there are.
-_workers: weakref.WeakSet[RenderThread] = weakref.WeakSet()
+#: All render threads of this process.
+_instances: weakref.WeakSet[RenderThread] = weakref.WeakSet()
 if hasattr(os, "register_at_fork"):  # not in Windows
     os.register_at_fork(after_in_child=_after_fork)
 
-#: The worker that Blender's engine uses.
+#: The render thread of Blender's engine.
 shared = RenderThread()

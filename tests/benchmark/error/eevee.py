@@ -15,7 +15,7 @@ from .engines import Missing, Shot
 from .stage import Stage
 
 INSIDE = Path(__file__).with_name("eevee_inside.py")
-PATIENCE = 900  # s, for a whole round
+TIMEOUT = 900  # s, for a whole round
 
 
 class Eevee:
@@ -50,9 +50,9 @@ class Eevee:
         xvfb = None if {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys() else shutil.which("xvfb-run")
         command = [*([xvfb, "-a"] if xvfb else []), *arguments, str(folder), *map(str, samples)]
         try:
-            said = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+            said = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT)
         except subprocess.TimeoutExpired as reason:
-            raise Missing(f"it was not done after {PATIENCE} s") from reason
+            raise Missing(f"it was not done after {TIMEOUT} s") from reason
         record = folder / "record.json"
         if not record.is_file():
             last = (said.stderr or said.stdout).strip().splitlines()[-1:]

@@ -17,7 +17,7 @@ from tests.tools import project
 from . import report
 from .series import SERIES
 
-PATIENCE = 1800  # s, for one picture
+TIMEOUT = 1800  # s, for one picture
 
 
 def main() -> int:
@@ -45,7 +45,7 @@ def measured(name: str, value: int) -> dict:
     """What one picture took, in a process of its own; one before it has filled the driver's cache of shaders."""
     command = [sys.executable, "-m", "tests.benchmark.scale.point", name, str(value)]
     for _ in range(2):
-        said = subprocess.check_output(command, cwd=project.ROOT, text=True, timeout=PATIENCE)
+        said = subprocess.check_output(command, cwd=project.ROOT, text=True, timeout=TIMEOUT)
     return json.loads(said.splitlines()[-1])
 
 

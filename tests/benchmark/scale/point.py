@@ -30,7 +30,7 @@ from . import stage
 from .series import SAMPLES, SERIES, Picture
 
 TREES = ("BuildBLAS", "UploadBLAS", "BuildTLAS")
-SHADOWS = tuple(kind.__name__ for kind in DIRECT[Method.RAY_TRACED].kinds)
+SHADOWS = tuple(kind.__name__ for kind in DIRECT[Method.RAY_TRACED].pass_types)
 UPLOADS = ("UploadMeshes", "UploadUVs", "UploadInstances", "UploadMaterials")
 
 

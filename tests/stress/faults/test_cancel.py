@@ -22,7 +22,7 @@ from tests.support.jobs import LONG, begun
 pytestmark = pytest.mark.alone
 
 #: Passes of each sample by rays. Resolve waits for more samples than are drawn here.
-KINDS = {*renderer.COMMON, *RayTracedDirect.kinds, *WorldLight.kinds} - {renderer.AT_LAST}
+KINDS = {*renderer.COMMON, *RayTracedDirect.pass_types, *WorldLight.pass_types} - {renderer.Resolve}
 PASSES = sorted(kind.__name__ for kind in KINDS)
 
 #: s: an answer later than this is none.

@@ -128,29 +128,29 @@ def test_the_moderngls_that_the_extension_brings_are_among_those_it_can_use():
 
 @pytest.fixture
 def at_pass(monkeypatch):
-    """at_pass(number, do): do(studio) before the number-th pass from now on is drawn, in the worker's thread."""
+    """at_pass(number, do): do(loop) before the number-th pass from now on is drawn, in the worker's thread."""
 
     def at_pass(number, do) -> None:
         step, left = RenderLoop.step, iter(range(number))
 
-        def step_or_do(studio: RenderLoop, client: object, job: Job) -> None:
+        def step_or_do(loop: RenderLoop, client: object, job: Job) -> None:
             if next(left, None) == number - 1:
-                do(studio)
-            step(studio, client, job)
+                do(loop)
+            step(loop, client, job)
 
         monkeypatch.setattr(RenderLoop, "step", step_or_do)
 
     return at_pass
 
 
-def load(studio: RenderLoop, name: str) -> int:
+def load(loop: RenderLoop, name: str) -> int:
     """The address of one of OpenGL's functions."""
-    return studio.device.gl.mglo._context.load(name)
+    return loop.device.gl.mglo._context.load(name)
 
 
-def lost(studio: RenderLoop) -> None:
+def lost(loop: RenderLoop) -> None:
     """As drivers do: from then on nothing is drawn, and nothing is said about it."""
-    ctypes.CFUNCTYPE(ctypes.c_uint)(load(studio, "eglReleaseThread"))()
+    ctypes.CFUNCTYPE(ctypes.c_uint)(load(loop, "eglReleaseThread"))()
 
 
 def killed(_studio: RenderLoop) -> None:
@@ -256,7 +256,7 @@ def test_out_of_graphics_memory(worker, device, monkeypatch):
 
 def test_what_opengl_refuses(worker, at_pass):
     """Drivers only note it, and go on: the picture would be wrong without a word."""
-    at_pass(5, lambda studio: ctypes.CFUNCTYPE(None, ctypes.c_uint)(load(studio, "glEnable"))(0xFFFF))
+    at_pass(5, lambda loop: ctypes.CFUNCTYPE(None, ctypes.c_uint)(load(loop, "glEnable"))(0xFFFF))
     job = worker.start(request(), "client")
     assert ended(job)
     assert job.error == "The picture could not be drawn: the graphics driver refuses it (GL_INVALID_ENUM)"

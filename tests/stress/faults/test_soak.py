@@ -83,9 +83,9 @@ class Census(threading.Event):
 
     count = 0
 
-    def take(self, studio: RenderLoop) -> None:
-        load = studio.device.gl.mglo._context.load
-        studio.device.free_released()
+    def take(self, loop: RenderLoop) -> None:
+        load = loop.device.gl.mglo._context.load
+        loop.device.free_released()
         tests = [ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(load(f"glIs{kind}")) for kind in KINDS]
         self.count = sum(bool(test(name)) for test in tests for name in range(1, NAMES))
         self.set()
@@ -97,10 +97,10 @@ def census(monkeypatch) -> Callable[[Callable], int]:
     asked: list[Census] = []
     tidy = RenderLoop.tidy
 
-    def tidy_and_count(studio: RenderLoop, jobs, forgotten) -> None:
-        tidy(studio, jobs, forgotten)
+    def tidy_and_count(loop: RenderLoop, jobs, forgotten) -> None:
+        tidy(loop, jobs, forgotten)
         while asked:
-            asked.pop().take(studio)
+            asked.pop().take(loop)
 
     monkeypatch.setattr(RenderLoop, "tidy", tidy_and_count)
 
@@ -168,7 +168,7 @@ def test_soak_of_viewports(scene, census, within, rounds):
         edit(chance)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         asked = reader.read(depsgraph), camera.final_view(depsgraph), read_settings.read(scene, "viewport")
-        job = shared.start(Request(*asked, coarse=patience.choice([1, 4])), "viewport")
+        job = shared.start(Request(*asked, preview_pixel_size=patience.choice([1, 4])), "viewport")
         while patience.random() < 0.9 and not job.finished:
             job.wait(0.01)
         assert not job.error

@@ -58,7 +58,7 @@ def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
     scene = stage([FLOOR, *rubbles], lamps, world=0.3, image=image)
     settings = replace(SETTINGS, ssao=SSAO(enabled=ssao))
     view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
-    job = worker.start(Request(scene, view, settings, coarse=pixel), len(said))
+    job = worker.start(Request(scene, view, settings, preview_pixel_size=pixel), len(said))
     while not job.finished:
         job.wait(1.0)
     assert not job.error and job.picture().color.any(), job.error

@@ -39,14 +39,14 @@ def test_a_job_gives_a_picture(worker, device):
 def test_triangles_are_drawn_once_unless_somebody_waits_for_the_first_picture(worker):
     asked = request(with_quality(SMALL_SETTINGS, samples=4))
     asked = replace(asked, view=replace(asked.view, filter_width=1.5))
-    patient, waiting = (worker.start(replace(asked, coarse=coarse), str(coarse)) for coarse in (0, 1))
+    patient, waiting = (worker.start(replace(asked, preview_pixel_size=coarse), str(coarse)) for coarse in (0, 1))
     assert ended(patient)
     assert ended(waiting)
     assert waiting.statistics["triangles_drawn"] == 2 * patient.statistics["triangles_drawn"] > 0
 
 
 def test_a_coarse_picture_comes_first_and_leaves_no_trace(device):
-    asked = replace(request(with_quality(SMALL_SETTINGS, samples=3)), coarse=4)
+    asked = replace(request(with_quality(SMALL_SETTINGS, samples=3)), preview_pixel_size=4)
     job, renderers = Job(asked, threading.Condition()), (Renderer(device), Renderer(device))
     pictures = [job.picture() for _ in steps(*renderers, job) if job.picture()]
     assert pictures[0].color.shape == (4, 6, 4)

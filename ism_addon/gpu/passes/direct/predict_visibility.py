@@ -53,7 +53,7 @@ class PredictVisibility(Pass):
 
     @cached_property
     def at_probes(self) -> moderngl.Program:
-        return self.tile_program(part="probes", probe_spacing=PROBE_SPACING)
+        return self.tile_program(suffix="probes", probe_spacing=PROBE_SPACING)
 
     @cached_property
     def at_pixels(self) -> moderngl.Program:
@@ -61,7 +61,7 @@ class PredictVisibility(Pass):
 
     @cached_property
     def of_tiles(self) -> moderngl.VertexArray:
-        return self.full_screen_program(part="tiles", tile_size=TILE_SIZE)
+        return self.full_screen_program(suffix="tiles", tile_size=TILE_SIZE)
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows

@@ -182,7 +182,7 @@ class TraceShadows(Pass):
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
         for variant in {tuple(own.items()): own for own in variants.values()}.values():
             constants = shader_constants(variant, rays, len(frame.grid.places), MIN_FAINT_RAY_PROBABILITY)
-            program = self.tile_program(*RECORDS, part="faint", **constants)
+            program = self.tile_program(*RECORDS, suffix="faint", **constants)
             bind(
                 program,
                 **surface_samplers(frame),

@@ -109,7 +109,7 @@ class Accumulate(Pass):
             frame.allocate(target, frame.size)
         own = frame.framebuffer(*SAMPLES)
         own.clear()
-        program = self.tile_program(part="taken", has_residual=has_residual)
+        program = self.tile_program(suffix="taken", has_residual=has_residual)
         bind(program, **samples, tile_probabilities=frame[TILE_PROBABILITIES])
         draw_tiles(frame, own, program, rays=rays_for(1))
         self.draw_lines(frame, SAMPLES, ROWS)
@@ -119,7 +119,7 @@ class Accumulate(Pass):
     def draw_lines(self, frame: Frame, source: tuple[Target, ...], into: tuple[Target, ...]) -> None:
         """Filter along rows or, into the sums, along columns."""
         radius = frame.view.filter_width
-        lines = self.full_screen_program(part="lines", tile_size=TILE_SIZE, columns=int(into is SUMS))
+        lines = self.full_screen_program(suffix="lines", tile_size=TILE_SIZE, columns=int(into is SUMS))
         samplers = "lines_color", "lines_residual", "lines_weights", "lines_headroom"
         bind(
             lines.program,

@@ -19,7 +19,7 @@ class DebugImage(Pass):
 
     @cached_property
     def shaders(self) -> dict[bool, moderngl.VertexArray]:
-        stages = "glsl/full_screen.vert", f"{self.name_of()}.frag"
+        stages = "glsl/full_screen.vert", f"{self.shader_name()}.frag"
         programs = {
             integers: compile_program(self.device, *stages, integers=int(integers)) for integers in (False, True)
         }

@@ -44,7 +44,7 @@ class Resolve(Pass):
     @cached_property
     def neighbours(self) -> moderngl.VertexArray:
         return self.full_screen_program(
-            part="neighbours",
+            suffix="neighbours",
             tile_size=TILE_SIZE,
             stratification_exponent=STRATIFICATION_EXPONENT,
             similarity_sharpness=SIMILARITY_SHARPNESS,

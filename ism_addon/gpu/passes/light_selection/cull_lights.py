@@ -107,7 +107,7 @@ class CullLights(Pass):
 
     @cached_property
     def rays(self) -> moderngl.VertexArray:
-        return self.full_screen_program(LIGHT, CASTER, MEMBERSHIP, part="rays")
+        return self.full_screen_program(LIGHT, CASTER, MEMBERSHIP, suffix="rays")
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0

@@ -42,7 +42,9 @@ class SplatMaps(Pass):
 
     @cached_property
     def discs(self) -> moderngl.Program:
-        return compile_program(self.device, f"{self.name_of()}.vert", f"{self.name_of()}.frag", empty=NO_OCCLUDER)
+        return compile_program(
+            self.device, f"{self.shader_name()}.vert", f"{self.shader_name()}.frag", empty=NO_OCCLUDER
+        )
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows and frame[ATLAS_BATCH].count > 0

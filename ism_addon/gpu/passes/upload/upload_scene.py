@@ -25,7 +25,7 @@ class UploadMeshes(Pass):
     def execute(self, frame: Frame) -> None:
         blas = frame.get(BLAS)
         trees = blas.made if blas is not None and blas.meshes == frame.scene.meshes else None
-        buffers = frame.shared(MeshBuffers, frame.scene.meshes, trees is not None)
+        buffers = frame.shared_resource(MeshBuffers, frame.scene.meshes, trees is not None)
         frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, trees or {})
         frame[MESH_BUFFERS] = buffers
 
@@ -40,7 +40,7 @@ class UploadUVs(Pass):
         return len(frame.scene.images) > 0
 
     def execute(self, frame: Frame) -> None:
-        buffers = frame.shared(UVBuffers, frame[MESH_BUFFERS])
+        buffers = frame.shared_resource(UVBuffers, frame[MESH_BUFFERS])
         frame.counts["bytes_uploaded"] += buffers.follow()
         frame[UV_BUFFERS] = buffers
 
@@ -54,7 +54,7 @@ class UploadInstances(Pass):
     def execute(self, frame: Frame) -> None:
         meshes = frame[MESH_BUFFERS]
         buffers = InstanceBuffers(self.device, meshes, frame.scene.instances, frame.anchor)
-        buffers.own(lambda pairs: frame.shared(Owners, meshes, pairs))
+        buffers.own(lambda pairs: frame.shared_resource(Owners, meshes, pairs))
         frame[INSTANCE_BUFFERS] = buffers
         frame.counts["bytes_uploaded"] += buffers.bytes
 
@@ -66,5 +66,5 @@ class UploadMaterials(Pass):
     outputs = outputs(MATERIAL_BUFFERS)
 
     def execute(self, frame: Frame) -> None:
-        texels = frame.shared(TextureBuffer, frame.scene.images)
-        frame[MATERIAL_BUFFERS] = frame.shared(MaterialBuffers, frame.scene.materials, texels)
+        texels = frame.shared_resource(TextureBuffer, frame.scene.images)
+        frame[MATERIAL_BUFFERS] = frame.shared_resource(MaterialBuffers, frame.scene.materials, texels)

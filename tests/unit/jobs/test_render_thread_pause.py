@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from ism_addon.gpu.jobs.render_thread import PATIENCE
+from ism_addon.gpu.jobs.render_thread import JOIN_TIMEOUT
 from ism_addon.gpu.passes.film.shade import Shade
 from tests.support.jobs import LONG, begun, ended, request
 from tests.tools.memory import resident
@@ -18,31 +18,31 @@ pytestmark = pytest.mark.alone
 def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
     job = worker.start(request(LONG), "client")
     assert begun(job)
-    worker.rest(60.0)
+    worker.pause(60.0)
     until = time.monotonic() + 5.0
-    while not worker.is_still and time.monotonic() < until:
+    while not worker.is_idle and time.monotonic() < until:
         time.sleep(0.001)
-    assert worker.is_still
+    assert worker.is_idle
     done = job.samples_done
     time.sleep(0.1)
     assert job.samples_done == done
-    worker.go_on()
+    worker.resume()
     time.sleep(0.1)
     assert job.samples_done > done
     assert not job.finished
 
 
 def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
-    assert worker.is_still
-    worker.rest(0.2)
+    assert worker.is_idle
+    worker.pause(0.2)
     assert ended(worker.start(request(), "client"), 5.0)
-    worker.rest(60.0)
+    worker.pause(60.0)
     job = worker.start(request(), "client")
     began = time.monotonic()
     worker.stop()
     assert time.monotonic() - began < 5.0
     assert job.finished
-    assert worker.is_still
+    assert worker.is_idle
 
 
 def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
@@ -62,7 +62,7 @@ def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
     assert stuck.wait(30.0)
     began = time.monotonic()
     worker.stop()
-    assert time.monotonic() - began < PATIENCE + 1.0
+    assert time.monotonic() - began < JOIN_TIMEOUT + 1.0
     assert job.finished
     later = worker.start(request(), "client")
     assert ended(later)
