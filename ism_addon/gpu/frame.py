@@ -14,7 +14,7 @@ import numpy as np
 
 from ..resource_types import Resource, Target
 from ..resources import TILE_SIZE
-from ..sampling import PixelGrid
+from ..sampling.pixel_grid import PixelGrid
 from ..scene import Change, Scene, View
 from ..settings import Settings
 from .gl.context import Device

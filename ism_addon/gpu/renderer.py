@@ -14,7 +14,7 @@ import numpy as np
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
 from ..resources import CONVERGENCE
-from ..sampling import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
+from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position

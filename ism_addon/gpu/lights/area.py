@@ -13,7 +13,7 @@ import numpy as np
 
 from ...color import REC709, luminance
 from ...radiometry import MIN_SPREAD, light_areas, plane_normals, spread_terms
-from ...sampling import disk
+from ...sampling.points import disk
 from ...scene import Lights, LightShape
 from ...spaces import orthonormal
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot

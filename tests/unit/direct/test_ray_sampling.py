@@ -10,7 +10,8 @@ import pytest
 
 from ism_addon.gpu.passes.direct import faint_lights, trace_shadows
 from ism_addon.resources import LIGHT_INFLUENCE
-from ism_addon.sampling import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, pixel_grid, rd_sequence
+from ism_addon.sampling.dimensions import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, rd_sequence
+from ism_addon.sampling.pixel_grid import pixel_grid
 from ism_addon.scene import Scene, View
 from tests.support.small_scenes import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
 from tests.unit.film.test_accumulate import blackman_harris

@@ -14,7 +14,7 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer, samples_per_visibility_buffer
-from ism_addon.sampling import pixel_grid
+from ism_addon.sampling.pixel_grid import pixel_grid
 from ism_addon.scene import Image
 from tests.scenes.small import sphere
 from tests.support import reference

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ....sampling import LIGHT_INCREMENTS, TURN_INCREMENTS, members
+from ....sampling.dimensions import LIGHT_INCREMENTS, TURN_INCREMENTS, members
 from ...culling.light_influence import LightInfluence, visibilities
 
 #: The least probability that a faint light is drawn in a tile.

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ....resources import MEAN_LUMINANCE
-from ....sampling import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
+from ....sampling.dimensions import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION, RAW_OCCLUSION
-from ....sampling import Dimension, rd_sequence, sequence
+from ....sampling.dimensions import Dimension, rd_sequence, sequence
 from ....scene import Change
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs

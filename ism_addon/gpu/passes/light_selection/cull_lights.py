@@ -34,7 +34,7 @@ from ....resources import (
     TILE_SIZE,
     TLAS,
 )
-from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
+from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
 from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.surface_bounds import SurfaceBounds

@@ -6,7 +6,7 @@ from typing import Any
 import moderngl
 
 from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
-from ....sampling import PIXEL_INCREMENTS, fixed_point, rd_sequence
+from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point, rd_sequence
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, Schedule, outputs

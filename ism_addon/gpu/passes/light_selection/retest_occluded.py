@@ -20,7 +20,7 @@ from ....resources import (
     TILE_VISIBILITY,
     TLAS,
 )
-from ....sampling import PIXEL_INCREMENTS, Dimension, fixed_point, sequence
+from ....sampling.dimensions import PIXEL_INCREMENTS, Dimension, fixed_point, sequence
 from ....scene import Change
 from ...culling.light_influence import visibilities
 from ...drawing import draw_tiles

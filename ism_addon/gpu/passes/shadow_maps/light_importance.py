@@ -11,7 +11,7 @@ turns by a hundredth of a picture nine in ten change the points of one of twenty
 import numpy as np
 
 from ....resources import LIGHT_IMPORTANCE, POINT_CLOUD
-from ....sampling import rd_sequence
+from ....sampling.dimensions import rd_sequence
 from ....scene import Change, Lights
 from ...culling.surface_bounds import SurfaceBounds
 from ...frame import Frame, Pass, outputs

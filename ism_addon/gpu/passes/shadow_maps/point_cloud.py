@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....sampling import points_on_triangles, proportional_counts, triangle_areas
+from ....sampling.points import points_on_triangles, proportional_counts, triangle_areas
 from ....scene import Mesh, Scene
 
 #: Points that are placed at a time.

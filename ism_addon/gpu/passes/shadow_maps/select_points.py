@@ -17,7 +17,7 @@ import numpy as np
 
 from ....parallel import parallel_map
 from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD
-from ....sampling import rd_sequence
+from ....sampling.dimensions import rd_sequence
 from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
 from ...lights import type_of

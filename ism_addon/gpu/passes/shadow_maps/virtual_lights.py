@@ -15,7 +15,8 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
-from ....sampling import Dimension, lattice, proportional_counts, rd_sequence, sequence
+from ....sampling.dimensions import Dimension, rd_sequence, sequence
+from ....sampling.points import lattice, proportional_counts
 from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE

@@ -26,7 +26,7 @@ from ....resources import (
     TILE_VARIANCE,
     TILES,
 )
-from ....sampling import TURN_INCREMENTS, Dimension, members, sequence
+from ....sampling.dimensions import TURN_INCREMENTS, Dimension, members, sequence
 from ....scene import Change
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs

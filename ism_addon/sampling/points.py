@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points on triangles and on lights."""
+
+import numpy as np
+
+from ..parallel import parallel_map
+from .dimensions import rd_sequence
+
+#: Points are made in blocks of this many, so that several cores share them.
+POINTS_AT_A_TIME = 1 << 17
+
+
+def barycentric(squares: np.ndarray) -> np.ndarray:
+    """Uniform barycentric coordinates (N,3) of points (N,2) of the unit square.
+
+    The square's upper half is folded onto the lower one. The report's listing 1 ends in a slip
+    (1 - t2 - t3); the third coordinate is 1 - t1 - t2.
+    """
+    folded = np.where(squares.sum(1, keepdims=True) > 1.0, 1.0 - squares, squares)
+    return np.column_stack([folded, 1.0 - folded.sum(1)])
+
+
+def triangle_areas(corners: np.ndarray) -> np.ndarray:
+    """(T,) m² of triangles (T,3,3)."""
+    edges = corners[:, 1:] - corners[:, :1]
+    return 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+
+
+def proportional_counts(weights: np.ndarray, count: int) -> np.ndarray:
+    """(N,) int64 that sum to `count`, in proportion to `weights` (N,), each within 1 of its due."""
+    total = weights.sum()
+    if total <= 0.0:
+        return np.zeros(len(weights), np.int64)
+    edges = np.floor(np.cumsum(weights) / total * count + 0.5).astype(np.int64)
+    edges[-1] = count
+    return np.diff(edges, prepend=0)
+
+
+def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Triangle index (count,) and position (count,3) of points `first` … of a mesh's endless sequence.
+
+    Triangles (T,3,3) are chosen with probability in proportion to their area, points uniformly on each:
+    one dimension of the sequence chooses the triangle, two the point on it.
+    """
+    cumulative = np.cumsum(triangle_areas(corners))
+
+    def block(start: int) -> tuple[np.ndarray, np.ndarray]:
+        random = rd_sequence(first + start, min(POINTS_AT_A_TIME, count - start), 3)
+        chosen = np.searchsorted(cumulative, random[:, 0] * cumulative[-1], side="right")
+        chosen = np.minimum(chosen, len(corners) - 1)
+        return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
+
+    blocks = parallel_map(block, range(0, count, POINTS_AT_A_TIME), count)
+    return np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
+
+
+def disk(squares: np.ndarray) -> np.ndarray:
+    """Points (N,2) of the unit square to the disk of diameter 1, equal areas (Shirley & Chiu 1997)."""
+    x, y = (2.0 * squares - 1.0).T
+    wide = np.abs(x) > np.abs(y)
+    radius = np.where(wide, x, y)
+    minor = np.where(wide, y, x)
+    angle = (np.pi / 4.0) * np.divide(minor, radius, out=np.zeros_like(radius), where=radius != 0.0)
+    angle = np.where(wide, angle, np.pi / 2.0 - angle)
+    return 0.5 * radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def lattice(count: int, shift: np.ndarray) -> np.ndarray:
+    """(count,2) in [0,1): a rank-1 lattice; `shift` (2,) in [0,1) moves it (Cranley & Patterson 1976).
+
+    It is better spread than a prefix of an endless sequence, for exactly `count` points.
+    """
+    golden = rd_sequence(0, count, 1)[:, 0]
+    return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, golden]) + shift)[0]
