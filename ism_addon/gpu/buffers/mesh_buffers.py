@@ -159,7 +159,7 @@ class MeshBuffers:
         low, high = bounding_boxes(meshes).swapaxes(0, 1)
         self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
         self.corners, self.normals = device.growing_buffer(4, "u4"), device.growing_buffer(2, "i2")
-        self.most = min(MAX_TRIANGLES, device.buffer_textures.most // 3)  # normals have three rows each
+        self.most = min(MAX_TRIANGLES, device.buffer_textures.max_rows // 3)  # normals have three rows each
 
     @property
     def samplers(self) -> dict[str, BufferTexture]:

@@ -98,16 +98,16 @@ class BufferTexture:
 class GrowingBuffer:
     """A buffer texture that rows are appended to. A larger one replaces it when it is full."""
 
-    def __init__(self, gl: moderngl.Context, allocate: Callable[[int], BufferTexture], most: int):
-        """`allocate` makes a buffer texture of so many rows, `most` is how many it may have."""
-        self._gl, self._allocate, self._most = gl, allocate, most
+    def __init__(self, gl: moderngl.Context, allocate: Callable[[int], BufferTexture], max_rows: int):
+        """`allocate` makes a buffer texture of so many rows, `max_rows` is how many it may have."""
+        self._gl, self._allocate, self._max_rows = gl, allocate, max_rows
         self.texture, self.count = allocate(0), 0
 
     def reserve(self, more: int) -> None:
         """Make room for `more` rows: exactly that many the first time, then half of what there is in advance."""
         needed = self.count + more
         if needed > self.texture.count:
-            larger = self._allocate(max(needed, min(self.count + self.count // 2, self._most)))
+            larger = self._allocate(max(needed, min(self.count + self.count // 2, self._max_rows)))
             if self.count:
                 self._gl.copy_buffer(larger.buffer, self.texture.buffer, self.count * self.texture.row)
             self.texture = larger

@@ -86,8 +86,8 @@ class Device:
 
     def growing_buffer(self, components: int, dtype: str) -> GrowingBuffer:
         """An empty buffer texture that rows are appended to."""
-        most = self.buffer_textures.most
-        return GrowingBuffer(self.gl, lambda count: self.new_buffer(count, components, dtype), most)
+        max_rows = self.buffer_textures.max_rows
+        return GrowingBuffer(self.gl, lambda count: self.new_buffer(count, components, dtype), max_rows)
 
     def check(self) -> None:
         """Raises ContextLost, or GraphicsError if any call since the last check has failed."""

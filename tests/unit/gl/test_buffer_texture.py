@@ -60,12 +60,12 @@ def test_more_rows_than_can_be_fetched_are_refused_with_a_sentence(device):
 
 
 def test_rows_that_come_by_and_by_may_fill_all_the_room_there_is(device, monkeypatch):
-    monkeypatch.setattr(device.buffer_textures, "most", 100)
-    rows, growing = np.arange(100, dtype=np.float32).reshape(100, 1), device.growing(1, "f4")
+    monkeypatch.setattr(device.buffer_textures, "max_rows", 100)
+    rows, growing = np.arange(100, dtype=np.float32).reshape(100, 1), device.growing_buffer(1, "f4")
     for part in (rows[:80], rows[80:90], rows[90:]):
         growing.reserve(len(part))
         growing.append(part)
-    assert np.array_equal(fetched(device, growing.array, "f4", 100)[:, :1], rows)
+    assert np.array_equal(fetched(device, growing.texture, "f4", 100)[:, :1], rows)
 
 
 def test_what_is_let_go_of_in_another_thread_is_freed_in_this_one(device):
