@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.gl.buffer_texture import BufferTexture
     from .gpu.passes.light_selection.cull_lights import CullingState
+    from .gpu.passes.light_selection.retest_occluded import Retest
     from .gpu.passes.shadow_maps.atlas import Batch
     from .gpu.passes.shadow_maps.point_cloud import PointCloud
     from .gpu.passes.shadow_maps.select_points import MapPoints
@@ -143,11 +144,8 @@ CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
 )
 PROBE = Target("probe", "Of one light: probe rays that arrived, and rays", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
-RETESTS = Target(
-    "retests",
-    "Sums over rays that arrived: of the light's index plus one, of its square, and of ones",
-    _PICTURE,
-    divisor=PROBE_SPACING,
+RETESTS: Resource[tuple[Retest, ...]] = Resource(
+    "retests", "Rays of each sample since the last doubling to lights believed occluded", _PICTURE
 )
 RETEST_CANDIDATES: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
     "retest_candidates",

@@ -155,10 +155,10 @@ def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
 UNLIT = {"visibility_buffer.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
 LIT_FILES = {"cull_lights.frag", "trace_shadows.frag"}
 SHADOW_FILES = {
-    *("cull_lights_rays.frag", "probe_visibility.frag"),
+    "probe_rays.frag",
     *(f"predict_visibility{part}.frag" for part in ("", "_tiles", "_probes")),
 }
-FURTHER_FILES = {"retest_occluded.frag", "resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
+FURTHER_FILES = {"resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,9 @@ KINDS = {
     "vec3": Kind("f4", 3, "uintBitsToFloat"),
     "vec4": Kind("f4", 4, "uintBitsToFloat"),
     "int": Kind("i4", 1, "int"),
+    "ivec2": Kind("i4", 2, "ivec2"),
     "uint": Kind("u4", 1, ""),
+    "uvec2": Kind("u4", 2, ""),
 }
 
 
@@ -130,6 +132,10 @@ LIGHT = Record(
     receivers="int",
     blockers="int",
 )
+
+#: Probe rays to one light: its index, the light_uv of the first texel of the picture in 32-bit fixed point, and which
+#: texel of the picture the block's first one is.
+PROBE_BLOCK = Record("ProbeBlock", light="int", light_uv="uvec2", first_texel="ivec2")
 
 #: A light that contributes, and the virtual lights that stand for it.
 VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")

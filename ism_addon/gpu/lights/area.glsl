@@ -169,7 +169,7 @@ vec2 area_chord(AreaPart part, float x) {
 // A whole ellipse is sampled by equal areas instead.
 bool area_is_whole_ellipse(AreaPart part) { return !part.rectangle && !part.below && !part.beyond; }
 
-// m², the inverse of a sample's density on the light's plane, given the chord at its x.
+// m^2, the inverse of a sample's density on the light's plane, given the chord at its x.
 float area_inverse_density(AreaPart part, vec2 y) {
     if (area_is_whole_ellipse(part)) return 3.141592653589793 * part.width * part.half_chord;
     return max(part.x.y - part.x.x, 0.0) * max(y.y - y.x, 0.0);

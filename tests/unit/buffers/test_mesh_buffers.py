@@ -139,7 +139,7 @@ def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch, lim
     if limit == "int32":
         monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
     else:
-        monkeypatch.setattr(device.buffer_textures, "most", 302)
+        monkeypatch.setattr(device.buffer_textures, "max_rows", 302)
     made = MeshBuffers(device, (rubble(60), rubble(41), rubble(30), rubble(10)), in_trees=False)
     assert made.add((0,), {}) == 44 * 60
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this OpenGL can draw 100"):

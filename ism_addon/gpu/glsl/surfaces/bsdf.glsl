@@ -9,7 +9,7 @@ vec3 bsdf_evaluate(Surface surface, vec3 wi) {
     return surface.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
 }
 
-// Radiance by all of a light. W/(sr m²)
+// Radiance by all of a light. W/(sr m^2)
 vec3 bsdf_unshadowed(Surface surface, Light light) {
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     return light.radiance * surface.base_color * (INVERSE_PI * irradiance);

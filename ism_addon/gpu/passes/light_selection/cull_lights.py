@@ -14,7 +14,6 @@ import moderngl
 import numpy as np
 
 from ....parallel import parallel_map
-from ....resource_types import Target
 from ....resources import (
     BACKGROUND_DEPTH,
     CONTRIBUTING_LIGHTS,
@@ -26,7 +25,6 @@ from ....resources import (
     LIGHT_BUFFER,
     LIGHT_INFLUENCE,
     POSITION,
-    PROBE,
     REDISCOVERED,
     TILE_MAX,
     TILE_MIN,
@@ -34,18 +32,17 @@ from ....resources import (
     TILE_SIZE,
     TLAS,
 )
-from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point, rd_sequence
+from ....sampling.dimensions import rd_sequence
 from ....scene import Change
 from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.surface_bounds import SurfaceBounds
-from ...drawing import draw_per_tile, draw_pixels
+from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, Schedule, outputs
-from ...gl.render_targets import create, pixels
-from ...gl.shader_compiler import bind
-from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
+from ...gl.render_targets import pixels
 from ...lights import LightBounds, by_type, is_narrow
-from ...surface_inputs import SURFACE, surface_samplers
+from ...surface_inputs import SURFACE
 from ...tiles import from_strips
+from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
 #: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
 #: for darker than this part of the picture's mean.
@@ -64,9 +61,6 @@ FINE_TILE_SPACING = 2
 COARSE_TILE_SPACING = 4
 FEW_LIGHTS = 16
 MANY_LIGHTS = 64
-
-#: Of each light that rays are sent to: its index, and the point on it in 32-bit fixed point.
-PROBED_LIGHTS = Target("probed_lights", "Index and light_uv", format="rgb32ui")
 
 #: What bounds a tile: of near surfaces, then of far ones.
 NEAR_BOUNDS = TILE_MIN, TILE_MAX, TILE_NORMAL_CONE
@@ -104,10 +98,6 @@ class CullLights(Pass):
         return self.full_screen_program(
             tile_size=TILE_SIZE, background_depth=BACKGROUND_DEPTH, depth_split_ratio=DEPTH_SPLIT_RATIO
         )
-
-    @cached_property
-    def rays(self) -> moderngl.VertexArray:
-        return self.full_screen_program(LIGHT, CASTER, MEMBERSHIP, suffix="rays")
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -199,34 +189,17 @@ class CullLights(Pass):
 
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every tile, or each so far apart, and rays."""
-        gl, (columns, rows) = self.device.gl, (-(-count // spacing) for count in frame.tiles)
-        gl.enable_only(moderngl.NOTHING)
-        light_uvs = rd_sequence(0, len(frame.scene.lights.shape), 2)
+        columns, rows = (-(-count // spacing) for count in frame.tiles)
+        blocks = light_blocks(lights, rd_sequence(0, len(frame.scene.lights.shape), 2)[lights])
+        px = spacing * TILE_SIZE
+        grid, step = ProbeGrid((columns, rows), px, (px // 2, px // 2)), self.device.texture_size // rows
         found: dict[int, np.ndarray] = {}
-        for first in range(0, len(lights), self.device.texture_size // rows):
-            some = lights[first : first + self.device.texture_size // rows]
-            probed = create(gl, PROBED_LIGHTS, (len(some), 1))
-            texels = np.array([(light, *fixed_point(light_uvs[light])) for light in some], np.uint32)
-            probed.write(texels, viewport=(0, 0, len(some), 1))
-            bind(
-                self.rays.program,
-                **surface_samplers(frame),
-                lights=frame[LIGHT_BUFFER],
-                probed_lights=probed,
-                strip_rows=rows,
-                spacing=spacing * TILE_SIZE,
-                pixel_offset=(spacing * TILE_SIZE // 2, spacing * TILE_SIZE // 2),
-                pixel_steps=fixed_point(PIXEL_INCREMENTS),
-                **frame[TLAS],
-            )
-            size = columns, len(some) * rows
-            strips = create(gl, PROBE, size)
-            target = gl.framebuffer([strips])
-            target.viewport = 0, 0, *size
-            draw_pixels(frame, target, self.rays)
+        for first in range(0, len(lights), step):
+            some = lights[first : first + step]
+            texture = trace_blocks(frame, blocks[first : first + step], grid)
             self.device.wait()
-            of_lights = pixels(strips)[: size[1], : size[0]]
-            found |= zip(some, of_lights.reshape(len(some), rows, columns, 2), strict=True)
+            rays = pixels(texture)[: len(some) * rows, :columns]
+            found |= zip(some, rays.reshape(len(some), rows, columns, 2), strict=True)
         return found
 
 

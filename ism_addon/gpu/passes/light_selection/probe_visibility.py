@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: one shadow ray from every fourth pixel, where CullLights asks for it."""
 
-from typing import Any
-
 import moderngl
 
-from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
-from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point, rd_sequence
+from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBES, TLAS
+from ....sampling.dimensions import rd_sequence
 from ....scene import Change
-from ...drawing import draw_tiles
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
-from ...gl.shader_compiler import bind
-from ...lights import shader_variant
-from ...surface_inputs import SURFACE, surface_samplers
-from ...tiles import PROBES_PER_TILE_SIDE, tiles_where
-from ..direct.ray_correction import RECORDS
+from ...gl.shader_records import PROBE_BLOCK
+from ...surface_inputs import SURFACE
+from ...tiles import tiles_where
+from .probe_rays import light_blocks, trace_tiles
 
 
 class ProbeVisibility(Pass):
@@ -34,21 +30,9 @@ class ProbeVisibility(Pass):
         lights = [light for light, influence in influences.items() if casts[light] and influence.to_probe.any()]
         probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
         gl.enable_only(moderngl.NOTHING)
-        light_uvs = rd_sequence(0, len(casts), 2)
-        for light in lights:
+        blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, rd_sequence(0, len(casts), 2)[lights]))
+        for number, light in enumerate(lights):
             into = gl.framebuffer([probes[light]])
             into.clear()
-            constants: dict[str, Any] = {"probe_spacing": PROBE_SPACING, **shader_variant(frame.scene.lights, light)}
-            program = self.tile_program(*RECORDS, **constants)
-            bind(
-                program,
-                **surface_samplers(frame),
-                lights=frame[LIGHT_BUFFER],
-                light_index=light,
-                pixel_offset=(0, 0),
-                pixel_steps=fixed_point(PIXEL_INCREMENTS),
-                light_uv=fixed_point(light_uvs[light]),
-                **frame[TLAS],
-            )
-            draw_tiles(frame, into, program, tiles_where(influences[light].to_probe), side=PROBES_PER_TILE_SIDE)
+            trace_tiles(frame, into, tiles_where(influences[light].to_probe), blocks, number, light)
         frame[PROBES] = probes

@@ -5,7 +5,8 @@ Each sample tests a few pairs of a tile and a light. The probability follows the
 lights cost no more than one. PredictVisibility and TraceShadows draw a light from the sample on in which it is found.
 """
 
-from functools import cached_property
+import math
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -20,18 +21,33 @@ from ....resources import (
     TILE_VISIBILITY,
     TLAS,
 )
-from ....sampling.dimensions import PIXEL_INCREMENTS, Dimension, fixed_point, sequence
+from ....sampling.dimensions import Dimension, fixed_point, sequence
 from ....scene import Change
 from ...culling.light_influence import visibilities
-from ...drawing import draw_tiles
 from ...frame import Frame, Pass, Schedule, outputs
-from ...gl.shader_compiler import bind
-from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
-from ...surface_inputs import SURFACE, surface_samplers
+from ...gl.render_targets import pixels
+from ...gl.shader_records import PROBE_BLOCK
+from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, TILE
+from .probe_rays import ProbeGrid, trace_blocks
 
 #: Probability of a retest, in a sample and a tile, of a light that could be all the light there is.
 RETEST_PROBABILITY = 0.25
+
+
+@dataclass(frozen=True)
+class Retest:
+    """What the rays of one sample have found."""
+
+    tiles: np.ndarray  # rows of TILE: pairs of a tile and a light
+    rays: moderngl.Texture  # PROBE, see RetestOccluded.trace
+
+    def arrived(self) -> np.ndarray:
+        """(N,) bool: whether any ray of a pair did. Once the GPU is done with them."""
+        side, columns = PROBES_PER_TILE_SIDE, columns_of(self.tiles)
+        rows = -(-len(self.tiles) // columns)
+        rays = pixels(self.rays)[: rows * side, : columns * side, 0] == 1.0
+        return rays.reshape(rows, side, columns, side).any((1, 3)).ravel()[: len(self.tiles)]
 
 
 class RetestOccluded(Pass):
@@ -41,37 +57,32 @@ class RetestOccluded(Pass):
     feedback = (TILE_VISIBILITY,)
     outputs = outputs(RETESTS, RETEST_CANDIDATES, REDISCOVERED)
 
-    @cached_property
-    def program(self) -> moderngl.Program:
-        return self.tile_program(LIGHT, CASTER, MEMBERSHIP, probe_spacing=PROBE_SPACING)
-
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows and frame.sample > 0
 
     def execute(self, frame: Frame) -> None:
-        target, doubling = frame.framebuffer(RETESTS), Schedule.DOUBLING.is_due
+        doubling = Schedule.DOUBLING.is_due
         if frame.sample == 1:
             frame[REDISCOVERED] = {}
         if doubling(frame.sample) or doubling(frame.sample - 1):  # CullLights comes before, PredictVisibility after
             frame[RETEST_CANDIDATES] = self.candidates(frame)
         if doubling(frame.sample):
             frame[REDISCOVERED] = self.rediscovered(frame)
-        if doubling(frame.sample) or frame.sample == 1:
-            target.clear()
         tiles = self.pairs_to_retest(frame)
         frame.counts["retests"] += len(tiles) * PROBES_PER_TILE_SIDE**2
-        self.device.gl.enable_only(moderngl.BLEND)
-        self.device.gl.blend_func = moderngl.ONE, moderngl.ONE
-        bind(
-            self.program,
-            **surface_samplers(frame),
-            lights=frame[LIGHT_BUFFER],
-            pixel_offset=(frame.sample % PROBE_SPACING, frame.sample // PROBE_SPACING % PROBE_SPACING),
-            pixel_steps=fixed_point(PIXEL_INCREMENTS),
-            light_uv=fixed_point(sequence(Dimension.RETEST_POINT, frame.sample, 1)[0]),
-            **frame[TLAS],
-        )
-        draw_tiles(frame, target, self.program, tiles, side=PROBES_PER_TILE_SIDE)
+        earlier = () if doubling(frame.sample) or frame.sample == 1 else frame[RETESTS]
+        frame[RETESTS] = (*earlier, Retest(tiles, self.trace(frame, tiles))) if len(tiles) else earlier
+
+    @staticmethod
+    def trace(frame: Frame, tiles: np.ndarray) -> moderngl.Texture:
+        """A PROBE texture with a block for each row of TILE: a ray from each of its texels to the tile's light."""
+        blocks = np.zeros(len(tiles), PROBE_BLOCK.dtype)
+        blocks["light"] = tiles["light"]
+        blocks["light_uv"] = fixed_point(sequence(Dimension.RETEST_POINT, frame.sample, 1)[0])
+        blocks["first_texel"] = tiles["tile"] * PROBES_PER_TILE_SIDE
+        offset = frame.sample % PROBE_SPACING, frame.sample // PROBE_SPACING % PROBE_SPACING
+        grid = ProbeGrid((PROBES_PER_TILE_SIDE, PROBES_PER_TILE_SIDE), PROBE_SPACING, offset, columns_of(tiles))
+        return trace_blocks(frame, blocks, grid)
 
     @staticmethod
     def candidates(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
@@ -102,12 +113,15 @@ class RetestOccluded(Pass):
     def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
         """Of each light that was found since the last doubling, in which tiles: (rows,columns) bool."""
         self.device.wait()
-        indices, squares, count, _ = np.moveaxis(frame.read(RETESTS).astype(np.float64), -1, 0)
-        alone = (count > 0.0) & (indices * indices == squares * count)  # of two lights at one pixel, none can be told
         found: dict[int, np.ndarray] = {}
-        row, column = np.nonzero(alone)
-        for light in np.unique(indices[alone] / count[alone]).astype(int) - 1:
-            here = indices[alone] == count[alone] * (light + 1)
-            found[int(light)] = np.zeros(frame.tiles[::-1], bool)
-            found[int(light)][row[here] // PROBES_PER_TILE_SIDE, column[here] // PROBES_PER_TILE_SIDE] = True
+        for retest in frame[RETESTS]:
+            arrived = retest.tiles[retest.arrived()]
+            for light in np.unique(arrived["light"]).astype(int):
+                column, row = arrived["tile"][arrived["light"] == light].astype(int).T
+                found.setdefault(int(light), np.zeros(frame.tiles[::-1], bool))[row, column] = True
         return found
+
+
+def columns_of(tiles: np.ndarray) -> int:
+    """How many blocks of so many tiles lie side by side: about as many as one above the other."""
+    return math.isqrt(len(tiles) - 1) + 1

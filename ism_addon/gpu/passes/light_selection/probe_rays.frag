@@ -1,0 +1,31 @@
+// Probe rays: one to a light, from one of the pixels that a texel stands for. Texels lie in blocks, each of one light.
+#include "surfaces/receiver_linking.glsl"
+#include "trace/shadow_ray.glsl"
+uniform usamplerBuffer lights;
+uniform usamplerBuffer probe_blocks;
+uniform int first_block;
+uniform int block_columns;  // blocks side by side
+uniform ivec2 block_size;   // texels
+uniform int spacing;        // px, from the first pixel of a texel to that of the next
+uniform ivec2 pixel_offset; // px, of the pixel from the first
+out vec2 rays;              // that arrived, and all
+
+// Where the light sends something, but not from the point that was sampled, nothing is known: that is half a ray. Where it
+// sends nothing there is none.
+vec2 probe(Surface surface, Light light, vec2 light_uv) {
+    if (!surface.exists) return vec2(0.0);
+    if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
+    LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
+    if (arrives(surface, from)) return vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
+    return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
+}
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy), in_grid = texel / block_size;
+    ProbeBlock block = fetch_ProbeBlock(probe_blocks, first_block + in_grid.y * block_columns + in_grid.x);
+    ivec2 at = block.first_texel + texel - in_grid * block_size;
+    rays = vec2(0.0);
+    if (block.light < 0) return;
+    Surface surface = surface_at(min(spacing * at + pixel_offset, last_pixel()));
+    rays = probe(surface, fetch_Light(lights, block.light), pixel_sequence(at, block.light_uv));
+}

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Probe rays: coarse shadow rays that say what of a light arrives about a tile or a pixel. One shader traces all.
+
+Each texel of a target is a ray. Texels lie in blocks: a block's rays go to one light.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ....resources import LIGHT_BUFFER, PROBE, PROBE_SPACING, TLAS
+from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point
+from ...drawing import draw_pixels, draw_tiles
+from ...frame import Frame
+from ...gl.buffer_texture import BufferTexture
+from ...gl.render_targets import create
+from ...gl.shader_compiler import bind, compile_program
+from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP, PROBE_BLOCK
+from ...lights import shader_variant
+from ...surface_inputs import surface_samplers
+from ...tiles import PROBES_PER_TILE_SIDE
+
+SHADER = "passes/light_selection/probe_rays.frag"
+RECORDS = LIGHT, CASTER, MEMBERSHIP, PROBE_BLOCK
+
+#: In place of a light's index: a block without rays.
+NO_LIGHT = -1
+
+
+def light_blocks(lights: Iterable[int], light_uvs: np.ndarray) -> np.ndarray:
+    """Rows of PROBE_BLOCK that begin at the picture's first texel: of lights (L,), with light_uv (L,2) in [0,1)."""
+    rows = np.zeros(len(light_uvs), PROBE_BLOCK.dtype)
+    rows["light"] = list(lights)
+    rows["light_uv"] = np.reshape([fixed_point(light_uv) for light_uv in light_uvs], (-1, 2))
+    return rows
+
+
+@dataclass(frozen=True)
+class ProbeGrid:
+    """Which pixels the texels of blocks stand for, and how the blocks lie in the target."""
+
+    block_size: tuple[int, int]  # texels
+    spacing: int  # px from the first pixel of a texel to that of the next
+    pixel_offset: tuple[int, int]  # px, of the pixel that has the ray from the first
+    block_columns: int = 1  # blocks side by side
+
+
+def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Texture:
+    """A PROBE texture of all blocks of the rows (N,) of PROBE_BLOCK."""
+    device, lines = frame.device, -(-len(rows) // grid.block_columns)
+    table = np.zeros(lines * grid.block_columns, PROBE_BLOCK.dtype)
+    table["light"] = NO_LIGHT
+    table[: len(rows)] = rows
+    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS)
+    size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
+    texture = create(device.gl, PROBE, size)
+    target = device.gl.framebuffer([texture])
+    target.viewport = 0, 0, *size
+    device.gl.enable_only(moderngl.NOTHING)
+    bind(program, **uniforms(frame, PROBE_BLOCK.upload(device, table), 0, grid))
+    draw_pixels(frame, target, device.gl.vertex_array(program, []))
+    return texture
+
+
+def trace_tiles(
+    frame: Frame, target: moderngl.Framebuffer, tiles: np.ndarray, blocks: BufferTexture, first: int, light: int
+) -> None:
+    """The rays of a light in rows of TILE, into its PROBE texture; it is that of the `first` of the blocks."""
+    variant = shader_variant(frame.scene.lights, light)
+    program = compile_program(frame.device, "glsl/tiles.vert", SHADER, records=RECORDS, **variant)
+    bind(program, **uniforms(frame, blocks, first, ProbeGrid(target.size, PROBE_SPACING, (0, 0))))
+    draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
+
+
+def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -> dict[str, Any]:
+    """Of the shader, whose blocks are those from the `first` on."""
+    return {
+        **surface_samplers(frame),
+        **frame[TLAS],
+        **vars(grid),
+        "lights": frame[LIGHT_BUFFER],
+        "probe_blocks": blocks,
+        "first_block": first,
+        "pixel_steps": fixed_point(PIXEL_INCREMENTS),
+    }
