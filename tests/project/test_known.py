@@ -18,9 +18,9 @@ def test_told_it_looks_at_less_and_draws_the_same(device, monkeypatch):
     first = draw(device, scene, view, settings, last=0)
     renderer = draw(device, scene, view, settings).renderer
     tell(renderer)
-    probed, draw_tiles = [], probe_visibility.draw_tiles
-    counted = lambda *given, **more: (probed.append(len(given[3])), draw_tiles(*given, **more))  # noqa: E731
-    monkeypatch.setattr(probe_visibility, "draw_tiles", counted)
+    probed, trace_tiles = [], probe_visibility.trace_tiles
+    counted = lambda *given: (probed.append(len(given[2])), trace_tiles(*given))  # noqa: E731
+    monkeypatch.setattr(probe_visibility, "trace_tiles", counted)
     beside = replace(view, clip_from_view=(1.0 + 1e-6) * view.clip_from_view)  # or what is there would do
     for sample in range(16):
         for _ in renderer.sample(scene, beside, settings, sample, Profile()):

@@ -31,14 +31,14 @@ class Mutation(NamedTuple):
 MUTATIONS = (
     Mutation(
         "a Lambertian surface reflects pi times its light",
-        "sent = part / 3.141592653589793",
-        "sent = part",
-        ("test_shade", "test_picture"),
+        "(INVERSE_PI * irradiance)",
+        "irradiance",
+        ("test_light_types", "test_picture"),
     ),
     Mutation(
         "shadow rays are weighed without the receiver's cosine",
-        "area * max(dot(n, ray), 0.0) * height",
-        "area * height",
+        "(INVERSE_PI * max(dot(surface.normal, wi), 0.0))",
+        "INVERSE_PI",
         ("test_trace_shadows", "test_ray_sampling"),
     ),
     Mutation("Lambert's edge sum has the other sign", "? sum : -sum", "? -sum : sum", ("test_irradiance",)),
@@ -50,8 +50,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a rare shadow ray counts no more than a frequent one",
-        "(rays.x - predicted.x) / ray.probability",
-        "(rays.x - predicted.x)",
+        "estimate * (rays.x - predicted.x)",
+        "estimate * ray.probability * (rays.x - predicted.x)",
         ("test_trace_shadows", "test_picture"),
     ),
     Mutation(
@@ -160,8 +160,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
-        "float scaled = unshadowed / tile_probability;",
-        "float scaled = unshadowed;",
+        "bsdf_unshadowed(surface, light) / tile_probability",
+        "bsdf_unshadowed(surface, light)",
         ("test_faint_lights",),
     ),
 )
