@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that knows Blender's data: reads it, runs the engine, shows the image."""
+"""Blender's side: reads its data, runs the engine, shows the image."""

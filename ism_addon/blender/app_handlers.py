@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lists of functions to call, which scripts of others fill and empty too."""
+"""Blender's lists of handlers, which other scripts change too."""
 
 from collections.abc import Callable
 
 
 def remove(handlers: list[Callable], ours: Callable) -> None:
-    """Take ours out, if nobody has emptied the list before."""
+    """Remove our handler, if it is still in the list."""
     if ours in handlers:
         handlers.remove(ours)

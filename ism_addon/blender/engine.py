@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render engine, as Blender calls it. `final` and `viewport` do what it is asked for.
+"""The render engine, as Blender calls it. `final_render` and `viewport` do the work.
 
-They are imported when they are first asked: Blender starts without them, and most files are for other engines.
+They are imported when they are first needed: Blender starts faster, and most files are for other engines.
 """
 
 from importlib.machinery import ExtensionFileLoader
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "is_rendering", "register", "statistics", "stop", "unregister"]
 
-#: Python has imported Blender, rather than Blender Python.
+#: Whether Blender is the Python module bpy.
 IS_BPY_MODULE = isinstance(bpy.__spec__.loader, ExtensionFileLoader)
 
 
-#: One for each render that Blender is in: a handler may begin another.
+#: One entry for each running render: a handler may begin another.
 _rendering: list[str] = []
 
 
@@ -35,10 +35,10 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     bl_idname = "ISM"
     bl_label = "ISM"
     bl_use_preview = True
-    bl_use_eevee_viewport = True  # for Material Preview, which is empty otherwise
-    bl_use_shading_nodes_custom = False  # else Blender hides its own material nodes
+    bl_use_eevee_viewport = True  # for Material Preview, which would be empty
+    bl_use_shading_nodes_custom = False  # True would hide Blender's own material nodes
 
-    _viewport: Any = None  # a Viewport, which Blender would look for at once if it were named here
+    _viewport: Any = None  # a Viewport; Blender would resolve the annotation at once
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -53,7 +53,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
         _rendering.append(self.bl_idname)
         try:
             final_render.render(self, depsgraph)
-        except KeyboardInterrupt:  # of the bpy module; Blender itself takes Ctrl+C for Escape
+        except KeyboardInterrupt:  # of the bpy module; in Blender, Ctrl+C is Escape
             self.report({"ERROR"}, "The render was interrupted")
         except Exception as error:
             self.report({"ERROR"}, f"The picture could not be made: {error}")
@@ -63,14 +63,14 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().update(context, depsgraph)
-        self.tag_redraw()  # a script's edit need not have told any editor
+        self.tag_redraw()  # after a script's edit, Blender may not redraw by itself
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         self._own_viewport().draw(self, context, depsgraph)
 
     @staticmethod
     def latest_statistics() -> tuple[str, dict]:
-        """For the panels, which ask the engine by its name."""
+        """See render_statistics.latest. For the panels, which find the engine by its name."""
         return render_statistics.latest()
 
     def _own_viewport(self) -> "Viewport":
@@ -82,19 +82,19 @@ class ISMRenderEngine(bpy.types.RenderEngine):
 
 
 def statistics() -> dict:
-    """What the last finished render drew, reused and skipped, and what each pass took; {} before the first."""
+    """Statistics of the last finished render; {} before the first."""
     return render_statistics.for_use("render")
 
 
 @persistent
 def stop(*_args: Any) -> None:
-    """End all drawing, and the worker's thread: before another file is loaded, and at the end."""
+    """End all jobs and the render thread: before another file is loaded, and at exit."""
     persistent_data.forget()
     shared.stop()
 
 
 def is_rendering() -> bool:
-    """Whether Blender is in a render of ours, in any thread: it would crash if the engine were unregistered now."""
+    """Whether a render is running in any thread. Blender would crash if the engine were unregistered now."""
     return bool(_rendering)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that version 0.1.0 saved: values, keyframes and drivers of renamed settings are moved to today's names."""
+"""Scenes saved by version 0.1.0: moves values, keyframes and drivers of renamed settings to today's names."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,13 +11,13 @@ from .. import old_names
 from ..settings import DebugView
 from . import app_handlers
 
-#: Groups below `scene.ism` by the section of settings whose names they have.
+#: Property groups below `scene.ism`, by section of settings.
 GROUPS = {"": ("",), "quality": ("render", "viewport")}
 
 
 @persistent
 def convert(*_file: Any) -> None:
-    """All scenes of the file that has been loaded."""
+    """Convert all scenes of the file that has been loaded."""
     for scene in bpy.data.scenes:
         stored = stored_properties(scene).get("ism")
         if stored is None:
@@ -29,7 +29,7 @@ def convert(*_file: Any) -> None:
                 for old, new in old_names.SETTINGS[section].items():
                     if values is not None and old in values:
                         if new == "debug_view":
-                            values[old] = today(values[old])
+                            values[old] = current_debug_view(values[old])
                         move(values, old, new)
                     path = ".".join(filter(None, ("ism", group)))
                     for curve in curves:
@@ -37,28 +37,28 @@ def convert(*_file: Any) -> None:
                             curve.data_path = f"{path}.{new}"
 
 
-def today(view: int) -> int:
-    """The number of a debug view, by its number in 0.1.0."""
+def current_debug_view(view: int) -> int:
+    """Today's index of a debug view, by its index in 0.1.0."""
     names = list(old_names.DEBUG_VIEWS.values())
     return list(DebugView).index(DebugView(names[view])) if 0 <= view < len(names) else 0  # type: ignore[call-arg]
 
 
 def move(values: Any, old: str, new: str) -> None:
-    """A stored value to another name, unless that has one already."""
+    """Move a stored value to another name, unless that has one already."""
     if new not in values:
         values[new] = values[old]
     del values[old]
 
 
 def stored_properties(scene: bpy.types.Scene) -> Any:
-    """What a scene has stored of add-ons' properties, whether they are registered or not, like a dictionary."""
+    """The stored add-on properties of a scene, registered or not, like a dictionary."""
     if hasattr(scene, "bl_system_properties_get"):  # Blender 5.0
         return scene.bl_system_properties_get() or {}
     return scene
 
 
 def curves_of(animation: bpy.types.AnimData | None) -> Iterator[bpy.types.FCurve]:
-    """A scene's drivers, and the curves of its action."""
+    """A scene's drivers, and the F-curves of its action."""
     if animation is None:
         return
     yield from animation.drivers

@@ -62,7 +62,7 @@ class Scene:
         sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
-    def sharing(self, other: Self) -> Self:
+    def reusing(self, other: Self) -> Self:
         """This scene, with the other's own objects for all that is equal in both; the other itself if all is."""
         parts = {part: getattr(self, part) for part in ("instances", "materials", "lights", "world")}
         for part, value in parts.items():

@@ -12,9 +12,9 @@ from tests.tools import project
 ADDON = project.ROOT / "ism_addon"
 
 #: Calls that show a user their argument of this number, or their keyword of this name. Names of functions are enough.
-CALLS: dict[str, int | str] = {"note": 0, "report": 1, "end": 1, "notify": "error", "label": "text"}
+CALLS: dict[str, int | str] = {"warn": 0, "report": 1, "end": 1, "notify": "error", "label": "text"}
 #: Names that hold nothing but sentences or kinds of trouble. A tuple's or dictionary's texts are sentences too.
-NAMES = {"kind", "why", "sentence", "GLOSS", "PLAIN"}
+NAMES = {"issue", "kind", "why", "sentence", "GLOSS", "PLAIN"}
 #: Words that make a text a sentence, rather than a name or a part of one.
 FEWEST_WORDS = 3
 #: Exceptions that no user can meet: a programmer's mistake, or what is caught where it is raised.

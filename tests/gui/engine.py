@@ -27,15 +27,15 @@ def engine_class() -> Any:
 
 def is_busy() -> bool:
     """Whether a viewport lacks samples, or has not shown the last."""
-    viewports = list(module("blender.viewport.redraw_timer")._alive)
+    viewports = list(module("blender.viewport.redraw_timer")._viewports)
     return not viewports or any(
-        viewport._job is None or viewport.is_waiting or viewport.has_news for viewport in viewports
+        viewport._job is None or viewport.is_rendering or viewport.has_update for viewport in viewports
     )
 
 
 def jobs() -> list[Any]:
     """What the viewports have asked the worker for last: other objects as soon as they ask for something else."""
-    return [viewport._job for viewport in module("blender.viewport.redraw_timer")._alive]
+    return [viewport._job for viewport in module("blender.viewport.redraw_timer")._viewports]
 
 
 def errors() -> list[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the frames of an animation share: what was read of the scene, and what the worker keeps for who asks.
+"""State that frames of an animation share: the scene reader, and the renderer of the render thread.
 
-Kept as long as Blender's render job lasts and, with its Persistent Data, until the next one.
+Kept until Blender's render job ends, and with Persistent Data until the next one.
 """
 
 from collections.abc import Callable
@@ -16,17 +16,17 @@ from .. import app_handlers
 
 
 class LayerCache:
-    """A view layer that is rendered."""
+    """The state of one view layer."""
 
     def __init__(self) -> None:
-        from ..sync.scene_reader import Reader  # Blender starts without what reads scenes
+        from ..sync.scene_reader import Reader  # imported late: Blender starts faster
 
         self.reader, self.client = Reader(), object()
 
     def read(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> Scene:
-        """The Scene by now; what is as in the frame before is the same object. `shown` says what is wanted."""
-        # Blender builds a depsgraph anew for each frame, but for Persistent Data. A new one names its scene as updated,
-        # and does not say what is as it was before.
+        """The current Scene. What has not changed since the frame before is the same object."""
+        # Without Persistent Data, Blender builds a new depsgraph for each frame. A new one lists its scene among the
+        # updates, but not what has changed.
         if any(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
             self.reader.invalidate()
         return self.reader.read(depsgraph, shown, whole=True)
@@ -36,7 +36,7 @@ _layers: dict[tuple[int, str], LayerCache] = {}
 
 
 def layer_cache(depsgraph: bpy.types.Depsgraph) -> LayerCache:
-    """The depsgraph's. One is kept at a time: of many layers, the graphics card might not hold all."""
+    """The cache of the depsgraph's view layer. Only one is kept: the graphics memory may not hold more."""
     key = depsgraph.scene.original.session_uid, depsgraph.view_layer.name
     if key not in _layers:
         forget()
@@ -44,7 +44,7 @@ def layer_cache(depsgraph: bpy.types.Depsgraph) -> LayerCache:
 
 
 def forget() -> None:
-    """Let go of all that is kept."""
+    """Free all caches."""
     while _layers:
         shared.forget(_layers.popitem()[1].client)
 
@@ -56,15 +56,15 @@ def end(scene: bpy.types.Scene, *_more: Any) -> None:
         forget()
 
 
-WHEN_DONE = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
+RENDER_ENDED = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
 
 
 def register() -> None:
-    for called in WHEN_DONE:
-        called.append(end)
+    for handlers in RENDER_ENDED:
+        handlers.append(end)
 
 
 def unregister() -> None:
-    for called in WHEN_DONE:
-        app_handlers.remove(called, end)
+    for handlers in RENDER_ENDED:
+        app_handlers.remove(handlers, end)
     forget()

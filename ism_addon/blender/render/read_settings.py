@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user has turned: the properties under `scene.ism` as Settings."""
+"""Reads the properties under `scene.ism` as Settings."""
 
 from typing import Any
 
@@ -11,17 +11,17 @@ from ... import settings
 def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
     values = {}
     for member, _control in settings.setting_fields(cls):
-        kind: type = type(member.default)
-        values[member.name] = kind(getattr(group, member.name))  # a choice is a string in Blender
+        type_: type = type(member.default)
+        values[member.name] = type_(getattr(group, member.name))  # a choice is a string in Blender
     return cls(**values)
 
 
 def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
-    """The settings for a use, "render" or "viewport": one look, two qualities."""
+    """The settings for a use, "render" or "viewport"."""
     group = scene.ism
     debug_view = settings.Settings.debug_view
     if use == "viewport":
-        debug_view = settings.DebugView(group.debug_view)  # type: ignore[call-arg] # looks up, and makes none
+        debug_view = settings.DebugView(group.debug_view)  # type: ignore[call-arg] # a lookup
     return settings.Settings(
         shadow=_section(settings.Shadow, group.shadow),
         ssao=_section(settings.SSAO, group.ssao),
@@ -31,5 +31,5 @@ def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
 
 
 def pixel_size(scene: bpy.types.Scene) -> int:
-    """How many of a viewport's pixels lie along either side of one that is drawn."""
+    """Width of a drawn pixel in pixels of the viewport."""
     return 100 // int(scene.ism.viewport.resolution)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pictures took, the newest of each use: "render" or "viewport"."""
+"""Statistics of the latest picture of each use, "render" or "viewport"."""
 
 from copy import deepcopy
 
@@ -7,18 +7,18 @@ _kept: dict[str, dict] = {}
 
 
 def store(use: str, statistics: dict) -> None:
-    """The newest picture of a use took this. A job that has drawn nothing yet has nothing to tell."""
+    """Store the statistics of a picture, unless they are empty: its job has drawn nothing yet."""
     if statistics:
         _kept.pop(use, None)
         _kept[use] = statistics
 
 
 def for_use(use: str) -> dict:
-    """A copy of what the newest picture of a use took; {} before the first."""
+    """A copy of the statistics of a use; {} before the first picture."""
     return deepcopy(_kept.get(use, {}))
 
 
 def latest() -> tuple[str, dict]:
-    """The use and a copy of what the newest picture of all took; "" and {} before the first."""
+    """The use of the latest picture, and a copy of its statistics; "" and {} before the first."""
     use = next(reversed(_kept), "")
     return use, for_use(use)

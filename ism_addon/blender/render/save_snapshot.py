@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture is made of, as a file."""
+"""Saves scene, view and settings as a snapshot file."""
 
 import bpy
 
@@ -12,20 +12,20 @@ from . import read_settings
 
 
 def save(context: bpy.types.Context, path: str) -> str:
-    """Save it, and say how much it is. Raises CameraError and OSError."""
-    scene, view, chosen = seen(context, context.evaluated_depsgraph_get())
+    """Save a snapshot. Gives its size as text. Raises CameraError and OSError."""
+    scene, view, chosen = scene_and_view(context, context.evaluated_depsgraph_get())
     snapshot.save(path, scene, view, chosen)
     return f"{view.width}×{view.height} pixels, {scene.triangle_count:,} triangles"
 
 
-def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[Scene, View, Settings]:
-    """What the viewport that asks is drawn from; from other editors, the final render."""
+def scene_and_view(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[Scene, View, Settings]:
+    """Scene, view and settings of the context's viewport; in other editors, of the final render."""
     if context.area is None or context.area.type != "VIEW_3D":
         return scene_reader.scene(depsgraph), camera.final_view(depsgraph), read_settings.read(context.scene, "render")
     region = context.region
-    if region.type != "WINDOW":  # of a quad view's four, the last can be turned
+    if region.type != "WINDOW":  # in a quad view, the last one can be rotated
         region = [each for each in context.area.regions if each.type == "WINDOW"][-1]
     with context.temp_override(region=region):
-        view, _place = viewport.seen(context, depsgraph)
-    scene = scene_reader.scene(depsgraph, viewport.shown_by(context.space_data))
+        view, _rect = viewport.viewport_view(context, depsgraph)
+    scene = scene_reader.scene(depsgraph, viewport.visibility_in(context.space_data))
     return scene, view, read_settings.read(context.scene, "viewport")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's evaluated scene, read into arrays; and what of it this engine does not draw."""
+"""Reads Blender's evaluated scene into arrays, with warnings about what this engine does not draw."""

@@ -7,21 +7,21 @@ import numpy as np
 from ...scene import View
 from ...scene.limits import is_within
 
-#: Left, right, bottom and top of a part of a picture, in pixels of the whole.
-Part = tuple[int, int, int, int]
+#: Left, right, bottom and top of a crop of the image, px.
+Crop = tuple[int, int, int, int]
 
-#: The types of camera whose picture a matrix can describe.
+#: The types of camera that a projection matrix can describe.
 DRAWABLE = ("PERSP", "ORTHO")
 
 
 class CameraError(Exception):
-    """No picture can be taken: the message is one sentence for the artist."""
+    """The camera cannot be drawn. The message is one sentence for the artist."""
 
 
 def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None) -> View:
-    """What the scene's active camera sees of the picture's border region, at the render's percentage.
+    """The view of the scene's active camera, cropped to the render region, at the render's resolution percentage.
 
-    The engine, where there is one, knows the stereo view that is being rendered and its camera's place.
+    `engine` gives the camera's matrix and shift for the current stereo view.
     Raises CameraError without a camera that can be drawn.
     """
     render = depsgraph.scene_eval.render
@@ -59,16 +59,16 @@ def viewport_view(
     width: int,
     height: int,
     camera: bpy.types.Object | None = None,
-    part: Part | None = None,
+    crop: Crop | None = None,
 ) -> View:
-    """What a 3D viewport of width × height pixels shows, or a part of it; the camera is what it may look through.
+    """The view of a 3D viewport of width × height pixels, or a crop of it; `camera`: that it may look through.
 
     Raises CameraError if the viewport looks through a camera that cannot be drawn.
     """
     if region_data.view_perspective == "CAMERA" and camera is not None:
         _check(camera)
     render = depsgraph.scene_eval.render
-    left, right, bottom, top = part or (0, width, 0, height)
+    left, right, bottom, top = crop or (0, width, 0, height)
     clip_from_view = np.array(region_data.window_matrix, np.float64)
     return View.of(
         clip_from_view=_cropped(clip_from_view, left / width, right / width, bottom / height, top / height),
@@ -81,13 +81,13 @@ def viewport_view(
 
 
 def full_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
-    """Pixels of the whole picture, before the border cuts out its part."""
+    """Width and height of the image without cropping to the render region, px."""
     scale = render.resolution_percentage
     return max(render.resolution_x * scale // 100, 1), max(render.resolution_y * scale // 100, 1)
 
 
-def border(render: bpy.types.RenderSettings) -> Part:
-    """What of the whole picture is rendered."""
+def border(render: bpy.types.RenderSettings) -> Crop:
+    """The render region of a final render, or the whole image."""
     width, height = full_size(render)
     if not render.use_border:
         return 0, width, 0, height
@@ -103,10 +103,10 @@ def render_region(
     width: int,
     height: int,
     camera: bpy.types.Object | None,
-) -> Part:
-    """What of a 3D viewport of width × height pixels is drawn: its render region, or in the camera's view the camera's.
+) -> Crop:
+    """The render region of a 3D viewport of width × height pixels, in camera view the camera's; or all of it.
 
-    One pixel at least, at the side where the rest of it would be.
+    One pixel at least, at the nearest side if the region is outside.
     """
     render = depsgraph.scene_eval.render
     if region_data.view_perspective == "CAMERA" and camera is not None:
@@ -124,18 +124,18 @@ def render_region(
 
 
 def _pixels(ends: np.ndarray, count: int) -> tuple[int, int]:
-    """The first of `count` pixels and the one after the last between two fractions; rounded as Blender does."""
+    """First and end of the pixels between two fractions of `count` pixels, rounded as Blender does."""
     first, end = (ends.clip(0, 1) * ends.dtype.type(count)).astype(int)
     first = min(int(first), count - 1)
     return first, max(int(end), first + 1)
 
 
 def _frame(depsgraph: bpy.types.Depsgraph, region_data: bpy.types.RegionView3D, camera: bpy.types.Object) -> np.ndarray:
-    """Left, right, bottom and top of the camera's frame in a viewport that looks through it, as fractions of that."""
+    """Left, right, bottom and top of the camera frame in camera view, as fractions of the viewport."""
     corners = camera.evaluated_get(depsgraph).data.view_frame(scene=depsgraph.scene_eval)
     points = np.array([(*corner, 1.0) for corner in corners]) @ np.array(region_data.window_matrix, np.float64).T
-    places = points[:, :2] / points[:, 3:] / 2.0 + 0.5
-    return np.array([places.min(0), places.max(0)]).T.reshape(-1)
+    fractions = points[:, :2] / points[:, 3:] / 2.0 + 0.5
+    return np.array([fractions.min(0), fractions.max(0)]).T.reshape(-1)
 
 
 def _check(camera: bpy.types.Object) -> None:
@@ -151,11 +151,11 @@ def _check(camera: bpy.types.Object) -> None:
 
 
 def _cropped(clip_from_view: np.ndarray, left: float, right: float, bottom: float, top: float) -> np.ndarray:
-    """The projection onto a part of the picture, given in fractions of it."""
-    part_from_whole = np.eye(4)
-    part_from_whole[0, 0], part_from_whole[0, 3] = 1 / (right - left), (1 - left - right) / (right - left)
-    part_from_whole[1, 1], part_from_whole[1, 3] = 1 / (top - bottom), (1 - bottom - top) / (top - bottom)
-    return part_from_whole @ clip_from_view
+    """The projection of a crop, given in fractions of the image."""
+    crop_from_image = np.eye(4)
+    crop_from_image[0, 0], crop_from_image[0, 3] = 1 / (right - left), (1 - left - right) / (right - left)
+    crop_from_image[1, 1], crop_from_image[1, 3] = 1 / (top - bottom), (1 - bottom - top) / (top - bottom)
+    return crop_from_image @ clip_from_view
 
 
 def _shifted(clip_from_view: np.ndarray, fraction: float) -> np.ndarray:
@@ -164,7 +164,7 @@ def _shifted(clip_from_view: np.ndarray, fraction: float) -> np.ndarray:
 
 
 def _shift_unit(camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int) -> float:
-    """Blender's unit of shift, the side that the sensor is fitted to, in widths of the picture."""
+    """Blender's unit of camera shift, the side that the sensor is fitted to, over the image's width."""
     pixel_height = render.pixel_aspect_y / render.pixel_aspect_x
     wide = width >= height * pixel_height
     horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and wide)
@@ -172,7 +172,7 @@ def _shift_unit(camera: bpy.types.Camera, render: bpy.types.RenderSettings, widt
 
 
 def _rigid_inverse(world_from_view: np.ndarray) -> np.ndarray:
-    """View from world of a camera's matrix without its scale and shear, as Blender's renders leave them out."""
+    """view_from_world of a camera's matrix, without scale and shear, which Blender's renders ignore."""
     rotation = world_from_view[:3, :3] / np.linalg.norm(world_from_view[:3, :3], axis=0)
     u, _, v = np.linalg.svd(rotation)
     rotation = u @ v

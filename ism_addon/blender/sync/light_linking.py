@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: the groups of objects that a light is linked to, those it lights and those that cast its shadows."""
+"""Light linking: groups of objects that lights are linked to, as receivers or as shadow blockers."""
 
 import bpy
 
@@ -7,17 +7,17 @@ from ...scene import MAX_LINK_GROUPS
 
 
 class LightLinks:
-    """Numbers groups, each known by what is in it, and says which an object belongs to."""
+    """Assigns indices to groups by their members, and finds the groups of an object."""
 
     def __init__(self) -> None:
         self._groups: dict[tuple[frozenset[int], bool], int] = {}
 
-    def begin(self) -> None:
-        """Before all lights are added."""
+    def reset(self) -> None:
+        """To be called before all lights are added."""
         self._groups.clear()
 
     def group(self, collection: bpy.types.Collection | None) -> int | None:
-        """The number of the group that a linking collection stands for; -1: all objects. None if there are too many."""
+        """The index of a linking collection's group; -1: all objects. None if there are too many groups."""
         states: dict[str, set[int]] = {"INCLUDE": set(), "EXCLUDE": set()}
         if collection is not None:
             for link, thing in zip(collection.collection_objects, collection.objects, strict=True):
@@ -27,17 +27,17 @@ class LightLinks:
         included, excluded = states.values()
         if not included and not excluded:
             return -1
-        # Where nothing is included, all is but what is excluded.
+        # Without inclusions, all objects are included except the excluded ones.
         group = frozenset(included - excluded if included else excluded), bool(included)
         if group not in self._groups and len(self._groups) == MAX_LINK_GROUPS:
             return None
         return self._groups.setdefault(group, len(self._groups))
 
     def of(self, owners: tuple[int, ...]) -> int:
-        """The groups, bit k for group k, of an object by its session_uid and that of what makes it stand.
+        """The groups, bit k for group k, of an object by its session_uid and that of its instancer.
 
-        As in Cycles, the latter counts if no collection speaks of the object itself.
+        As in Cycles, the instancer counts if no collection contains the object itself.
         """
-        spoken_of = [owner for owner in owners if any(owner in members for members, _ in self._groups)]
-        owner = (spoken_of or owners)[0]
+        linked = [owner for owner in owners if any(owner in members for members, _ in self._groups)]
+        owner = (linked or owners)[0]
         return sum(1 << k for (members, inside), k in self._groups.items() if (owner in members) == inside)

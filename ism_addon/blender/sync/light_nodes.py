@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a light's own nodes make of it: the plain colour and strength of an Emission, and a sentence for all else."""
+"""A light's shader nodes: the constant colour and strength of an Emission node, and warnings for all else."""
 
 import bpy
 import numpy as np
@@ -9,20 +9,20 @@ from .materials import nodes
 
 
 def factor(light: bpy.types.Light, name: str, findings: Diagnostics) -> np.ndarray:
-    """(3,) what the nodes multiply the light's power by; zeros, as in Cycles, where no shader is shown."""
-    # Since Blender 5.2 every new light has nodes; Blender 6.0 takes the switch away.
+    """(3,) the factor of the light's power; zeros, as in Cycles, if the output has no shader."""
+    # Since Blender 5.2 every new light has nodes; Blender 6.0 removes the switch.
     if light.node_tree is None or not light.use_nodes:
         return np.ones(3)
     shader = nodes.surface(nodes.output(light.node_tree))
     if shader is None:
         return np.zeros(3)
     if shader.bl_idname != "ShaderNodeEmission":
-        findings.note(f"Lights whose surface is a node '{shader.bl_label}' shine as if they had none", name)
+        findings.warn(f"Lights whose surface is a node '{shader.bl_label}' shine as if they had none", name)
         return np.ones(3)
     color, fed_by = nodes.rgb(shader.inputs["Color"], 0.0)
     if fed_by is not None:
-        findings.note(f"Lights coloured by a node '{fed_by.bl_label}' shine in the plain colour of its socket", name)
+        findings.warn(f"Lights coloured by a node '{fed_by.bl_label}' shine in the plain colour of its socket", name)
     strength, fed_by = nodes.number(shader.inputs["Strength"])
     if fed_by is not None:
-        findings.note(f"Lights whose strength a node '{fed_by.bl_label}' gives have the plain one of its socket", name)
+        findings.warn(f"Lights whose strength a node '{fed_by.bl_label}' gives have the plain one of its socket", name)
     return color.astype(np.float64) * strength

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights to axes and radiance. Under an object's scale they are what Cycles makes of them.
+"""Reads area lights as axes and radiance. Scaled lights are as in Cycles.
 
-Sheared ones send their watts evenly from the parallelogram or ellipse that they are. So do the places that Cycles
-chooses on an ellipse; those on its rectangles lie off their plane, and rays that hit either meet another shape.
+Sheared lights emit uniformly from their parallelogram or ellipse. In Cycles, points sampled on a sheared rectangle lie
+off its plane, and rays intersect another shape than is sampled.
 """
 
 from typing import Any
@@ -17,7 +17,7 @@ from . import light_nodes
 from .diagnostics import Diagnostics
 from .light_linking import LightLinks
 
-#: Blender's shapes: ours, and whether the height is a number of its own.
+#: Blender's shapes: ours, and whether the height is a separate property.
 SHAPES = {
     "SQUARE": (LightShape.RECTANGLE, False),
     "RECTANGLE": (LightShape.RECTANGLE, True),
@@ -25,49 +25,49 @@ SHAPES = {
     "ELLIPSE": (LightShape.ELLIPSE, True),
 }
 
-#: One light, by the names of Lights.
+#: One light, by the fields of Lights.
 Row = dict[str, Any]
 
 
 class LightReader:
-    """Collects the area lights, from one depsgraph after another, and says which lights are none."""
+    """Reads area lights, incrementally, with warnings about all other lights."""
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
         self._rows: list[tuple[Row | None, Diagnostics]] = []
-        self._own: dict[int, int] = {}  # the row of a light that stands for itself, by its object's session_uid
+        self._own: dict[int, int] = {}  # row of each light that is no instance, by session_uid
 
-    def begin(self) -> None:
-        """Before all lights are added."""
+    def reset(self) -> None:
+        """To be called before all lights are added."""
         self._rows.clear()
-        self._links.begin()
+        self._links.reset()
         self._own.clear()
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
-        """One light where it stands."""
+        """Add one light or instance of a light."""
         if not instance.is_instance:
             self._own[instance.object.original.session_uid] = len(self._rows)
         self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64), self._links))
 
-    def renew(self, source: bpy.types.Object) -> None:
-        """A light that stands for itself has changed; one that was not shown still is not."""
+    def update(self, source: bpy.types.Object) -> None:
+        """Read a light that is no instance again; one that was not added before is still not shown."""
         index = self._own.get(source.original.session_uid)
         if index is not None:
             self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
 
     def table(self, findings: Diagnostics) -> Lights:
-        """All that shine."""
-        for _, found in self._rows:
-            findings.include(found)
+        """All lights that emit."""
+        for _, issues in self._rows:
+            findings.merge(issues)
         return Lights.of_rows(row for row, _ in self._rows if row is not None)
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
-    """A light where it stands, (4,4); None if it is no area light, has no size or lights nothing."""
+    """A light with its matrix (4,4); None if it is no area light, has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
     if light.type != "AREA":
-        kind = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
-        findings.note(kind, source.name)
+        issue = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
+        findings.warn(issue, source.name)
         return None, findings
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
     if portal or not source.visible_diffuse:
@@ -76,18 +76,18 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     if not power.any():
         return None, findings
     if source.visible_camera:
-        findings.note("Lights are not seen by the camera", source.name)
+        findings.warn("Lights are not seen by the camera", source.name)
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
     if None in linked:
-        findings.note(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
+        findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
     if row is None:
-        findings.note("Area lights without a size, or of one beyond measure, are left out", source.name)
+        findings.warn("Area lights without a size, or of one beyond measure, are left out", source.name)
         return None, findings
     if not radiometry.is_upright(row["axis_u"], row["axis_v"]):
-        findings.note("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
+        findings.warn("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
     if not is_within(row["radiance"], MAX_RADIANCE).all():
-        findings.note("Area lights too bright to be drawn are left out", source.name)
+        findings.warn("Area lights too bright to be drawn are left out", source.name)
         return None, findings
     return row, findings
 
@@ -116,10 +116,10 @@ def _row(
     has_size = is_within(sides).all() and spans_plane(axis_u[None], axis_v[None]).item()
     if not (has_size and is_within(world_from_light).all() and depth > 0):
         return None
-    # A sheared one sends out as much as if it were not, from less area.
+    # A sheared light emits the same power from less area.
     if not radiometry.is_upright(axis_u, axis_v):
         power = power * (box / np.linalg.norm(np.cross(axis_u, axis_v)))
-    # A light that is not normalised shines per square metre what a normalised one shines in all.
+    # Without normalisation, the power is per square metre.
     radiant_area = area if getattr(light, "normalize", True) else 1.0
     return Row(
         shape=shape,

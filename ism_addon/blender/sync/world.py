@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world's background as one radiance."""
+"""Reads the world's background as one radiance."""
 
 import bpy
 import numpy as np
@@ -11,16 +11,16 @@ from .materials import nodes
 
 
 def read(world: bpy.types.World | None, findings: Diagnostics) -> World:
-    """The Background node's colour × strength, or the world's colour where it has no nodes.
+    """The Background node's colour × strength, or the world's colour if it has no nodes.
 
-    No world is black, and so is what is no number.
+    Black without a world, and for values that are not finite.
     """
     if world is None:
         return World.of(radiance=np.zeros(3))
     radiance = _radiance(world, findings)
-    seen_by = getattr(world, "cycles_visibility", None)  # Cycles can be switched off
-    if seen_by is not None and not (seen_by.camera and seen_by.diffuse):
-        findings.note("The ray visibility of worlds is not obeyed", world.name)
+    ray_visibility = getattr(world, "cycles_visibility", None)  # Cycles can be switched off
+    if ray_visibility is not None and not (ray_visibility.camera and ray_visibility.diffuse):
+        findings.warn("The ray visibility of worlds is not obeyed", world.name)
     return World.of(radiance=np.where(is_within(radiance), radiance, 0.0))
 
 
@@ -30,21 +30,21 @@ def _radiance(world: bpy.types.World, findings: Diagnostics) -> np.ndarray:
         return nodes.color(world.color, 0.0)
     output = nodes.output(node_tree)
     if output is not None and nodes.source(output.inputs["Volume"]) is not None:
-        findings.note("Volumes of worlds are not drawn", world.name)
+        findings.warn("Volumes of worlds are not drawn", world.name)
     shader = nodes.surface(output)
     if shader is None:
         return np.zeros(3)
     if shader.bl_idname != "ShaderNodeBackground":
-        findings.note(
+        findings.warn(
             f"A world whose surface is a node '{shader.bl_label}' is drawn in its viewport colour", world.name
         )
         return nodes.color(world.color, 0.0)
     color, fed_by = nodes.rgb(shader.inputs["Color"], 0.0)
     if fed_by is not None:
-        findings.note(
+        findings.warn(
             f"A world coloured by a node '{fed_by.bl_label}' is drawn in the Background's plain colour", world.name
         )
     strength, fed_by = nodes.number(shader.inputs["Strength"])
     if fed_by is not None:
-        findings.note(f"A world whose strength a node '{fed_by.bl_label}' gives has its socket's", world.name)
+        findings.warn(f"A world whose strength a node '{fed_by.bl_label}' gives has its socket's", world.name)
     return color * np.float64(strength)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A picture into the viewport, under Blender's colour management, through Blender's own gpu module."""
+"""Draws an image into the viewport with Blender's colour management and gpu module."""
 
 import bpy
 import gpu
@@ -11,16 +11,16 @@ ViewportRect = tuple[float, float, float, float]
 
 
 class ImageDisplay:
-    """Keeps the picture that it last drew as a texture: uploading one is what makes large viewports lag."""
+    """Draws images. Keeps the texture of the last one, because an upload is slow in large viewports."""
 
     def __init__(self) -> None:
         self._color: np.ndarray | None = None
         self._texture: gpu.types.GPUTexture | None = None
 
     def draw(
-        self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, place: ViewportRect
+        self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, color: np.ndarray, rect: ViewportRect
     ) -> None:
-        """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, at a place of the region."""
+        """Draw color (H,W,4), float32, scene-linear, premultiplied, bottom row first, into a rectangle."""
         if color is not self._color:
             rows, columns, channels = color.shape
             texels = gpu.types.Buffer("FLOAT", rows * columns * channels, color.reshape(-1))
@@ -28,6 +28,6 @@ class ImageDisplay:
             self._color = color
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
-        draw_texture_2d(self._texture, place[:2], *place[2:])
+        draw_texture_2d(self._texture, rect[:2], *rect[2:])
         engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")

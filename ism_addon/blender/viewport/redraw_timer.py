@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A timer in Blender's main loop that has viewports drawn again when there is a new picture for them.
+"""A timer in Blender's main loop that redraws viewports when there is a new picture for them.
 
-Blender's redraw of a window and our passes want the same processor, or the same graphics card: side by side each takes
-twice as long, and the window is stuck for all of it. So the worker rests as long as Blender draws.
+Blender's redraw of a window and our passes compete for the processor or the graphics card. At the same time each takes
+twice as long, and the window is frozen meanwhile. So the render thread pauses while Blender draws.
 """
 
 from typing import Protocol
@@ -13,90 +13,90 @@ import bpy
 from ...gpu.jobs.render_thread import shared
 from ..render import render_statistics
 
-LOOK_EVERY = 0.01  # s: how long a new picture can go unnoticed
-STILL_EVERY = 0.002  # s: how long it can go unnoticed that the worker rests
-PATIENCE = 0.5  # s: so long at most a new picture waits for that; the longest pass is the first with finer pixels
-REST = 1.0  # s: a redraw that takes longer, or never comes, does not keep the worker from its work
+POLL_INTERVAL = 0.01  # s between checks for a new picture
+IDLE_POLL_INTERVAL = 0.002  # s between checks whether the render thread is idle
+MAX_IDLE_WAIT = 0.5  # s that a new picture waits for that at most; the longest pass is the first after the preview
+MAX_PAUSE = 1.0  # s; if a redraw takes longer, or never comes, the render thread goes on
 
 
 class Viewport(Protocol):
-    """What is looked at."""
+    """What the timer needs of a viewport."""
 
     @property
-    def has_news(self) -> bool:
-        """Whether there is a better picture than the one that it shows."""
+    def has_update(self) -> bool:
+        """Whether there is a later picture than the one that it shows."""
 
     @property
-    def is_waiting(self) -> bool:
-        """Whether there will be."""
+    def is_rendering(self) -> bool:
+        """Whether its job is running."""
 
     @property
     def statistics(self) -> dict:
-        """Of the latest picture."""
+        """Statistics of the latest picture."""
 
 
-_alive: "WeakSet[Viewport]" = WeakSet()
+_viewports: "WeakSet[Viewport]" = WeakSet()
 
 
 class _Timer:
-    """Three steps: let the worker rest, have the windows drawn, let it go on."""
+    """Three steps: pause the render thread, redraw the viewports, resume the thread."""
 
     def __init__(self) -> None:
-        self.waited: float | None = None  # s for the worker to rest; None if it was not asked to
-        self.draws = False  # Blender has been asked to, and has done so when the timer comes next
+        self.idle_wait: float | None = None  # s so far for the thread to become idle; None: it is not paused
+        self.is_drawing = False  # viewports are tagged; Blender has drawn them when the timer is called next
 
     def __call__(self) -> float | None:
-        if self.draws:
+        if self.is_drawing:
             shared.resume()
-            self.draws, self.waited = False, None
-        elif self.waited is None and any(viewport.has_news for viewport in _alive):
-            shared.pause(REST)
-            self.waited = 0.0
-        if self.waited is not None:
-            if not shared.is_idle and self.waited < PATIENCE:
-                self.waited += STILL_EVERY
-                return STILL_EVERY
+            self.is_drawing, self.idle_wait = False, None
+        elif self.idle_wait is None and any(viewport.has_update for viewport in _viewports):
+            shared.pause(MAX_PAUSE)
+            self.idle_wait = 0.0
+        if self.idle_wait is not None:
+            if not shared.is_idle and self.idle_wait < MAX_IDLE_WAIT:
+                self.idle_wait += IDLE_POLL_INTERVAL
+                return IDLE_POLL_INTERVAL
             redraw_viewports()
-            self.draws = True
+            self.is_drawing = True
             return 0.0
-        return LOOK_EVERY if any(viewport.is_waiting or viewport.has_news for viewport in _alive) else None
+        return POLL_INTERVAL if any(viewport.is_rendering or viewport.has_update for viewport in _viewports) else None
 
 
 _timer = _Timer()
 
 
 def watch(viewport: Viewport) -> None:
-    """Look at this viewport too, as long as it lives."""
-    _alive.add(viewport)
+    """Poll this viewport too, as long as it exists."""
+    _viewports.add(viewport)
 
 
 def start_timer() -> None:
-    """Look from now on, until there is nothing more to come."""
+    """Poll until no viewport is rendering."""
     if not bpy.app.timers.is_registered(_timer):
-        bpy.app.timers.register(_timer, first_interval=LOOK_EVERY)
+        bpy.app.timers.register(_timer, first_interval=POLL_INTERVAL)
 
 
 def stop_timer() -> None:
-    """Look no more."""
+    """Stop polling."""
     if bpy.app.timers.is_registered(_timer):
         bpy.app.timers.unregister(_timer)
 
 
 def redraw_viewports() -> None:
-    """Have drawn what shows the news, and at the end what they took."""
-    for viewport in _alive:
-        if viewport.has_news:
+    """Store the statistics of new pictures and redraw the viewports; when all are done, the statistics panel too."""
+    for viewport in _viewports:
+        if viewport.has_update:
             render_statistics.store("viewport", viewport.statistics)
-    redraw(also_properties=not any(viewport.is_waiting for viewport in _alive))
+    redraw(also_properties=not any(viewport.is_rendering for viewport in _viewports))
 
 
 def redraw(also_properties: bool = False) -> None:
-    """Draw all viewports in Rendered shading again, and perhaps the properties, whose statistics they are."""
+    """Redraw all viewports in Rendered shading, and perhaps the properties editors."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
                 for region in area.regions:
-                    if region.type == "WINDOW":  # its header and sidebars have no news
+                    if region.type == "WINDOW":  # not its header and sidebars
                         region.tag_redraw()
             elif also_properties and area.type == "PROPERTIES":
                 area.tag_redraw()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One 3D viewport: asks the worker for pictures, shows the latest, and never waits for one."""
+"""One 3D viewport: requests pictures from the render thread and shows the latest. It never waits."""
 
 from collections.abc import Callable
 from weakref import finalize
@@ -16,143 +16,144 @@ from ..sync import camera, scene_reader
 from . import redraw_timer
 from .display import ImageDisplay, ViewportRect
 
-#: The pixels of the first picture after a change are as coarse as it takes for it to come after about so long. s
-FIRST = 0.1
-#: Widths of those pixels.
-COARSEST = 8
+#: Target time of the preview, the first picture after a change. Its pixels are enlarged to reach it. s
+PREVIEW_SECONDS = 0.1
+#: Largest width of a preview's pixels.
+MAX_PREVIEW_PIXEL_SIZE = 8
 
-#: A viewport's switches for kinds of objects.
-KINDS = [name for name in bpy.types.SpaceView3D.bl_rna.properties.keys() if name.startswith("show_object_viewport_")]  # noqa: SIM118
+#: Names of a viewport's switches for types of objects.
+_SPACE_PROPERTIES = bpy.types.SpaceView3D.bl_rna.properties.keys()
+TYPE_SWITCHES = [name for name in _SPACE_PROPERTIES if name.startswith("show_object_viewport_")]
 
 
 class Viewport:
-    """What is remembered between two redraws: copies only, nothing of bpy."""
+    """State between redraws: copies only, no references to bpy data."""
 
     def __init__(self) -> None:
         self._client = object()
         self._reader = scene_reader.Reader()
         self._scene: Scene | None = None
-        self._shows: tuple | None = None
+        self._shown_objects: tuple | None = None
         shared.expect()
-        self._coarse = COARSEST // 2
-        self._asked: tuple | None = None
-        self._late = False  # what it should show is still to be asked for
+        self._preview_pixel_size = MAX_PREVIEW_PIXEL_SIZE // 2
+        self._requested: tuple | None = None
+        self._is_pending = False  # the latest request is held back until the job has a picture
         self._job: Job | None = None
         self._warnings: tuple[str, ...] = ()
-        self._place: ViewportRect = 0.0, 0.0, 0.0, 0.0  # in the region, of the job's pictures
+        self._viewport_rect: ViewportRect = 0.0, 0.0, 0.0, 0.0  # of the job's pictures
         self._shown: tuple[Picture, ViewportRect] | None = None
-        self._told: tuple | None = None
-        self._presenter = ImageDisplay()
+        self._drawn_state: tuple | None = None
+        self._display = ImageDisplay()
         redraw_timer.watch(self)
-        # It dies with its engine, in whose own __del__ Blender has already taken everything away.
+        # Not in the engine's __del__, where Blender has already freed its data.
         finalize(self, shared.forget, self._client).atexit = False
 
     def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> Scene:
-        """The scene has changed, or what the viewport shows of it."""
+        """Read the scene after a change of the scene, or of what the viewport shows."""
         space = context.space_data
-        shows = _shows(space)
-        whole, self._shows = shows != self._shows, shows
-        self._scene = self._reader.read(depsgraph, shown_by(space), whole)
+        shown = _shown_objects(space)
+        whole, self._shown_objects = shown != self._shown_objects, shown
+        self._scene = self._reader.read(depsgraph, visibility_in(space), whole)
         return self._scene
 
     def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        """Show the latest picture, and ask for others if what it should show has changed."""
+        """Show the latest picture, and request others if the inputs have changed."""
         scene = self._scene
-        if scene is None or self._shows != _shows(context.space_data):
+        if scene is None or self._shown_objects != _shown_objects(context.space_data):
             scene = self.update(context, depsgraph)
         try:
-            view, place = seen(context, depsgraph)
+            view, rect = viewport_view(context, depsgraph)
         except camera.CameraError as error:
             engine.update_stats("", str(error))
             return
-        job = self._ask(scene, view, place, read_settings.read(context.scene, "viewport"))
-        self._told = self._news()
-        self._look_at_job()
+        job = self._request(scene, view, rect, read_settings.read(context.scene, "viewport"))
+        self._drawn_state = self._state()
+        self._show_picture()
         if self._shown is not None:
-            picture, place = self._shown
-            self._presenter.draw(engine, context.scene, picture.color, place)
+            picture, rect = self._shown
+            self._display.draw(engine, context.scene, picture.color, rect)
         engine.update_stats("", job.error or " ".join([job.status, *self._warnings]))
-        if self.is_waiting or self.has_news:
+        if self.is_rendering or self.has_update:
             redraw_timer.start_timer()
 
     @property
-    def has_news(self) -> bool:
-        may_ask = self._late and not self._nothing_to_show_yet
-        return self._job is not None and (may_ask or self._told != self._news())
+    def has_update(self) -> bool:
+        may_request = self._is_pending and not self._has_no_picture_yet
+        return self._job is not None and (may_request or self._drawn_state != self._state())
 
     @property
     def statistics(self) -> dict:
         return self._job.statistics if self._job is not None else {}
 
     @property
-    def is_waiting(self) -> bool:
+    def is_rendering(self) -> bool:
         return self._job is not None and not self._job.finished
 
-    def _ask(self, scene: Scene, view: View, place: ViewportRect, chosen: Settings) -> Job:
-        """The job whose pictures are to be shown now."""
-        asked = (scene, _fingerprint(view), place, chosen, shared.shader_version)
-        self._late = asked != self._asked and self._nothing_to_show_yet
-        if self._job is None or (asked != self._asked and not self._late):
+    def _request(self, scene: Scene, view: View, rect: ViewportRect, chosen: Settings) -> Job:
+        """The job for these inputs, started if they are new. The old one if it has no picture yet."""
+        requested = (scene, _fingerprint(view), rect, chosen, shared.shader_version)
+        self._is_pending = requested != self._requested and self._has_no_picture_yet
+        if self._job is None or (requested != self._requested and not self._is_pending):
             if self._job is not None and self._job.first_seconds:
-                self._coarse = next_preview_size(self._coarse, self._job.first_seconds)
-                self._look_at_job()
-            request = Request(scene, view, chosen, preview_pixel_size=self._coarse)
+                self._preview_pixel_size = next_preview_pixel_size(self._preview_pixel_size, self._job.first_seconds)
+                self._show_picture()
+            request = Request(scene, view, chosen, preview_pixel_size=self._preview_pixel_size)
             self._job = shared.start(request, self._client)
-            self._asked, self._place = asked, place
+            self._requested, self._viewport_rect = requested, rect
             of_images = images_beyond_limits(scene.images)
             self._warnings = *of_images, *beyond_limits(chosen), *view_beyond_limits(view)
         return self._job
 
-    def _look_at_job(self) -> None:
-        """Show its picture, if it has one by now."""
+    def _show_picture(self) -> None:
+        """Take the job's latest picture, if it has one."""
         picture = self._picture
         if picture is not None:
-            self._shown = picture, self._place
+            self._shown = picture, self._viewport_rect
 
     @property
     def _picture(self) -> Picture | None:
-        """The job's latest."""
+        """The job's latest picture."""
         return self._job.picture() if self._job is not None else None
 
     @property
-    def _nothing_to_show_yet(self) -> bool:
-        """Whether the job has to go on to its first picture, though outdated: a view that turns would have none."""
-        return self.is_waiting and self._picture is None
+    def _has_no_picture_yet(self) -> bool:
+        """Whether the job goes on to its first picture although outdated: a moving view would never show one."""
+        return self.is_rendering and self._picture is None
 
-    def _news(self) -> tuple:
-        """What is worth a redraw, which costs Blender more than us: not each sample, but each picture."""
+    def _state(self) -> tuple:
+        """Equal while no redraw is needed: it changes with each picture, not with each sample."""
         programs = None if self._job is None else self._job.programs_shown
-        return self._job, self._picture, self.is_waiting, programs
+        return self._job, self._picture, self.is_rendering, programs
 
 
-def next_preview_size(pixel: int, seconds: float) -> int:
-    """The width of a first picture's pixels when one of width `pixel` took so long to draw."""
-    if seconds > 1.5 * FIRST:
-        return min(2 * pixel, COARSEST)
-    # Halved, they are four times as many: time enough is left if it is well below.
-    return max(pixel // 2, 1) if seconds < FIRST / 5.0 else pixel
+def next_preview_pixel_size(pixel: int, seconds: float) -> int:
+    """The next preview's pixel size, if the last one had the size `pixel` and took `seconds`."""
+    if seconds > 1.5 * PREVIEW_SECONDS:
+        return min(2 * pixel, MAX_PREVIEW_PIXEL_SIZE)
+    # Half the size means four times as many pixels.
+    return max(pixel // 2, 1) if seconds < PREVIEW_SECONDS / 5.0 else pixel
 
 
-def seen(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, ViewportRect]:
-    """What the context's 3D viewport shows, and where in it."""
+def viewport_view(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[View, ViewportRect]:
+    """The view of the context's 3D viewport, and its rectangle in the region."""
     pixel = read_settings.pixel_size(context.scene)
     region, space, data = context.region, context.space_data, context.region_data
-    seen_through = space.camera if space.use_local_camera else context.scene.camera
+    camera_object = space.camera if space.use_local_camera else context.scene.camera
     size = width, height = max(1, region.width // pixel), max(1, region.height // pixel)
-    part = left, right, bottom, top = camera.render_region(depsgraph, space, data, *size, seen_through)
+    crop = left, right, bottom, top = camera.render_region(depsgraph, space, data, *size, camera_object)
     across, up = region.width / width, region.height / height
-    place = left * across, bottom * up, (right - left) * across, (top - bottom) * up
-    return camera.viewport_view(depsgraph, data, *size, seen_through, part), place
+    rect = left * across, bottom * up, (right - left) * across, (top - bottom) * up
+    return camera.viewport_view(depsgraph, data, *size, camera_object, crop), rect
 
 
-def shown_by(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.Object], bool]:
-    """Whether a viewport shows an object, of those that its depsgraph has."""
-    return lambda thing: thing.visible_in_viewport_get(space)
+def visibility_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.Object], bool]:
+    """A filter of the objects that a viewport shows, of those in its depsgraph."""
+    return lambda source: source.visible_in_viewport_get(space)
 
 
-def _shows(space: bpy.types.SpaceView3D) -> tuple:
-    """What kinds of objects a viewport shows, and whether it has chosen some: no depsgraph tells of a change."""
-    return space.local_view is not None, space.use_local_collections, *(getattr(space, name) for name in KINDS)
+def _shown_objects(space: bpy.types.SpaceView3D) -> tuple:
+    """The viewport's settings of what it shows. The depsgraph does not report their changes."""
+    return space.local_view is not None, space.use_local_collections, *(getattr(space, name) for name in TYPE_SWITCHES)
 
 
 def _fingerprint(view: View) -> tuple:

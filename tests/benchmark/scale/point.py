@@ -16,7 +16,7 @@ import numpy as np
 
 from ism_addon.blender.render import persistent_data
 from ism_addon.blender.sync import camera
-from ism_addon.blender.sync.scene_reader import everywhere
+from ism_addon.blender.sync.scene_reader import accept_all
 from ism_addon.gpu.estimators import DIRECT
 from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
@@ -64,7 +64,7 @@ def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> d
     """All frames, and after the first its first sample once more, which finds the trees kept."""
     layer, renderer, settings = persistent_data.LayerCache(), Renderer(device), picture.settings()
     start = time.perf_counter()
-    scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
+    scene, view = layer.read(depsgraph, accept_all), camera.final_view(depsgraph)
     told = {"triangles": scene.triangle_count, "reading s": time.perf_counter() - start, "reading bytes": memory.peak()}
     rows, first = sample(renderer, scene, view, settings, 0)
     told |= {
@@ -91,7 +91,7 @@ def seconds_a_frame(renderer: Renderer, layer: persistent_data.LayerCache, setti
     for number in range(count):
         stage.turn(2.0 * math.pi * number / count)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        scene, view = layer.read(depsgraph, everywhere), camera.final_view(depsgraph)
+        scene, view = layer.read(depsgraph, accept_all), camera.final_view(depsgraph)
         for k in range(SAMPLES):
             sample(renderer, scene, view, settings, k)
         renderer.picture()

@@ -233,7 +233,7 @@ def test_a_viewports_render_region_is_a_part_of_it(empty_scene, border, part):
 def test_a_part_of_a_viewport_shows_what_the_whole_does_there(empty_scene):
     region, depsgraph = viewport(), bpy.context.evaluated_depsgraph_get()
     whole = cameras.viewport_view(depsgraph, region, 64, 48)
-    part = cameras.viewport_view(depsgraph, region, 64, 48, part=(16, 32, 12, 36))
+    part = cameras.viewport_view(depsgraph, region, 64, 48, crop=(16, 32, 12, 36))
     assert (part.width, part.height) == (16, 24)
     for point in POINTS:
         pixel = landed(whole, point) * (64, 48)

@@ -168,7 +168,7 @@ def mapped(add, names=("First", "Second", "Third")):
 )
 def test_each_slot_has_the_uvs_of_the_layer_that_it_names(add, layers, uvs):
     source = mapped(add)
-    found = meshes.made([meshes.read(source, tuple(range(len(layers))), layers)])[0].mesh.uvs
+    found = meshes.triangulated([meshes.read(source, tuple(range(len(layers))), layers)])[0].mesh.uvs
     assert np.array_equal(found, np.broadcast_to(np.float32(uvs)[:, None, None], (2, 3, 2)))
 
 
@@ -183,9 +183,9 @@ def test_faces_of_slots_that_are_not_there_have_the_last_slots_material(add):
     for name in ("A", "B"):
         source.materials.append(bpy.data.materials.new(name))
     source.polygons.foreach_set("material_index", [1, 0])
-    assert meshes.made([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
+    assert meshes.triangulated([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
     source.attributes["material_index"].data.foreach_set("value", [9, -3])
-    assert meshes.made([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
+    assert meshes.triangulated([meshes.read(source, (7, 5))])[0].mesh.materials.tolist() == [5, 7]
 
 
 @pytest.mark.parametrize("bad", [NAN, INF, -INF, 1e30])
@@ -230,7 +230,7 @@ def test_meshes_without_triangles_do_not_stand_in_the_scene(add, extracted):
     assert len(scene.warnings) == 2
 
 
-def test_normals_and_uvs_that_are_no_numbers_are_mended(add, extracted):
+def test_normals_and_uvs_that_are_no_numbers_are_repaired(add, extracted):
     source = add("Odd").data
     paint(source)
     layer = source.uv_layers.new(name="UV")
@@ -245,14 +245,14 @@ def test_a_corner_without_a_normal_has_its_triangles():
     positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
     normals = np.float32([[NAN, 0, 0], [0, 0, 0], [1, 0, 0]])
     for given in (normals, normals[None]):
-        assert meshes._mended(given, positions, triangles).tolist() == [[[0, 0, 1], [0, 0, 1], [1, 0, 0]]]
+        assert meshes._repaired(given, positions, triangles).tolist() == [[[0, 0, 1], [0, 0, 1], [1, 0, 0]]]
 
 
 def test_normals_are_of_unit_length():
     """Blender 4.5's free normals, attributes of any numbers, need not be."""
     positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
     normals = np.float32([[0.7, 0, 0], [0, 3, 0], [0, 0, 1]])
-    assert meshes._mended(normals, positions, triangles).tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert meshes._repaired(normals, positions, triangles).tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
 def test_a_mesh_in_edit_mode_is_read_as_it_stands(add, extracted):

@@ -36,11 +36,11 @@ def test_meshes_that_are_made_together_are_what_each_is_alone(add):
     random = np.random.default_rng(0)
     sources = [assorted(random, add, number) for number in range(120)]
     raws = [meshes.read(source, tuple(range(k % 3 + 1))) for k, source in enumerate(sources)]
-    assert len({raw.kind for raw in raws}) > 12
-    together = meshes.made(raws)
+    assert len({raw.layout for raw in raws}) > 12
+    together = meshes.triangulated(raws)
     assert 0 < sum(each.mesh is None for each in together) < 60
     for one, raw in zip(together, raws, strict=True):
-        (alone,) = meshes.made([raw])
+        (alone,) = meshes.triangulated([raw])
         assert one[1:] == alone[1:]
         assert (one.mesh is None) == (alone.mesh is None)
         assert one.mesh is None or one.mesh.equals(alone.mesh)
@@ -54,6 +54,6 @@ def test_a_mesh_whose_normals_are_mended_leaves_those_beside_it_alone(add):
         source.shade_smooth()
         raws.append(meshes.read(source, (0,)))
     raws[1].normals[2] = NAN
-    one, odd, other = (each.mesh.normals for each in meshes.made(raws))
+    one, odd, other = (each.mesh.normals for each in meshes.triangulated(raws))
     assert (one.ndim, odd.ndim, other.ndim) == (2, 3, 2)
     assert np.all(odd == (0, 0, 1))

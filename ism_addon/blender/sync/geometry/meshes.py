@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluated meshes to triangles, the small ones together; what no triangle can be made of is counted and left out."""
+"""Triangulates evaluated meshes, small ones together. Invalid triangles are counted and left out."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,31 +13,31 @@ from ....scene.limits import is_within
 from . import triangulate
 from .raw_meshes import Raw, joined, starts
 
-#: Meshes of at most so many corners are made together: what numpy does to one takes longer to begin than to do.
+#: Meshes of at most so many corners are triangulated together: for one, numpy's overhead would dominate.
 SMALL_MESH = 1 << 12
 
-#: The cosine between a face's normal and its triangles' where it is as good as plane.
-PLANE = 1.0 - 1e-6
+#: Cosine of the angle between the normals of a face and of its triangles from which on the face counts as planar.
+PLANAR_COSINE = 1.0 - 1e-6
 
-#: The type of a triangle's material.
+#: Type of a triangle's material index.
 MATERIAL_INDEX = array_facts(Mesh)["materials"].dtype.type
 
 NO_UVS = array_facts(Mesh)["uvs"].empty()
 
 
 class Reading(NamedTuple):
-    """What was made of a mesh: None where no triangle is left."""
+    """A triangulated mesh; None if no triangle is left."""
 
     mesh: Mesh | None
     without_area: int  # triangles left out
-    out_of_reach: int  # triangles left out
+    beyond_limits: int  # triangles left out
 
 
 def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str | None, ...] = ("",)) -> Raw | None:
-    """A mesh as it is evaluated; `materials` are the indices into Materials of its slots, one at least.
+    """An evaluated mesh; None if it has no faces. `materials`: indices into Materials of its slots, at least one.
 
-    `layers` are the UV layers that these want, "" for the one that renders, None for none; one alone is all slots'.
-    None where it has no faces. As in Blender, a face whose slot there is not has the last slot's material.
+    `layers`: the UV layer of each slot, or one for all; "": the one that renders, None: none. As in Blender, a face
+    whose slot does not exist has the last slot's material.
     """
     corners, count = len(source.loops), len(source.polygons)
     if not count:
@@ -66,68 +66,68 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str |
     )
 
 
-def made(raws: Sequence[Raw]) -> list[Reading]:
-    """The triangles of some meshes: a small one is made together with all others of its kind."""
-    kinds: dict[tuple, list[int]] = {}
-    for number, raw in enumerate(raws):
-        kinds.setdefault(raw.kind if len(raw.vertices) <= SMALL_MESH else (number,), []).append(number)
-    found: dict[int, Reading] = {}
-    for numbers in kinds.values():
-        found.update(zip(numbers, _made([raws[number] for number in numbers]), strict=True))
-    return [found[number] for number in range(len(raws))]
+def triangulated(raws: Sequence[Raw]) -> list[Reading]:
+    """The triangles of some meshes. Small meshes of the same layout are processed together."""
+    groups: dict[tuple, list[int]] = {}
+    for index, raw in enumerate(raws):
+        groups.setdefault(raw.layout if len(raw.vertices) <= SMALL_MESH else (index,), []).append(index)
+    readings: dict[int, Reading] = {}
+    for indices in groups.values():
+        readings.update(zip(indices, _triangulated([raws[index] for index in indices]), strict=True))
+    return [readings[index] for index in range(len(raws))]
 
 
-def _made(raws: list[Raw]) -> list[Reading]:
-    """Those of meshes of one kind."""
-    raw, of_meshes = joined(raws), [each.triangle_count for each in raws]
-    triangles, reached = triangulate.triangles(raw), is_within(raw.positions)
-    reachable = np.ones(len(triangles.vertices), np.bool_)
-    if not reached.all():
-        reachable &= reached.all(1).take(triangles.vertices).all(1)
-    kept = reachable & triangles.has_area
+def _triangulated(raws: list[Raw]) -> list[Reading]:
+    """The triangles of meshes of the same layout."""
+    raw, triangle_counts = joined(raws), [each.triangle_count for each in raws]
+    triangles, vertices_within = triangulate.triangles(raw), is_within(raw.positions)
+    within = np.ones(len(triangles.vertices), np.bool_)
+    if not vertices_within.all():
+        within &= vertices_within.all(1).take(triangles.vertices).all(1)
+    kept = within & triangles.has_area
     positions, vertices, corners = raw.positions, triangles.vertices, triangles.corners
     materials, normals = _materials(raw), _normals(raw, vertices, corners)
     if not kept.all():
         vertices, corners, materials = vertices[kept], corners[kept], materials[kept]
         normals = normals[kept] if normals.ndim == 3 else normals
-    used = np.zeros(len(positions), np.bool_)  # others may be no numbers, or far away
+    used = np.zeros(len(positions), np.bool_)  # others may be invalid
     used[vertices] = True
     if not used.all():
         normals = normals[used] if normals.ndim == 2 else normals
         positions, vertices = positions[used], (np.cumsum(used, dtype=np.uint32) - np.uint32(1))[vertices]
-    mended = _mended(normals, positions, vertices)
-    if mended.ndim != normals.ndim and len(raws) > 1:
-        return [_made([each])[0] for each in raws]  # some keep their normals by vertex
+    repaired = _repaired(normals, positions, vertices)
+    if repaired.ndim != normals.ndim and len(raws) > 1:
+        return [_triangulated([each])[0] for each in raws]  # some keep their normals by vertex
     uvs = NO_UVS if raw.uvs is None else _finite(raw.uvs)[corners]
-    whole = Mesh.of(positions=positions, triangles=vertices, normals=mended, uvs=uvs, materials=materials)
-    lengths = counted(used, [len(each.positions) for each in raws]), counted(kept, of_meshes)
-    found = [whole if len(vertices) else None] if len(raws) == 1 else _apart(whole, *lengths)
-    without_area, out_of_reach = counted(reachable & ~kept, of_meshes), counted(~reachable, of_meshes)
-    return [Reading(*each) for each in zip(found, without_area, out_of_reach, strict=True)]
+    whole = Mesh.of(positions=positions, triangles=vertices, normals=repaired, uvs=uvs, materials=materials)
+    lengths = counted(used, [len(each.positions) for each in raws]), counted(kept, triangle_counts)
+    meshes = [whole if len(vertices) else None] if len(raws) == 1 else _split(whole, *lengths)
+    without_area, beyond_limits = counted(within & ~kept, triangle_counts), counted(~within, triangle_counts)
+    return [Reading(*each) for each in zip(meshes, without_area, beyond_limits, strict=True)]
 
 
 def counted(chosen: np.ndarray, lengths: Sequence[int]) -> list[int]:
-    """How many are chosen (N,) bool in each of the parts of these lengths."""
+    """How many are chosen, of (N,) bool, in each of consecutive segments of these lengths."""
     if len(lengths) == 1:
         return [int(np.count_nonzero(chosen))]
     return np.bincount(np.arange(len(lengths)).repeat(lengths)[chosen], minlength=len(lengths)).tolist()
 
 
-def _apart(whole: Mesh, vertices: list[int], triangles: list[int]) -> list[Mesh | None]:
-    """The meshes of so many vertices and triangles that are one behind the other: views of its arrays."""
+def _split(whole: Mesh, vertices: list[int], triangles: list[int]) -> list[Mesh | None]:
+    """The meshes that were joined, by their numbers of vertices and triangles: views of the joined arrays."""
     first = starts(vertices).astype(np.uint32).repeat(triangles)[:, None]
-    local, by_vertex, found = whole.triangles - first, whole.normals.ndim == 2, []
+    local, by_vertex, meshes = whole.triangles - first, whole.normals.ndim == 2, []
     begins = zip(starts(vertices).tolist(), vertices, starts(triangles).tolist(), triangles, strict=True)
     for vertex, of_vertices, triangle, of_triangles in begins:
         v, t = slice(vertex, vertex + of_vertices), slice(triangle, triangle + of_triangles)
         normals, uvs = whole.normals[v if by_vertex else t], whole.uvs[t]
         mesh = Mesh(whole.positions[v], local[t], normals, uvs, whole.materials[t]) if of_triangles else None
-        found.append(mesh)
-    return found
+        meshes.append(mesh)
+    return meshes
 
 
 def _normals(raw: Raw, vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(V,3) where all faces at a vertex have the same, else (T,3,3)."""
+    """(V,3) if all faces at a vertex share its normal, else (T,3,3)."""
     if raw.domain == "POINT":
         return raw.normals
     if raw.domain == "FACE":
@@ -136,36 +136,38 @@ def _normals(raw: Raw, vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
         normals = raw.normals[corners]
     if raw.flat is None:
         return normals
-    return _bent(normals, raw.flat[triangulate.face_of_each(raw)], raw.positions, vertices)
+    return _nonplanar_normals(normals, raw.flat[triangulate.face_of_each(raw)], raw.positions, vertices)
 
 
 def _flat(source: bpy.types.Mesh, sides: int) -> np.ndarray | None:
-    """(F,) bool: the faces that are shaded flat; None where their triangles' normals are those of their faces."""
+    """(F,) bool: flat-shaded faces; None if flat faces are shaded by their face normal."""
     if source.normals_domain == "CORNER" and bpy.app.version >= (5, 2):
-        return None  # Cycles shades corners by their own normals since then
+        return None  # since then Cycles shades by corner normals
     sharp = source.attributes.get("sharp_face")
     if sharp is None or source.normals_domain == "POINT" or source.has_custom_normals or sides == 3:
         return None
     return triangulate.read(sharp.data, "value", len(source.polygons), np.bool_)
 
 
-def _bent(normals: np.ndarray, flat: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Normals (T,3,3), but where a flat face is not plane, those of its triangles, which Blender shades it with."""
+def _nonplanar_normals(
+    normals: np.ndarray, flat: np.ndarray, positions: np.ndarray, triangles: np.ndarray
+) -> np.ndarray:
+    """Normals (T,3,3), replaced by triangle normals on flat faces that are not planar, as Blender shades them."""
     axes = [np.ascontiguousarray(along) for along in positions.T]
     a, b, c = ([along.take(vertex) for along in axes] for vertex in np.ascontiguousarray(triangles.T))
     with np.errstate(all="ignore"):
-        crossed = np.stack(triangulate.crossed(triangulate.between(a, b), triangulate.between(a, c)), 1)
-        crossed /= np.linalg.norm(crossed, axis=1)[:, None]
-        bent = flat & (np.einsum("tk,tk->t", crossed, normals[:, 0]) < PLANE)
-    if not bent.any():
+        triangle_normals = np.stack(triangulate.cross(triangulate.difference(a, b), triangulate.difference(a, c)), 1)
+        triangle_normals /= np.linalg.norm(triangle_normals, axis=1)[:, None]
+        nonplanar = flat & (np.einsum("tk,tk->t", triangle_normals, normals[:, 0]) < PLANAR_COSINE)
+    if not nonplanar.any():
         return normals
     normals = normals.copy()
-    normals[bent] = crossed[bent][:, None]
+    normals[nonplanar] = triangle_normals[nonplanar][:, None]
     return normals
 
 
-def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The same of unit length, but where they are no directions, those of their triangles."""
+def _repaired(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Normals of unit length; triangle normals where they are not directions."""
     with np.errstate(all="ignore"):
         x, y, z = (normals[..., axis] for axis in range(3))
         square = x * x + y * y + z * z
@@ -181,13 +183,13 @@ def _mended(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -
         normals, broken = normals[triangles], broken[triangles]
     of_triangle, _ = np.nonzero(broken)
     a, b, c = (positions[triangles[of_triangle, corner]] for corner in range(3))
-    crossed = np.cross(b - a, c - a)
-    normals[broken] = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
+    triangle_normals = np.cross(b - a, c - a)
+    normals[broken] = triangle_normals / np.linalg.norm(triangle_normals, axis=1, keepdims=True)
     return normals
 
 
 def _uvs(source: bpy.types.Mesh, layers: tuple[str | None, ...]) -> np.ndarray | None:
-    """(L,2) of each slot's layer, and as in Cycles zero of what has no such layer; None where no slot wants any."""
+    """(L,2) of each slot's layer; as in Cycles, zero if there is no such layer. None if no slot wants UVs."""
     wanted = [name for name in layers if name is not None]
     if not wanted or not len(source.uv_layers):
         return None
@@ -204,7 +206,7 @@ def _uvs(source: bpy.types.Mesh, layers: tuple[str | None, ...]) -> np.ndarray |
 
 
 def _layer(source: bpy.types.Mesh, name: str) -> np.ndarray:
-    """(L,2) of the layer of a name, "" for the one that renders."""
+    """(L,2) of a layer by name; "": the one that renders."""
     layers = source.uv_layers
     chosen = layers.get(name) if name else next((layer for layer in layers if layer.active_render), layers[0])
     if chosen is None:
@@ -213,12 +215,12 @@ def _layer(source: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def _finite(uvs: np.ndarray) -> np.ndarray:
-    """The same, what is not finite at zero."""
+    """UVs with zeros in place of values that are not finite."""
     return np.nan_to_num(uvs, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def _materials(raw: Raw) -> np.ndarray:
-    """(T,) uint32: the material of each triangle, into Materials."""
+    """(T,) uint32: the material index of each triangle, into Materials."""
     if raw.slots is None:
         return np.broadcast_to(MATERIAL_INDEX(raw.materials[0]), raw.triangle_count)
     return np.array(raw.materials, MATERIAL_INDEX)[raw.slots][triangulate.face_of_each(raw)]

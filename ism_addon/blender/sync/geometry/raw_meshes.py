@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender holds of evaluated meshes, as arrays; several meshes one behind the other are like one."""
+"""Arrays of evaluated meshes as Blender stores them, and how several are joined into one."""
 
 from collections.abc import Sequence
 from itertools import chain
@@ -9,34 +9,34 @@ import numpy as np
 
 
 class Raw(NamedTuple):
-    """A mesh of V vertices, F faces, and L corners of them."""
+    """A mesh of V vertices, F faces and L corners."""
 
     positions: np.ndarray  # (V,3) float32
     vertices: np.ndarray  # (L,) uint32: the vertex of each corner
     faces: int
-    sides: int  # 3 or 4 where all faces have as many; else 0
-    triangles: np.ndarray | None  # (T,3) int32 into the corners, as Blender makes them; None for 3 or 4 sides
+    sides: int  # 3 or 4 if all faces have as many, else 0
+    triangles: np.ndarray | None  # (T,3) int32 into the corners, Blender's triangulation; None for 3 or 4 sides
     face_of_each: np.ndarray | None  # (T,) int32 of those; None for 3 or 4 sides
     domain: str  # of the normals, Blender's name
     normals: np.ndarray  # (V,3) float32 for POINT, (F,3) for FACE, (L,3) for CORNER
-    flat: np.ndarray | None  # (F,) bool: faces that are shaded flat; None where they have their faces' normals
+    flat: np.ndarray | None  # (F,) bool: flat-shaded faces; None if these are shaded by their face normal
     slots: np.ndarray | None  # (F,) int32: the material slot of each face; None where all have the first
     uvs: np.ndarray | None  # (L,2) float32
     materials: tuple[int, ...]  # of the slots, into Materials
 
     @property
-    def kind(self) -> tuple:
-        """Meshes of one kind can be joined."""
+    def layout(self) -> tuple:
+        """Meshes of the same layout can be joined."""
         return self.sides, self.domain, self.flat is None, self.slots is None, self.uvs is None
 
     @property
     def triangle_count(self) -> int:
-        """Triangles that the faces are made into."""
+        """Triangles of all faces."""
         return len(self.triangles) if self.triangles is not None else self.faces * (self.sides - 2)
 
 
 def joined(raws: Sequence[Raw]) -> Raw:
-    """Meshes of one kind as one, in which all slots are there."""
+    """Meshes of the same layout as one, with slots clipped to the existing ones."""
     if len(raws) == 1:
         (raw,) = raws
         return raw if raw.slots is None else raw._replace(slots=np.clip(raw.slots, 0, len(raw.materials) - 1))
@@ -51,11 +51,11 @@ def joined(raws: Sequence[Raw]) -> Raw:
     last = np.subtract(lengths, 1).repeat(counts)
     return Raw(
         positions=np.concatenate(positions),
-        vertices=behind(vertices, [len(each) for each in positions]),
+        vertices=concatenated(vertices, [len(each) for each in positions]),
         faces=sum(counts),
         sides=sides[0],
-        triangles=None if sides[0] else behind(triangles, [len(each) for each in vertices]),
-        face_of_each=None if sides[0] else behind(face_of_each, counts),
+        triangles=None if sides[0] else concatenated(triangles, [len(each) for each in vertices]),
+        face_of_each=None if sides[0] else concatenated(face_of_each, counts),
         domain=domains[0],
         normals=np.concatenate(normals),
         flat=None if flat[0] is None else np.concatenate(flat),
@@ -66,12 +66,12 @@ def joined(raws: Sequence[Raw]) -> Raw:
 
 
 def starts(lengths: Sequence[int]) -> np.ndarray:
-    """Where each of some arrays begins that lie one behind the other."""
+    """The first index of each array in their concatenation."""
     return np.cumsum(lengths) - lengths
 
 
-def behind(indices: Sequence[np.ndarray], lengths: Sequence[int]) -> np.ndarray:
-    """Indices into arrays of these lengths, as indices into all of them one behind the other."""
+def concatenated(indices: Sequence[np.ndarray], lengths: Sequence[int]) -> np.ndarray:
+    """Indices into arrays of these lengths, as indices into the concatenation of the arrays."""
     first = starts(lengths).repeat([len(each) for each in indices])
     together = np.concatenate(indices)
     return together + first.astype(together.dtype).reshape(-1, *[1] * (together.ndim - 1))

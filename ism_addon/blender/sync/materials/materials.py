@@ -44,7 +44,7 @@ class MaterialReader:
         #: By the same keys: those that need not be read again as long as their origin is the same.
         self._of_origin: dict[ImageKey, tuple[tuple, Image]] = {}
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Before all materials of the scene are asked for anew."""
         self._met.clear()
 
@@ -63,7 +63,7 @@ class MaterialReader:
         """The UV layer that a material's image lies on; "": the one that renders; None where it has no image."""
         return (self._rows[index] or GREY_ROW).layer
 
-    def renew(self, material: bpy.types.Material) -> bool:
+    def update(self, material: bpy.types.Material) -> bool:
         """A material has changed; one that was never met is still none of ours. Whether it has another UV layer now."""
         index = self._indices.get(material.original.session_uid)
         if index is None:
@@ -84,7 +84,7 @@ class MaterialReader:
         """All that were ever met: their indices stay."""
         rows = [row or GREY_ROW for row in self._rows]
         for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
-            findings.include(found)
+            findings.merge(found)
         return Materials.of(base_color=[row.base_color for row in rows], image=[row.image for row in rows])
 
     def images(self) -> tuple[Image, ...]:
@@ -102,11 +102,11 @@ class MaterialReader:
         unsupported_features.note_output(material, output, findings)
         shader = nodes.surface(output)
         if shader is None:
-            findings.note("Materials without a surface are drawn black", material.name)
+            findings.warn("Materials without a surface are drawn black", material.name)
             return _Row(np.zeros(3), -1, None, (findings,))
         if shader.bl_idname not in SHADERS:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
-            findings.note(kind, material.name)
+            findings.warn(kind, material.name)
             return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
         unsupported_features.note_shader(material, shader, findings)
         return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
@@ -122,7 +122,7 @@ class MaterialReader:
             layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else None
             return _Row(plain, index, layer, (findings, of_image))
         kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
-        findings.note(kind, material.name)
+        findings.warn(kind, material.name)
         return _Row(plain, -1, None, (findings,))
 
     def _image(
@@ -131,7 +131,7 @@ class MaterialReader:
         """The node's image, -1 where there is none to read, and what is to be said of it."""
         image = node.image
         if image is None:
-            findings.note("Materials with an empty Image Texture are drawn in their base colour", material.name)
+            findings.warn("Materials with an empty Image Texture are drawn in their base colour", material.name)
             return -1, Diagnostics()
         unsupported_features.note_placement(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
@@ -145,16 +145,16 @@ class MaterialReader:
         findings = Diagnostics()
         found = self._texels(key, image)
         if found is None:
-            findings.note(
+            findings.warn(
                 "Images that are missing or cannot be read are left out, and the base colour is drawn", image.name
             )
             return -1, findings
         if not images.is_known_space(image):
-            findings.note("Images in a colour space that is not known are taken for sRGB", image.name)
+            findings.warn("Images in a colour space that is not known are taken for sRGB", image.name)
         if image.source == "TILED":
-            findings.note("Of tiled images one tile is drawn", image.name)
+            findings.warn("Of tiled images one tile is drawn", image.name)
         if image.source == "MOVIE":
-            findings.note("Of movies one frame is drawn", image.name)
+            findings.warn("Of movies one frame is drawn", image.name)
         index = self._frame_gone()
         self._images[index:] = [found, *self._images[index + 1 :]]
         return index, findings

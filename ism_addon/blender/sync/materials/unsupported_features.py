@@ -34,9 +34,9 @@ def note_output(material: bpy.types.Material, output: bpy.types.Node | None, fin
     if output is None:
         return
     if nodes.source(output.inputs["Volume"]) is not None:
-        findings.note("Volumes are not drawn by this engine", material.name)
+        findings.warn("Volumes are not drawn by this engine", material.name)
     if nodes.source(output.inputs["Displacement"]) is not None:
-        findings.note("Displacement is not drawn", material.name)
+        findings.warn("Displacement is not drawn", material.name)
 
 
 def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
@@ -44,15 +44,15 @@ def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: 
     for name, (plain, kind) in PLAIN[shader.bl_idname].items():
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
-            findings.note(kind, material.name)
+            findings.warn(kind, material.name)
     normal = nodes.source(shader.inputs["Normal"])
     if normal is not None:
-        findings.note(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
+        findings.warn(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
     if shader.bl_idname == "ShaderNodeBsdfPrincipled":
         if _is_glossy(shader):
-            findings.note(GLOSS, material.name)
+            findings.warn(GLOSS, material.name)
         if not (_is(shader.inputs["Emission Strength"], 0.0) or _is_black(shader.inputs["Emission Color"])):
-            findings.note("Emission of surfaces is not drawn", material.name)
+            findings.warn("Emission of surfaces is not drawn", material.name)
 
 
 def _is(socket: bpy.types.NodeSocket, value: float) -> bool:
@@ -84,16 +84,16 @@ def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexIm
     placed_by = nodes.source(node.inputs["Vector"])
     if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
         kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
-        findings.note(kind, material.name)
+        findings.warn(kind, material.name)
     elif placed_by is not None and getattr(placed_by.node, "from_instancer", False):
-        findings.note("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
+        findings.warn("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
     mapping = node.texture_mapping
     if any(mapping.translation) or any(mapping.rotation) or tuple(mapping.scale) != (1.0, 1.0, 1.0):
-        findings.note("Textures with a mapping of their own lie on the active UV map as it is", material.name)
+        findings.warn("Textures with a mapping of their own lie on the active UV map as it is", material.name)
     if node.interpolation != "Linear":
-        findings.note("Textures that are interpolated otherwise than linearly are interpolated linearly", material.name)
+        findings.warn("Textures that are interpolated otherwise than linearly are interpolated linearly", material.name)
     if node.projection != "FLAT":
-        findings.note("Textures projected otherwise than flat lie on the active UV map", material.name)
+        findings.warn("Textures projected otherwise than flat lie on the active UV map", material.name)
     if node.extension not in ("REPEAT", "EXTEND"):
         kind = "Textures that are clipped or mirrored at their border have the border's colour there"
-        findings.note(kind, material.name)
+        findings.warn(kind, material.name)
