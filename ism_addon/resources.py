@@ -201,6 +201,9 @@ DIRECT_RESIDUAL = Target(
     "What shadow rays add to the prediction, or take away; in alpha the luminance in doubt. Ray Traced only",
     label="Direct Residual",
 )
+FAINT_LIGHTS: Resource[np.ndarray] = Resource(
+    "faint_lights", "Rows of FAINT_LIGHT: pairs of a tile and a light that is a small part of its light", _PICTURE
+)
 LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that anything was drawn of")
 
 # Imperfect shadow maps.

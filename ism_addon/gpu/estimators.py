@@ -11,6 +11,7 @@ from ..resources import ATLAS_BATCH, VIRTUAL_LIGHT_COUNTS
 from ..settings import Method, Settings
 from .frame import Frame, Pass
 from .passes.direct.predict_visibility import PredictVisibility
+from .passes.direct.select_faint_lights import SelectFaintLights
 from .passes.direct.trace_shadows import TraceShadows
 from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
@@ -44,7 +45,10 @@ class RayTracedDirect:
     """Direct light by shadow rays: predicted, then corrected (Heitz, Hill & McGuire 2018)."""
 
     traces_rays = adaptive = True
-    pass_types: tuple[type[Pass], ...] = (ProbeVisibility, RetestOccluded, PredictVisibility, TraceShadows)
+    pass_types: tuple[type[Pass], ...] = (
+        *(ProbeVisibility, RetestOccluded, PredictVisibility),
+        *(SelectFaintLights, TraceShadows),
+    )
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Prediction first, then the rays that correct it."""

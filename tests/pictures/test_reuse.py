@@ -122,7 +122,7 @@ def test_the_other_method_keeps_what_the_camera_sees(again):
         (
             "shadow",
             {"enabled": False},
-            {"CullMeshes", "CullLights", "TraceShadows"} | AFTER,
+            {"CullMeshes", "CullLights", "SelectFaintLights", "TraceShadows"} | AFTER,
             {"CullMeshes", "PlaceVirtualLights", "GatherLight"} | AFTER,
         ),
         ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),

@@ -35,7 +35,7 @@ SIZE = 64, 48
 
 RAYS = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
 LIGHTS = {"UploadLights", "CullLights"}
-LIGHT_BY_RAYS = {"PredictVisibility", "TraceShadows"}
+LIGHT_BY_RAYS = {"PredictVisibility", "SelectFaintLights", "TraceShadows"}
 LIGHT_BY_MAPS = {"PlaceVirtualLights", "GatherLight"}
 MAPS_ALONE = {"SamplePoints", "WeighLights", "SelectPoints", "SplatMaps", "FillHoles"}
 OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}

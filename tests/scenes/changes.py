@@ -46,7 +46,7 @@ EDITS: tuple[Edit, ...] = (nothing_changed, view_turned, light_moved, colour_cha
 SEEN = {"VisibilityBuffer", "GBuffer"}
 OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
 PICTURE = {"Shade", "Accumulate", "EstimateError", "Resolve"}
-BY_RAYS = {"CullLights", "PredictVisibility", "TraceShadows"}
+BY_RAYS = {"CullLights", "PredictVisibility", "SelectFaintLights", "TraceShadows"}
 BY_MAPS = {"SplatMaps", "FillHoles", "GatherLight"}
 
 #: Other ones, or nothing new, in each sample.

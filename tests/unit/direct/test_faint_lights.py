@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct import faint_lights
+from ism_addon.gpu.passes.direct import select_faint_lights
 from ism_addon.gpu.passes.direct.trace_shadows import TraceShadows
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
@@ -49,13 +49,13 @@ def test_the_fainter_a_light_is_the_rarer_is_its_turn(device):
     assert len(both) > 10
     assert 0.4 < rarely / sum(could_too[block] for block in both) / (often / sum(could[block] for block in both)) < 0.7
     for block in both:
-        assert faint_lights.MIN_LIGHT_PROBABILITY * could_too[block] - 2 < fainter[block] <= could_too[block]
+        assert select_faint_lights.MIN_LIGHT_PROBABILITY * could_too[block] - 2 < fainter[block] <= could_too[block]
 
 
 def test_what_it_adds_is_the_same_on_average(device, monkeypatch):
     settings = with_quality(SMALL_SETTINGS, samples=SAMPLES)
     rarely = draw(device, *faint(0.002), settings)
-    monkeypatch.setattr(faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
+    monkeypatch.setattr(select_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
     always = draw(device, *faint(0.002), settings)
     without, exactly = (
         draw(device, *stage, replace(settings, shortcuts=False)).color[..., 0].sum(dtype=np.float64)

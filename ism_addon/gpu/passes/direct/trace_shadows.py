@@ -20,6 +20,7 @@ from ....resources import (
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
+    FAINT_LIGHTS,
     LIGHT_BUFFER,
     LIGHT_INFLUENCE,
     LIGHTS_USED,
@@ -29,7 +30,6 @@ from ....resources import (
     PREDICTION_SURFACE,
     RAY_COUNT,
     RAY_COUNTS,
-    REDISCOVERED,
     TILE_SIZE,
     TILE_VISIBILITY,
     TILES,
@@ -45,7 +45,7 @@ from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...surface_inputs import SURFACE, surface_samplers
-from .faint_lights import FAINT_LIGHT, drawn_pairs, faint_light_pairs
+from .faint_lights import drawn_pairs
 from .ray_correction import RECORDS, ray_sequence, ray_threshold, shader_constants
 
 #: The least probability of a ray; and of one to a faint light.
@@ -62,7 +62,7 @@ class TraceShadows(Pass):
     """Radiance W/(sr m²) as predicted, and what rays add to it or take away."""
 
     inputs = (
-        *(*SURFACE, BASE_COLOR, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, REDISCOVERED, TILE_VISIBILITY),
+        *(*SURFACE, BASE_COLOR, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -71,8 +71,6 @@ class TraceShadows(Pass):
         super().__init__(device)
         self.all_visible = create_neutral(device.gl, PREDICTION)
         self.framebuffers: dict[int, moderngl.Framebuffer] = {}
-        self.pairs_of: tuple[object, object] = (None, None)
-        self.pairs = np.zeros(0, FAINT_LIGHT)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -199,10 +197,7 @@ class TraceShadows(Pass):
 
     def faint_tiles(self, frame: Frame) -> np.ndarray:
         """Rows of TILE for each pair of a tile and a faint light that this sample draws."""
-        sources = frame[LIGHT_INFLUENCE], frame.get(REDISCOVERED)
-        if any(new is not old for new, old in zip(sources, self.pairs_of, strict=True)):
-            self.pairs_of, self.pairs = sources, faint_light_pairs(sources[0], sources[1] or {})
-        return drawn_pairs(self.pairs, frame[TILES], *frame.tiles, frame.sample)
+        return drawn_pairs(frame[FAINT_LIGHTS], frame[TILES], *frame.tiles, frame.sample)
 
 
 def casts_shadow(frame: Frame, light: int) -> bool:

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights that are a small part of a tile's light: in which tiles, and how often they are drawn there.
+
+They have no prediction of their own, however many they are: CullLights estimates one visibility for all pixels of a
+tile. The fainter a light is, the lower is its probability in a sample, and the higher its weight.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ....resources import FAINT_LIGHTS, LIGHT_INFLUENCE, REDISCOVERED
+from ....sampling.dimensions import LIGHT_INCREMENTS, TURN_INCREMENTS, members
+from ...culling.light_influence import LightInfluence, visibilities
+from ...frame import Frame, Pass, Schedule, outputs
+from .faint_lights import FAINT_LIGHT
+
+#: The least probability that a faint light is drawn in a tile.
+MIN_LIGHT_PROBABILITY = 0.25
+
+
+class SelectFaintLights(Pass):
+    """Pairs of a tile and a light that is faint there."""
+
+    schedule = Schedule.DOUBLING
+    inputs = LIGHT_INFLUENCE, REDISCOVERED
+    outputs = outputs(FAINT_LIGHTS)
+
+    def needed(self, frame: Frame) -> bool:
+        return len(frame.scene.lights.shape) > 0
+
+    def execute(self, frame: Frame) -> None:
+        frame[FAINT_LIGHTS] = faint_light_pairs(frame[LIGHT_INFLUENCE], frame.get(REDISCOVERED) or {})
+
+
+def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Mapping[int, np.ndarray]) -> np.ndarray:
+    """Rows of FAINT_LIGHT for all tiles and the lights that are faint there; `rediscovered` as in resources.py."""
+    found, coarse = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
+    for light, influence in influences.items():
+        visibility = (influence.is_faint * coarse[light]).ravel()
+        tile = np.flatnonzero(visibility)
+        pairs = np.zeros(len(tile), FAINT_LIGHT)
+        pairs["tile"], pairs["light"], pairs["visibility"] = tile, light, visibility[tile]
+        pairs["probability"] = np.maximum(influence.bound_over_faint.ravel()[tile], MIN_LIGHT_PROBABILITY)
+        phases = members(TURN_INCREMENTS[:1], 0, visibility.size)[tile, 0] + light * LIGHT_INCREMENTS[3]
+        pairs["phase"] = np.mod(phases, 1.0)
+        found.append(pairs)
+    return np.concatenate(found)
