@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What registers with Blender, and in which order."""
+"""Registers the add-on with Blender."""
 
 import atexit
 from types import ModuleType
@@ -9,38 +9,38 @@ import bpy
 from .blender import engine, old_files, operators
 from .ui import compatible_panels, developer, panels, presets, properties, shading, statistics
 
-#: In this order; the engine last, when all that it reads is there.
-PARTS = (properties, old_files, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
+#: Modules in the order of registration. The engine is last, because it needs the others.
+MODULES = (properties, old_files, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
 
 _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    """If that fails, nothing is left registered, and it can be tried again. Nothing is new where we still are."""
+    """Register all modules, unless they are. If one fails, all are unregistered again."""
     if _registered:
         return
     try:
-        for part in PARTS:
-            part.register()
-            _registered.append(part)
+        for module in MODULES:
+            module.register()
+            _registered.append(module)
     except BaseException:
-        _unregister_classes(part)
+        _unregister_classes(module)
         unregister()
         raise
     atexit.register(_at_exit)
 
 
-def _unregister_classes(part: ModuleType) -> None:
-    """Those of a part that has not come to its end."""
-    for each in reversed(list(vars(part).values())):
-        if getattr(each, "is_registered", False) and each.__module__ == part.__name__:
+def _unregister_classes(module: ModuleType) -> None:
+    """Unregister the classes of a module whose register() has failed."""
+    for each in reversed(list(vars(module).values())):
+        if getattr(each, "is_registered", False) and each.__module__ == module.__name__:
             bpy.utils.unregister_class(each)
 
 
 def unregister() -> None:
-    """Undo register. Blender may ask for it once more at its end: then nothing is left to do.
+    """Unregister all modules. Blender may call it again at exit, which does nothing.
 
-    Raises RuntimeError while a render is under way: then all stays as it is.
+    Raises RuntimeError while a render is running: then all stays registered.
     """
     if engine.is_rendering():
         raise RuntimeError("ISM is rendering: it can be disabled when the render has ended")
@@ -50,10 +50,10 @@ def unregister() -> None:
 
 
 def _at_exit() -> None:
-    """Python ends and nobody has unregistered.
+    """Python exits and the add-on is still registered.
 
-    The bpy module would crash or hang with a render engine that is still registered. Blender itself would crash if
-    it were unregistered now, because its types are gone: there, only the worker is left to be stopped.
+    The bpy module would crash or hang with a registered render engine. Blender itself would crash if it were
+    unregistered now, because its types are freed: there, only the render thread is stopped.
     """
     if engine.IS_BPY_MODULE:
         unregister()

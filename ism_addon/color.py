@@ -3,7 +3,7 @@
 
 import numpy as np
 
-#: The linear space of nearly all files, by Blender's name.
+#: The working space of nearly all files, by Blender's name.
 REC709 = "Linear Rec.709"
 
 
@@ -17,31 +17,31 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055)
 
 
-#: Places (x,y) of the red, green and blue primaries and the white of linear spaces, by Blender's names.
+#: Chromaticities (x,y) of the red, green and blue primaries and the white of linear spaces, by Blender's names.
 PRIMARIES = {
     REC709: ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)),
     "Linear Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), (0.3127, 0.3290)),
     "ACEScg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),
 }
 
-#: What the eye's cones make of XYZ, by which whites are made one another's (Lam 1985, as in ICC profiles).
+#: Cone responses from XYZ, for chromatic adaptation (Lam 1985, as in ICC profiles).
 BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 
 
 def xyz_from(space: str) -> np.ndarray:
-    """(3,3): CIE XYZ of linear light in a space of PRIMARIES; the second row is its luminance."""
+    """(3,3): CIE XYZ from linear light in a space of PRIMARIES; the second row is its luminance."""
     *primaries, white = (np.array([x, y, 1.0 - x - y]) / y for x, y in PRIMARIES[space])
     columns = np.stack(primaries, 1)
     return columns * np.linalg.solve(columns, white)
 
 
-def between_spaces(to: str, given: str) -> np.ndarray:
-    """(3,3): linear light in one space of PRIMARIES from that in another, white to white."""
-    cones = [BRADFORD @ xyz_from(space) @ np.ones(3) for space in (to, given)]
+def between_spaces(to: str, source: str) -> np.ndarray:
+    """(3,3): linear light in one space of PRIMARIES from that in another, adapted from white to white."""
+    cones = [BRADFORD @ xyz_from(space) @ np.ones(3) for space in (to, source)]
     adapted = np.linalg.solve(BRADFORD, np.diag(cones[0] / cones[1]) @ BRADFORD)
-    return np.linalg.solve(xyz_from(to), adapted @ xyz_from(given))
+    return np.linalg.solve(xyz_from(to), adapted @ xyz_from(source))
 
 
 def luminance(space: str) -> np.ndarray:
-    """(3,): how bright the primaries of a space look, to the usual digits; luminance = color @ this."""
+    """(3,): luminance of the primaries of a space, to four digits; luminance = color @ this."""
     return xyz_from(space)[1].round(4)

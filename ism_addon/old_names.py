@@ -4,21 +4,21 @@
 import re
 from typing import Any
 
-#: Of a section of settings: old names, and those of today. The empty section has the settings outside of all.
+#: Old and new names by section of settings. The empty section has the settings outside of all.
 SETTINGS: dict[str, dict[str, str]] = {
     "": {"skip": "shortcuts", "show": "debug_view"},
     "quality": {"light_points": "virtual_lights", "surface_points": "map_points"},
 }
 
-#: Values of the shadow's method. A .blend has their number, which is what it was.
+#: Values of the shadow's method. A .blend stores their index, which has not changed.
 METHODS = {"FITTED": "RAY_TRACED", "CLASSIC": "SHADOW_MAPS"}
 
-#: A line of a preset that gives a setting its value.
+#: A line of a preset that sets a property.
 QUALITY_LINE = re.compile(r"^(ism\.(?:render|viewport)\.)(\w+)(?= = )", re.M)
 METHOD_LINE = re.compile(r"^(ism\.shadow\.method = ')(\w+)(?=')", re.M)
 
-#: Values of the debug view, in the order of 0.1.0: a .blend has their number. What showed the irradiance by shadow maps
-#: now shows the same target as for rays.
+#: Values of the debug view, in the order of 0.1.0: a .blend stores their index. `irradiance` showed the light of shadow
+#: maps, which now has the same target as for rays.
 DEBUG_VIEWS = {
     "color": "sample_color",
     "triangle": "primitive",
@@ -42,26 +42,26 @@ DEBUG_VIEWS = {
 
 
 def current(settings: Any) -> Any:
-    """The settings of an old snapshot, a tree of JSON, by today's names. What is no such tree is given back."""
+    """The settings of an old snapshot as JSON, with today's names. JSON of another structure is returned as it is."""
     if not isinstance(settings, dict):
         return settings
-    found = renamed(settings, "")
-    if isinstance(view := found.get("debug_view"), str):
-        found["debug_view"] = DEBUG_VIEWS.get(view, view)
-    if isinstance(found.get("quality"), dict):
-        found["quality"] = renamed(found["quality"], "quality")
-    shadow = found.get("shadow")
+    converted = renamed(settings, "")
+    if isinstance(view := converted.get("debug_view"), str):
+        converted["debug_view"] = DEBUG_VIEWS.get(view, view)
+    if isinstance(converted.get("quality"), dict):
+        converted["quality"] = renamed(converted["quality"], "quality")
+    shadow = converted.get("shadow")
     if isinstance(shadow, dict) and isinstance(method := shadow.get("method"), str):
-        found["shadow"] = shadow | {"method": METHODS.get(method, method)}
-    return found
+        converted["shadow"] = shadow | {"method": METHODS.get(method, method)}
+    return converted
 
 
 def current_preset(script: str) -> str:
-    """A preset's script by today's names."""
+    """A preset's script with today's names."""
     script = QUALITY_LINE.sub(lambda line: line[1] + SETTINGS["quality"].get(line[2], line[2]), script)
     return METHOD_LINE.sub(lambda line: line[1] + METHODS.get(line[2], line[2]), script)
 
 
 def renamed(values: dict[str, Any], section: str) -> dict[str, Any]:
-    """Values of a section by today's names."""
+    """Values of a section with today's names."""
     return {SETTINGS[section].get(name, name): value for name, value in values.items()}

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in parts, side by side on all of the processor's cores: numpy lets go of the interpreter's lock."""
+"""Parallel work on all processor cores: numpy releases the interpreter's lock.
+
+Constants …_AT_A_TIME are sizes of portions of such work. Their arrays fit in a core's cache.
+"""
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-#: Work on fewer things than this is done sooner than threads are started.
-LARGE = 1 << 14
+#: Work on fewer items takes less time than starting threads.
+MIN_PARALLEL_SIZE = 1 << 14
 
-Part = TypeVar("Part")
-Made = TypeVar("Made")
+Portion = TypeVar("Portion")
+Result = TypeVar("Result")
 
 
-def parallel_map(work: Callable[[Part], Made], parts: Iterable[Part], size: int) -> list[Made]:
-    """What `work` makes of each part, in their order, of `size` things in all."""
-    if size <= LARGE:
-        return [work(part) for part in parts]
+def parallel_map(work: Callable[[Portion], Result], portions: Iterable[Portion], size: int) -> list[Result]:
+    """The results of `work` on each portion, in order. `size`: items of all portions."""
+    if size <= MIN_PARALLEL_SIZE:
+        return [work(portion) for portion in portions]
     with ThreadPoolExecutor() as cores:
-        return list(cores.map(work, parts))
+        return list(cores.map(work, portions))

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's watts and metres to radiance and irradiance.
+"""Radiance and irradiance from Blender's watts and metres.
 
 An area light is a one-sided Lambertian emitter. It sends L·cosθ in every direction, so a patch of area A
 emits A · ∫ L cosθ dω = A·π·L watts: a light of P watts has the radiance L = P / (π A).
 
 A polygon of radiance L above a receiver's horizon gives, by Stokes' theorem, the irradiance
 E = L/2 · Σ_edges angle(v_i, v_i+1) · n·(v_i × v_i+1)/|v_i × v_i+1|   (Lambert 1760; Arvo 1994),
-v_i the directions to its corners, n the receiver's normal. What is below the horizon is clipped away.
+v_i the directions to its corners, n the receiver's normal. The polygon is clipped at the horizon.
 
 An ellipse with the semi-axes u, v about c is seen under a cone whose axes are the eigenvectors of
 S = u uᵀ + v vᵀ - c cᵀ: with the eigenvalues m a², m b², -m it is x²/a² + y²/b² ≤ z². By symmetry its vector
 irradiance lies on z, and ∫∫ dx dy / (1 + x² + y²)² over that ellipse is π a b / √((1 + a²)(1 + b²)):
 E = L π (n·z) |det(u, v, c)| / √(m q'(m)),  q(x) = det(S + x) = (x + m a²)(x + m b²)(x - m), det S = -det(u, v, c)².
-No term cancels where the light is small. Cut by the horizon, Lambert's integral runs along the rim,
+No term cancels for small lights. If the horizon cuts the ellipse, Lambert's integral runs along the rim,
 (a cos t, b sin t, 1), where it is an arc tangent, and back along the horizon, where it is an angle.
 
 A spread s below 180° weighs the radiance towards the angle θ off the light's normal by
@@ -28,12 +28,12 @@ import numpy as np
 
 from .scene import Lights, LightShape
 
-#: Spreads are no narrower than this: Cycles' light without any is parallel, and this one nearly so.
+#: Smallest spread. In Cycles a light with spread 0 is parallel, and this one nearly so.
 MIN_SPREAD = np.radians(0.1)
 
 
 def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
-    """Radiance W/(sr m²) of `power` (3,) W sent out by one side of `area` m²."""
+    """Radiance W/(sr m²) of `power` (3,) W emitted by one side of `area` m²."""
     return np.asarray(power, np.float64) / (np.pi * area)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a resource is: its name, its type, how long it lasts, and of a target the texels."""
+"""Types of resources: their name, content type and lifetime; of render targets, the texture format."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Lifetime(Enum):
-    """How long a resource holds what it does."""
+    """How long the contents of a resource are valid."""
 
-    SCENE = "until what it was made from changes in the scene"
-    PICTURE = "state that the samples of a picture build up; a first sample begins it anew"
+    SCENE = "until its inputs in the scene change"
+    PICTURE = "state that the samples of an image build up; a first sample resets it"
     SAMPLE = "one sample"
 
 
 @dataclass(frozen=True, eq=False)
 class Resource(Generic[T_co]):
-    """What some passes make and others read. One `by_value` is unchanged if it is equal to what it was."""
+    """Data that passes make and read. With `by_value`, equal contents count as unchanged."""
 
     name: str
     about: str
@@ -38,10 +38,10 @@ class Resource(Generic[T_co]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Target(Resource[Texture]):
-    """A texture that passes draw into: the size of the picture over `divisor`, or for 0 a size that the pass says.
+    """A render target. Its size is that of the image over `divisor`; 0: the pass allocates it.
 
-    Where no pass makes it, a few texels of `neutral` stand for it, so shaders need no variant without it; None: nobody
-    reads it then. In strips, texels lie one row of the picture behind the other, see gl/render_targets.py.
+    If no pass makes it, readers get a texture of `neutral` texels, so shaders need no variant without it. None: no pass
+    reads it in that case. `strips`: layout of targets with a texel a tile, see gl/render_targets.py.
     """
 
     format: str = "rgba32f"
@@ -52,15 +52,15 @@ class Target(Resource[Texture]):
 
     @property
     def components(self) -> int:
-        """Of a texel."""
+        """Components of a texel."""
         return 1 if self.is_depth else len(self.format.rstrip("0123456789fui"))
 
     @property
     def dtype(self) -> str:
-        """Of a component, as moderngl calls it: a letter and a number of bytes."""
+        """Type of a component in moderngl's notation: a letter and the number of bytes."""
         bits = self.format.lstrip("rgbadepth")
-        kind = "u" if bits.endswith("ui") else "f"
-        return f"{kind}{int(bits.rstrip('fui')) // 8}"
+        letter = "u" if bits.endswith("ui") else "f"
+        return f"{letter}{int(bits.rstrip('fui')) // 8}"
 
     @property
     def is_depth(self) -> bool:
@@ -69,12 +69,12 @@ class Target(Resource[Texture]):
 
     @property
     def texel_bytes(self) -> int:
-        """Of one."""
+        """Bytes of a texel."""
         return self.components * int(self.dtype[1:])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Channel(Resource[Texture]):
-    """A channel of a target that others depend on alone: it may be unchanged where the rest is new."""
+    """A channel of a target with an identity of its own: it may be unchanged when the others have changed."""
 
     of: Target = field(kw_only=True)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that passes hand to one another, by name: render targets, buffers and tables, with their units.
+"""Resources that passes exchange: render targets, buffers and tables, with their units.
 
-A pass declares which of them it reads and which it makes, see gpu/frame.py. `frame[NORMAL]` is a texture and
-`frame[TILES]` an array, as the types here say. Distances are in metres, in anchor space (see spaces.py), and light is
-in the scene's working colour space.
+A pass declares which of them it reads and which it makes, see gpu/frame.py. Types are static: `frame[NORMAL]` is a
+texture and `frame[TILES]` an array. Distances are in metres, in anchor space (see spaces.py); light is in the scene's
+working colour space.
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ if TYPE_CHECKING:
     from .gpu.passes.surfaces.select_tiles import TileSelection
     from .gpu.passes.upload.cull_meshes import ResidentMeshes
 
-#: Pixels along a side of a tile: what takes part in a sample as a whole, or does not.
+#: Pixels along each side of a tile. A tile takes part in a sample as a whole.
 TILE_SIZE = 8
 
-#: Pixels from one probe ray to the next, along either side.
+#: Pixels between probe rays, in x and in y.
 PROBE_SPACING = 2
 
 #: Depth of the background, as in Cycles' depth pass. m
 BACKGROUND_DEPTH = 1e10
 
-#: Distance in a shadow map where no occluder is. m
+#: Distance in a shadow map without an occluder. m
 NO_OCCLUDER = 1e30
 
 _SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
 
 # The scene, on the GPU.
 RESIDENT_MESHES: Resource[ResidentMeshes] = Resource(
-    "resident_meshes", "Meshes that a picture has needed so far", _SCENE, by_value=True
+    "resident_meshes", "Meshes that have been needed so far", _SCENE, by_value=True
 )
 BLAS: Resource[BLASTable] = Resource("blas", "Bottom-level acceleration structures, one a resident mesh", _SCENE)
-BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the GPU, one behind the other", _SCENE)
+BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the GPU, concatenated", _SCENE)
 TLAS: Resource[dict[str, Any]] = Resource(
     "tlas", "Top-level acceleration structure over instances: uniforms of glsl/trace/traversal.glsl", _SCENE
 )
@@ -60,16 +60,16 @@ INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matr
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 LIGHT_BUFFER: Resource[BufferTexture] = Resource("light_buffer", "Rows of LIGHT", _SCENE)
 
-# Which tiles take part in a sample.
+# Adaptive sampling: the tiles that take part in a sample.
 TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")
-TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "How often each tile is drawn, and when", _PICTURE)
+TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "Probability and phase of each tile", _PICTURE)
 SAMPLES_PER_TILE: Resource[np.ndarray] = Resource(
-    "samples_per_tile", "(rows,columns) float32: samples that the pixels of a tile are the mean of", _PICTURE
+    "samples_per_tile", "(rows,columns) float32: samples of the pixels of each tile", _PICTURE
 )
 TILE_SAMPLE_COUNTS = Target("tile_sample_counts", "The same as a texture", _PICTURE, format="r32f", divisor=TILE_SIZE)
 TILE_PROBABILITIES = Target(
     "tile_probabilities",
-    "Probability that a tile takes part; the same, or 0 for a tile that has converged",
+    "Probability that a tile takes part; the same, but 0 for a converged tile",
     format="rg32f",
     divisor=TILE_SIZE,
 )
@@ -106,7 +106,7 @@ DEPTH = Target(
 )
 POSITION = Target(
     "position",
-    "Place of the nearest surface, in metres, as red, green and blue; in alpha the normal, packed",
+    "Position of the nearest surface, in metres, as red, green and blue; in alpha the packed normal",
     label="Position",
 )
 NORMAL = Target(
@@ -114,15 +114,13 @@ NORMAL = Target(
     "Direction of the nearest surface, as red, green and blue. Stored as octahedra: shading, geometric normal",
     label="Normal",
 )
-BASE_COLOR = Target(
-    "base_color", "Colour of the nearest surface, without light; in alpha terminator_offset", label="Base Color"
-)
+BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
 TERMINATOR_OFFSET = Channel(
-    "terminator_offset", "How far shadow rays start above a triangle with smooth normals, in metres", of=BASE_COLOR
+    "terminator_offset", "Height of shadow rays' origins above a triangle with smooth normals, in metres", of=BASE_COLOR
 )
 
 
-# Which lights matter where.
+# Light selection.
 def _of_tiles(name: str, about: str) -> Target:
     return Target(name, about, divisor=TILE_SIZE, strips=True)
 
@@ -134,15 +132,15 @@ FAR_TILE_MIN = _of_tiles("far_tile_min", "tile_min of far surfaces")
 FAR_TILE_MAX = _of_tiles("far_tile_max", "tile_max of far surfaces")
 FAR_TILE_NORMAL_CONE = _of_tiles("far_tile_normal_cone", "tile_normal_cone of far surfaces")
 CULLING_STATE: Resource[CullingState] = Resource(
-    "culling_state", "What surfaces of all samples say of lights", _PICTURE
+    "culling_state", "Bounds of the surfaces of all samples so far, and coarse visibility of lights", _PICTURE
 )
 LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
-    "light_influence", "Of each light that contributes anywhere, how much it can in each tile", _PICTURE
+    "light_influence", "Of each light that contributes anywhere, bounds of its irradiance in each tile", _PICTURE
 )
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
     "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
 )
-PROBE = Target("probe", "Of one light: probe rays that arrived, and rays", format="rg8", divisor=PROBE_SPACING)
+PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
 RETESTS: Resource[tuple[Retest, ...]] = Resource(
     "retests", "Rays of each sample since the last doubling to lights believed occluded", _PICTURE
@@ -153,58 +151,60 @@ RETEST_CANDIDATES: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
     _PICTURE,
 )
 REDISCOVERED: Resource[dict[int, np.ndarray]] = Resource(
-    "rediscovered", "Lights that retests found since the last doubling; (rows,columns) bool: the tiles", _PICTURE
+    "rediscovered",
+    "By light, (rows,columns) bool: tiles where retests since the last doubling were unoccluded",
+    _PICTURE,
 )
 
-# Direct light: what is predicted, and what corrects it. Both methods write direct_prediction.
+# Direct light: prediction and residual. Both methods write direct_prediction.
 PREDICTION = Target(
     "prediction",
-    # In eight bits the visibility would be off by up to 0.002, which stays in the picture until corrections of that
-    # size stand out of their noise.
-    "Of one light: predicted visibility, and whether that is uncertain",
+    # Eight bits would quantise the visibility by up to 0.002, which stays visible until residuals of that size exceed
+    # their noise.
+    "Of one light: predicted visibility, and whether it is uncertain",
     format="rg16f",
     neutral=(1.0, 0.0),
 )
 PREDICTED_VISIBILITY: Resource[dict[int, moderngl.Texture]] = Resource(
     "predicted_visibility", "PREDICTION textures by light", _PICTURE
 )
-RAY_COUNT = Target("ray_count", "Of one light: rays that arrived so far, and rays", format="rg32f")
+RAY_COUNT = Target("ray_count", "Of one light: unoccluded shadow rays so far, and traced ones", format="rg32f")
 RAY_COUNTS: Resource[dict[int, moderngl.Texture]] = Resource("ray_counts", "RAY_COUNT textures by light", _PICTURE)
 ALL_PROBES: Resource[dict[int, moderngl.Texture]] = Resource(
-    "all_probes", "probes, and PROBE textures without any ray for lights that were rediscovered", _PICTURE
+    "all_probes", "probes, and PROBE textures without rays for rediscovered lights", _PICTURE
 )
 TILE_VISIBILITY: Resource[dict[int, np.ndarray]] = Resource(
     "tile_visibility",
-    "Of each light that arrives anywhere, (rows,columns,2) bool: whether any ray about a tile arrived; was occluded",
+    "By light, (rows,columns,2) bool: whether any ray in a tile's neighbourhood was unoccluded; was occluded",
     _PICTURE,
 )
 PROBE_PREDICTION = Target(
     "probe_prediction",
-    "The visibility of one light that the probe rays around a pixel predict. Ray Traced only",
+    "Visibility of one light, predicted from the probe rays around a pixel. Ray Traced only",
     format="rg16f",
     divisor=PROBE_SPACING,
     label="Probe Prediction",
 )
 PREDICTION_SURFACE = Target(
     "prediction_surface",
-    "Positions that visibility was predicted for, with their normals packed. Ray Traced only",
+    "Positions for which visibility was predicted, with packed normals. Ray Traced only",
     _PICTURE,
     label="Prediction Positions",
 )
 DIRECT_PREDICTION = Target(
     "direct_prediction",
-    "Light of the lamps towards the camera as predicted, W/(sr m²); in alpha, by how much its luminance may rise",
+    "Predicted radiance of the lights towards the camera, W/(sr m²); in alpha, the most by which its luminance can rise",
     label="Predicted Direct Light",
 )
 DIRECT_RESIDUAL = Target(
     "direct_residual",
-    "What shadow rays add to the prediction, or take away; in alpha the luminance in doubt. Ray Traced only",
+    "What shadow rays add to the prediction, or take away; in alpha the uncertain luminance. Ray Traced only",
     label="Direct Residual",
 )
 FAINT_LIGHTS: Resource[np.ndarray] = Resource(
     "faint_lights", "Rows of FAINT_LIGHT: pairs of a tile and a light that is a small part of its light", _PICTURE
 )
-LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that anything was drawn of")
+LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that were drawn in any tile")
 
 # Imperfect shadow maps.
 POINT_CLOUD: Resource[PointCloud] = Resource("point_cloud", "Random points on all triangles that cast shadows", _SCENE)
@@ -219,7 +219,7 @@ MAP_POINTS: Resource[MapPoints] = Resource("map_points", "The points of each lig
 ATLAS_BATCH: Resource[Batch] = Resource("atlas_batch", "The virtual lights whose maps are in the atlas", by_value=True)
 SHADOW_MAP_SPLATS = Target(
     "shadow_map_splats",
-    "The shadow maps as the points leave them, with holes. Imperfect Shadow Maps only",
+    "The shadow maps as drawn from points, with holes. Imperfect Shadow Maps only",
     format="r32f",
     divisor=0,
     neutral=(NO_OCCLUDER,),
@@ -227,7 +227,7 @@ SHADOW_MAP_SPLATS = Target(
 )
 SHADOW_MAPS = Target(
     "shadow_maps",
-    "The shadow maps when their holes are filled: metres, and coverage. Imperfect Shadow Maps only",
+    "The shadow maps with filled holes: distance in metres, and coverage. Imperfect Shadow Maps only",
     format="rg32f",
     divisor=0,
     neutral=(NO_OCCLUDER, 0.0),
@@ -241,38 +241,40 @@ def _occlusion(name: str, about: str, label: str) -> Target:
 
 
 RAW_OCCLUSION = _occlusion(
-    "raw_occlusion", "Ambient occlusion as it is found, with noise: white is open", "Ambient Occlusion (Raw)"
+    "raw_occlusion", "Ambient occlusion before it is blurred: white is open", "Ambient Occlusion (Raw)"
 )
 HALF_BLURRED_OCCLUSION = _occlusion(
     "half_blurred_occlusion",
-    "Ambient occlusion, blurred in rows but not yet in columns",
+    "Ambient occlusion, blurred in rows only",
     "Ambient Occlusion (Blurred in X)",
 )
-AMBIENT_OCCLUSION = _occlusion("ambient_occlusion", "Ambient occlusion as it darkens the render", "Ambient Occlusion")
+AMBIENT_OCCLUSION = _occlusion(
+    "ambient_occlusion", "Ambient occlusion of the render: white is open", "Ambient Occlusion"
+)
 
 # A sample, and the sums of all samples.
 SAMPLE_COLOR = Target("sample_color", "The render itself; alpha premultiplied", label="Render")
 SAMPLE_RESIDUAL = Target(
     "sample_residual",
-    "What shadow rays add to the render, or take away; in alpha the luminance in doubt. Ray Traced only",
+    "What shadow rays add to the render, or take away; in alpha the uncertain luminance. Ray Traced only",
     label="Residual",
 )
 SAMPLE_HEADROOM = Target(
     "sample_headroom",
-    "How much brighter uncertain light may yet make the render. Ray Traced only",
+    "The most by which uncertain light can still brighten the render. Ray Traced only",
     format="r32f",
     label="Maximum Increase",
 )
-DEBUG_IMAGE = Target("debug_image", "The debug view, stretched to the picture's size")
+DEBUG_IMAGE = Target("debug_image", "The debug view, stretched to the image's size")
 SUM_COLOR = Target("sum_color", "Weighted sums of sample_color", _PICTURE)
 SUM_RESIDUAL = Target("sum_residual", "Of sample_residual; in alpha, squares of weighted luminances", _PICTURE)
 SUM_WEIGHTS = Target(
-    "sum_weights", "Of squared luminances, of samples, of residuals' luminances, of luminances in doubt", _PICTURE
+    "sum_weights", "Of squared luminances, of samples, of residuals' luminances, of uncertain luminances", _PICTURE
 )
 SUM_HEADROOM = Target("sum_headroom", "Of sample_headroom", _PICTURE, format="r32f")
-NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of the pixels about a pixel; in alpha its own weight")
+NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of a pixel's neighbourhood; in alpha the pixel's own weight")
 SIGNAL_AND_NOISE = Target(
-    "signal_and_noise", "Squares of a pixel's difference from its neighbours', and their noise; of these, likewise"
+    "signal_and_noise", "Square and noise of a pixel's difference from neighbour_mean; of neighbour_mean, likewise"
 )
 IMAGE = Target("image", "The render of all samples so far, alpha premultiplied")
 HALF_SAMPLES_IMAGE = Target("half_samples_image", "The image at half as many samples", _PICTURE)
@@ -283,12 +285,12 @@ DOUBLING_DIFFERENCE = Target(
     divisor=TILE_SIZE,
     strips=True,
 )
-CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which are good enough", _PICTURE)
+CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
 #: By name.
 RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in globals().values() if isinstance(each, Resource)}
 
-#: Targets that can be looked at, the render first.
+#: Targets that are debug views, the render first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [
     each for each in RESOURCES.values() if isinstance(each, Target) and each.label and each is not SAMPLE_COLOR
 ]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What becomes of what is out of its range: whoever asked is told, and the nearest that is in it is drawn.
+"""Values out of their range: the nearest allowed value is used, with a warning.
 
-Blender keeps its properties in their ranges itself. Scripts, snapshots and the command line can ask for anything; drawn
-as it is, that might take all memory, or never be done.
+Blender limits its properties itself. Scripts, snapshots and the command line can set any value, which might take all
+memory or never finish.
 """
 
 import heapq
@@ -16,16 +16,16 @@ from .scene import Image, View
 from .scene.quoting import shortened
 from .settings import SECTIONS, Control, Settings, setting_fields
 
-#: px. Wider ones take long, and show nothing but a blur; Blender has filters of up to 500.
+#: px. Wider filters are slow and show only a blur; Blender allows 500.
 WIDEST_FILTER = 50.0
 
-#: Texels to a line, and lines, of the texture that holds all images and their halved copies: OpenGL 4.1 has room for it
-#: everywhere. The lines are no power of two, see buffers.py.
+#: Width and largest height of the texture that holds all images and their mip levels: every OpenGL 4.1 allows it. The
+#: height is no power of two, see material_buffers.py.
 TEXTURE_WIDTH, MAX_TEXTURE_LINES = 1 << 14, (1 << 14) - 1
 
 
 def within_limits(settings: Settings) -> Settings:
-    """The same, but at the end of its range what is beyond it: drawn as it is, it might never be done."""
+    """Settings clamped to their ranges."""
     for name in SECTIONS:
         section = getattr(settings, name)
         nearest = {member.name: value for member, _, value in _beyond_limits(section)}
@@ -43,51 +43,51 @@ def beyond_limits(settings: Settings) -> tuple[str, ...]:
 
 
 def view_within_limits(view: View) -> View:
-    """The same, with a pixel filter that can be drawn."""
-    nearest = min(WIDEST_FILTER, max(0.0, view.filter_width))  # 0 for what is no number
+    """The view with its filter width clamped."""
+    nearest = min(WIDEST_FILTER, max(0.0, view.filter_width))  # 0 for NaN
     return view if view.filter_width == nearest else replace(view, filter_width=nearest)
 
 
 def view_beyond_limits(view: View) -> tuple[str, ...]:
-    """A sentence if view_within_limits changes it."""
+    """A sentence if view_within_limits changes the view."""
     nearest = view_within_limits(view).filter_width
     sentence = f"Filter Size cannot be {view.filter_width:g} px: {nearest:g} px is used instead."
     return (sentence,) if view.filter_width != nearest else ()
 
 
 def images_within_limits(images: Sequence[Image]) -> list[int]:
-    """How often each image is halved so that all fit, the largest first; 0 for those that are drawn as they are."""
+    """How often each image is halved so that all fit, the largest first; 0: full size."""
     sizes = [image.texels.shape[:2] for image in images]
-    halved, left = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - MAX_TEXTURE_LINES
-    largest = [(-height * width, number) for number, (height, width) in enumerate(sizes)]
+    halved, excess = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - MAX_TEXTURE_LINES
+    largest = [(-height * width, index) for index, (height, width) in enumerate(sizes)]
     heapq.heapify(largest)
-    while left > 0 and largest:
-        _, number = heapq.heappop(largest)
-        left += lines_for(sizes[number], halved[number] + 1) - lines_for(sizes[number], halved[number])
-        halved[number] += 1
-        height, width = level(sizes[number], halved[number])
+    while excess > 0 and largest:
+        _, index = heapq.heappop(largest)
+        excess += lines_for(sizes[index], halved[index] + 1) - lines_for(sizes[index], halved[index])
+        halved[index] += 1
+        height, width = level(sizes[index], halved[index])
         if height * width > 1:
-            heapq.heappush(largest, (-height * width, number))
+            heapq.heappush(largest, (-height * width, index))
     return halved
 
 
 def images_beyond_limits(images: Sequence[Image]) -> tuple[str, ...]:
     """A sentence if images_within_limits halves any."""
     halved = zip(images, images_within_limits(images), strict=True)
-    kinds = Counter((*image.texels.shape[1::-1], 2**times) for image, times in halved if times)
-    some = [f"{count} of {width}×{height} px at 1/{part} of it" for (width, height, part), count in kinds.items()]
+    sizes = Counter((*image.texels.shape[1::-1], 2**times) for image, times in halved if times)
+    some = [f"{count} of {width}×{height} px at 1/{divisor} of it" for (width, height, divisor), count in sizes.items()]
     sentence = f"Images are larger than can be drawn together, and some not drawn at their size: {', '.join(some[:3])}"
     more = f", and {len(some) - 3} more sizes" if len(some) > 3 else ""
     return (f"{sentence}{more}.",) if some else ()
 
 
 def level(size: tuple[int, ...], halved: int) -> tuple[int, int]:
-    """Of an image (H,W), after it was halved so often."""
+    """Size of an image (H,W) after it is halved so often."""
     return max(size[0] >> halved, 1), max(size[1] >> halved, 1)
 
 
 def lines_for(size: tuple[int, ...], halved: int) -> int:
-    """That an image (H,W) takes, from its copy that was halved so often on."""
+    """Lines of the texture for an image (H,W), from the mip level `halved` on."""
     texels = 0
     for times in range(halved, max(size).bit_length()):
         height, width = level(size, times)
@@ -96,11 +96,11 @@ def lines_for(size: tuple[int, ...], halved: int) -> int:
 
 
 def _beyond_limits(section: Any) -> Iterator[tuple[Field, Control, int | float]]:
-    """The settings of a section that are out of their range, and the end of it that is nearest."""
+    """The settings of a section that are out of their range, with the nearest allowed value."""
     for member, control in setting_fields(type(section)):
         if control.low is not None and control.high is not None:
             value = getattr(section, member.name)
-            nearest = min(control.high, max(control.low, value))  # the lower end for what is no number
-            # In Blender, an end is a float32.
+            nearest = min(control.high, max(control.low, value))  # `low` for NaN
+            # Blender stores limits as float32.
             if value != nearest and (isinstance(value, int) or not math.isclose(value, nearest, rel_tol=1e-6)):
                 yield member, control, nearest

@@ -4,8 +4,8 @@
 `b_from_a` maps column vectors of space a to space b, in Python and in GLSL. Spaces:
   object   a mesh's own, as Blender stores it
   world    Blender's, float64
-  anchor   world moved by a whole number of grid cells, so that what is near the camera is near the
-           origin and float32 holds it: the only space of positions and directions on the GPU
+  anchor   world, translated by a whole number of grid cells so that the camera is near the origin: the only
+           space of positions and directions on the GPU, in float32
   view     the camera's, looking along -z
   clip     OpenGL's
 """
@@ -16,20 +16,20 @@ import numpy as np
 def anchor_of(camera: np.ndarray, extent: float) -> np.ndarray:
     """Origin (3,) of anchor space, float64 world.
 
-    The camera (3,), rounded to a grid as coarse as the scene's extent (m): it stays where it is while
-    the camera moves about the scene, so what is stored in anchor space stays valid.
+    The camera's position (3,), rounded to a grid whose cells are as large as the scene's extent (m). So it rarely
+    changes when the camera moves, and data in anchor space stays valid.
     """
     cell = 2.0 ** np.ceil(np.log2(np.clip(extent, 1e-6, 1e12)))
     return np.round(camera / cell) * cell
 
 
 def camera_position(view_from_world: np.ndarray) -> np.ndarray:
-    """Where a rigid view (4,4) looks from, (3,) world."""
+    """Position of the camera of a rigid view (4,4), (3,) world."""
     return -view_from_world[:3, :3].T @ view_from_world[:3, 3]
 
 
 def view_from_anchor(view_from_world: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-    """(4,4) float64; the translations are subtracted before they are rotated, so none cancels."""
+    """(4,4) float64. Translations are subtracted before the rotation, which avoids cancellation."""
     matrix = view_from_world.copy()
     matrix[:3, 3] = view_from_world[:3, :3] @ (anchor - camera_position(view_from_world))
     return matrix

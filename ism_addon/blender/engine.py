@@ -11,7 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..gpu.jobs.render_thread import shared
-from ..render_passes import asked_for
+from ..render_passes import enabled
 from . import app_handlers
 from .render import persistent_data, render_statistics
 from .viewport import redraw_timer
@@ -44,7 +44,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
-        for each in asked_for(renderlayer):
+        for each in enabled(renderlayer):
             self.register_pass(scene, renderlayer, each.name, len(each.channels), each.channels, each.kind)
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:

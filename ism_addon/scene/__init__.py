@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture is made of, as arrays: the only thing that the method knows of Blender.
+"""The scene as arrays: the only interface between Blender and the renderer.
 
-Everything is frozen and every array is read-only, so "has it changed?" is "is it the same object?".
-SI units, radians, linear light in the working space; world space is float64 (see `spaces`).
-A mesh, an image, a light table that did not change must be passed on as the same object.
+All objects are frozen and all arrays read-only. So an object is unchanged if it is the same object, and unchanged
+meshes, images and light tables must be passed on as the same objects. SI units, radians, linear light in the working
+space; world space is float64 (see `spaces`).
 """
 
 from dataclasses import dataclass, fields, replace
@@ -41,7 +41,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """One moment of a Blender scene. `warnings` are sentences about what had to be left out."""
+    """A Blender scene at one frame. `warnings`: sentences about what was left out."""
 
     meshes: tuple[Mesh, ...]
     instances: Instances
@@ -58,22 +58,22 @@ class Scene:
 
     @property
     def triangle_count(self) -> int:
-        """Triangles that stand in the world, instances counted."""
+        """Triangles of all instances."""
         sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
     def reusing(self, other: Self) -> Self:
-        """This scene, with the other's own objects for all that is equal in both; the other itself if all is."""
-        parts = {part: getattr(self, part) for part in ("instances", "materials", "lights", "world")}
-        for part, value in parts.items():
-            if value.equals(getattr(other, part)):
-                parts[part] = getattr(other, part)
+        """This scene with the other's objects wherever both are equal; the other itself if all are."""
+        tables = {name: getattr(self, name) for name in ("instances", "materials", "lights", "world")}
+        for name, value in tables.items():
+            if value.equals(getattr(other, name)):
+                tables[name] = getattr(other, name)
         others = chain(other.images, repeat(None))
         images = tuple(
             old if old is not None and (old is new or old.equals(new)) else new
             for new, old in zip(self.images, others, strict=False)
         )
-        shared = replace(self, **parts, images=images)
+        shared = replace(self, **tables, images=images)
         same = all(getattr(shared, member.name) == getattr(other, member.name) for member in fields(self))
         return other if same else shared
 
@@ -87,12 +87,12 @@ class Scene:
         radius = np.linalg.norm(high - low, axis=1)[self.instances.mesh] / 2.0
         linear = self.instances.world_from_object[:, :3, :3]
         middle = np.einsum("nij,nj->ni", linear, centre) + self.instances.world_from_object[:, :3, 3]
-        reach = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
-        return float(((middle + reach).max(0) - (middle - reach).min(0)).max())
+        extent = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
+        return float(((middle + extent).max(0) - (middle - extent).min(0)).max())
 
 
 class Change(Enum):
-    """The parts of the input that a pass can depend on."""
+    """Parts of the scene and view that a pass can depend on."""
 
     MESHES = "meshes"
     INSTANCES = "instances"
@@ -100,5 +100,5 @@ class Change(Enum):
     LIGHTS = "lights"
     WORLD = "world"
     VIEW = "view"
-    PIXEL_GRID = "grid of samples' places in the pixels"
+    PIXEL_GRID = "grid of samples' positions in the pixels"
     SAMPLE = "sample"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images that materials show."""
+"""Images of materials."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from .arrays import Arrays, array
 
 @dataclass(frozen=True, eq=False)
 class Image(Arrays):
-    """Texels as they are stored: sRGB-encoded, bottom row first."""
+    """Texels, sRGB-encoded, bottom row first."""
 
     texels: np.ndarray = array("uint8 H W 4")
-    repeat: bool = True  # else the border texels go on for ever
+    repeat: bool = True  # else texture coordinates are clamped

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where meshes stand, and the groups that lights may be linked to."""
+"""Instances of meshes, and their groups for light linking."""
 
 from dataclasses import dataclass
 
@@ -8,17 +8,17 @@ import numpy as np
 from .arrays import Arrays, array, index
 from .limits import MAX_DISTANCE
 
-#: Groups of instances that lights may be linked to: bits of an instance's `groups`.
+#: Most groups for light linking: a bit of an instance's `groups` each.
 MAX_LINK_GROUPS = 32
 
 
 @dataclass(frozen=True, eq=False)
 class Instances(Arrays):
-    """Where meshes stand. Rows of one mesh need not be neighbours."""
+    """Instances of meshes, in any order."""
 
     mesh: np.ndarray = index("int32 I", into="meshes")
     world_from_object: np.ndarray = array("float64 I 4 4", "m", most=MAX_DISTANCE)
-    #: Seen by the camera.
+    #: Visible to the camera.
     visible: np.ndarray = array("bool I")
     casts_shadow: np.ndarray = array("bool I")
     #: Bit k: whether it belongs to group k.

@@ -13,7 +13,7 @@ from .limits import MAX_DISTANCE, MAX_RADIANCE
 
 
 class LightShape(IntEnum):
-    """Blender's four area lights are two: a square is a rectangle, a disk an ellipse."""
+    """Blender's squares are rectangles, and its disks ellipses."""
 
     RECTANGLE = 0
     ELLIPSE = 1
@@ -28,18 +28,18 @@ class Lights(Arrays):
     position: np.ndarray = array("float64 L 3", "m", most=MAX_DISTANCE)
     axis_u: np.ndarray = array("float64 L 3", "m", most=MAX_DISTANCE)
     axis_v: np.ndarray = array("float64 L 3", "m", most=MAX_DISTANCE)
-    #: The side that shines.
+    #: Of the side that emits.
     normal: np.ndarray = array("float64 L 3", UNIT_VECTOR)
-    #: Towards the normal.
+    #: Along the normal.
     radiance: np.ndarray = array("float32 L 3", "W/(sr m²)", most=MAX_RADIANCE)
-    #: Blender's spread: pi is a plain Lambertian light.
+    #: Blender's spread; pi: Lambertian.
     spread: np.ndarray = array("float32 L", "rad")
     casts_shadow: np.ndarray = array("bool L")
-    #: The group of instances that it lights; -1: all.
+    #: Group of the instances that receive its light; -1: all.
     receivers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
-    #: The group of instances that casts its shadows; -1: all.
+    #: Group of the instances that cast its shadows; -1: all.
     blockers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
 
     def some(self, rows: np.ndarray | slice) -> Self:
-        """A table of some rows alone."""
+        """A table of these rows."""
         return type(self)(**{name: getattr(self, name)[rows] for name in array_facts(type(self))})

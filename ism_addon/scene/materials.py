@@ -11,7 +11,7 @@ from .limits import MAX_DISTANCE
 
 @dataclass(frozen=True, eq=False)
 class Materials(Arrays):
-    """Lambertian surfaces: a colour, or an image that replaces it."""
+    """Lambertian materials: a base color, or an image in its place."""
 
     base_color: np.ndarray = array("float32 M 3", most=MAX_DISTANCE)
     #: -1: none.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes, and the boxes around them."""
+"""Meshes and their bounding boxes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ import numpy as np
 from .arrays import UNIT_VECTOR, Arrays, array, index
 from .limits import MAX_DISTANCE
 
-#: Vertices of a mesh that is bounded together with others.
-FEW = 1 << 12
+#: Most vertices of a mesh whose box is computed together with others.
+SMALL_MESH = 1 << 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,9 +20,9 @@ class Mesh(Arrays):
 
     positions: np.ndarray = array("float32 V 3", "m", most=MAX_DISTANCE)
     triangles: np.ndarray = index("uint32 T 3", into="positions")
-    #: Of shading: of the vertices, or of the corners.
+    #: Shading normals of vertices, or of corners.
     normals: np.ndarray = array("float32 V 3 or T 3 3", UNIT_VECTOR)
-    #: As many as triangles, or none.
+    #: U: T or 0.
     uvs: np.ndarray = array("float32 U 3 2")
     materials: np.ndarray = index("uint32 T", into="materials")
 
@@ -33,13 +33,13 @@ class Mesh(Arrays):
 
     @cached_property
     def box(self) -> np.ndarray:
-        """(2,3) float64: lowest and highest corner."""
+        """(2,3) float64: low and high corner."""
         return np.stack([self.positions.min(0), self.positions.max(0)]).astype(np.float64)
 
 
 def bounding_boxes(meshes: Sequence[Mesh]) -> np.ndarray:
-    """(M,2,3) float64: Mesh.box of each. Those of small meshes that nobody has asked for yet are found together."""
-    new = [mesh for mesh in meshes if "box" not in vars(mesh) and len(mesh.positions) <= FEW]
+    """(M,2,3) float64: Mesh.box of each. Missing boxes of small meshes are computed together."""
+    new = [mesh for mesh in meshes if "box" not in vars(mesh) and len(mesh.positions) <= SMALL_MESH]
     if new:
         counts = np.array([len(mesh.positions) for mesh in new])
         positions, first = np.concatenate([mesh.positions for mesh in new]), np.cumsum(counts) - counts

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What sentences quote of a file: it may be as long as the file."""
+"""Quotes of file contents in messages, which may be as long as the file."""
 
-#: Characters.
+#: Of a quote, in characters.
 MAX_LENGTH = 80
 
 
 def shortened(text: str) -> str:
-    """The text, or its beginning and its end if it is longer than sentences should be."""
+    """The text, or its beginning and end if it is longer than MAX_LENGTH."""
     if len(text) <= MAX_LENGTH:
         return text
     end = MAX_LENGTH // 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light from everywhere."""
+"""The world's light."""
 
 from dataclasses import dataclass
 
@@ -11,6 +11,6 @@ from .limits import MAX_DISTANCE
 
 @dataclass(frozen=True, eq=False)
 class World(Arrays):
-    """The light from everywhere, and what stands behind the scene."""
+    """The constant environment light, also the background."""
 
     radiance: np.ndarray = array("float32 3", "W/(sr m²)", most=MAX_DISTANCE)

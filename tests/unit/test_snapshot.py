@@ -270,7 +270,7 @@ def test_damage_is_refused_or_harmless(path):
 
 
 def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
-    old = {"version": snapshot.BEFORE, "settings/shadow/method": "CLASSIC"}
+    old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"}
     for section, names in old_names.SETTINGS.items():
         values = getattr(SETTINGS, section) if section else SETTINGS
         for name, new in names.items():
@@ -285,4 +285,4 @@ def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
 @pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])
 def test_a_snapshot_of_version_0_1_0_without_its_settings_is_refused(path, settings):
     with pytest.raises(snapshot.SnapshotError):
-        snapshot.load(rewritten(path, told={"version": snapshot.BEFORE, "settings": settings}))
+        snapshot.load(rewritten(path, told={"version": snapshot.PREVIOUS_VERSION, "settings": settings}))

@@ -8,7 +8,7 @@ import bpy
 
 from ...gpu.jobs.job import Job, Picture, Request
 from ...gpu.jobs.render_thread import shared
-from ...render_passes import asked_for
+from ...render_passes import enabled
 from ...scene import View
 from ...setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
 from ..sync import camera
@@ -35,7 +35,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
     if not engine.is_preview:
         for warning in (*scene.warnings, *images_beyond_limits(scene.images), *beyond_limits(chosen)):
             engine.report({"WARNING"}, warning)
-    passes = asked_for(layer)
+    passes = enabled(layer)
     try:
         for view_name in view_names:
             engine.active_view_set(view_name)

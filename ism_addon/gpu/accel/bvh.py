@@ -14,7 +14,7 @@ from itertools import repeat
 
 import numpy as np
 
-from ...parallel import LARGE, parallel_map
+from ...parallel import MIN_PARALLEL_SIZE, parallel_map
 
 #: Rows of so many boxes are short: numpy is slow along them.
 SHORT_ROW = 1 << 8
@@ -93,7 +93,7 @@ def assign_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
     order = np.minimum(np.arange(leaves * per_leaf), count)
     middles = ((boxes[0] >> 1) + (boxes[1] >> 1)).take(order[None], 1, mode="clip")
     halves = [(middles, order[None])]
-    if leaves > 1 and count > LARGE:
+    if leaves > 1 and count > MIN_PARALLEL_SIZE:
         middles, both = split(*halves[0])
         halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are

@@ -19,7 +19,7 @@ from ism_addon.gpu.accel.bvh import (
     quantize_boxes,
     scale_of,
 )
-from ism_addon.parallel import LARGE
+from ism_addon.parallel import MIN_PARALLEL_SIZE
 
 
 def boxes(count: int, seed: int = 0, size: float = 0.1) -> np.ndarray:
@@ -92,7 +92,9 @@ def test_planes_leave_slack_around_a_box(size):
 
 
 @pytest.mark.parametrize("most_per_leaf", [1, 4])
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 1000, LARGE - 1, LARGE + 1, 3 * LARGE])
+@pytest.mark.parametrize(
+    "count", [1, 2, 3, 4, 5, 1000, MIN_PARALLEL_SIZE - 1, MIN_PARALLEL_SIZE + 1, 3 * MIN_PARALLEL_SIZE]
+)
 def test_trees_of_all_sizes(count, most_per_leaf):
     given = on_grid(boxes(count))
     check(build(given, most_per_leaf), given, most_per_leaf)
@@ -154,7 +156,7 @@ def test_the_outermost_boxes_end_in_the_last_planes():
 
 
 def test_the_same_boxes_make_the_same_tree():
-    given = on_grid(boxes(2 * LARGE))
+    given = on_grid(boxes(2 * MIN_PARALLEL_SIZE))
     one, two = build(given, 4), build(given.copy(), 4)
     assert np.array_equal(one.order, two.order)
     assert np.array_equal(one.nodes, two.nodes)
@@ -177,7 +179,7 @@ def test_leaves_are_small(stretch):
 
 
 def test_halves_of_a_large_tree_are_cut_like_a_small_one():
-    """Two threads split what is larger than LARGE: its leaves are no worse than what one thread makes."""
-    small, large = (build(on_grid(boxes(count, size=0.0)), 4) for count in (LARGE, 8 * LARGE))
+    """Two threads split what is larger than MIN_PARALLEL_SIZE: its leaves are no worse than what one thread makes."""
+    small, large = (build(on_grid(boxes(count, size=0.0)), 4) for count in (MIN_PARALLEL_SIZE, 8 * MIN_PARALLEL_SIZE))
     of_small, of_large = (np.median(area(tree.nodes[..., tree.leaves :])) for tree in (small, large))
     assert of_large < of_small

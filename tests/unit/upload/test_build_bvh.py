@@ -9,7 +9,7 @@ import pytest
 from ism_addon.gpu.accel.blas import build_blas
 from ism_addon.gpu.accel.bvh import GRID_EXTENT
 from ism_addon.gpu.buffers.mesh_buffers import packed_corners
-from ism_addon.parallel import LARGE
+from ism_addon.parallel import MIN_PARALLEL_SIZE
 from ism_addon.resources import BLAS, TLAS
 from tests.scenes.small import subdivided_box
 from tests.support import reference
@@ -26,7 +26,7 @@ def test_random_triangles(device, count):
 
 
 def test_more_triangles_than_one_thread_sorts(device):
-    scene = stage([rubble(LARGE + 100, size=0.02)], light())
+    scene = stage([rubble(MIN_PARALLEL_SIZE + 100, size=0.02)], light())
     compare(device, scene, *rays(200, 1.2))
 
 
