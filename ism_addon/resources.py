@@ -193,7 +193,7 @@ PREDICTION_SURFACE = Target(
 )
 DIRECT_PREDICTION = Target(
     "direct_prediction",
-    "Predicted radiance of the lights towards the camera, W/(sr m²); in alpha, the most by which its luminance can rise",
+    "Predicted radiance of the lights towards the camera, W/(sr m²); in alpha, how much its luminance can rise",
     label="Predicted Direct Light",
 )
 DIRECT_RESIDUAL = Target(
