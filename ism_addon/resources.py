@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .resource_types import Channel, Lifetime, Resource, Target
+from .scene import MATERIAL_INPUTS
 
 if TYPE_CHECKING:
     import moderngl
@@ -115,6 +116,10 @@ NORMAL = Target(
     label="Normal",
 )
 BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
+MATERIAL_VALUES = tuple(
+    Target(f"material_values_{k}", "Inputs of the nearest surface's material but its base color, four components each")
+    for k in range(-(-sum(each.components for name, each in MATERIAL_INPUTS.items() if name != BASE_COLOR.name) // 4))
+)
 TERMINATOR_OFFSET = Channel(
     "terminator_offset", "Height of shadow rays' origins above a triangle with smooth normals, in metres", of=BASE_COLOR
 )
@@ -244,9 +249,7 @@ RAW_OCCLUSION = _occlusion(
     "raw_occlusion", "Ambient occlusion before it is blurred: white is open", "Ambient Occlusion (Raw)"
 )
 HALF_BLURRED_OCCLUSION = _occlusion(
-    "half_blurred_occlusion",
-    "Ambient occlusion, blurred in rows only",
-    "Ambient Occlusion (Blurred in X)",
+    "half_blurred_occlusion", "Ambient occlusion, blurred in rows only", "Ambient Occlusion (Blurred in X)"
 )
 AMBIENT_OCCLUSION = _occlusion(
     "ambient_occlusion", "Ambient occlusion of the render: white is open", "Ambient Occlusion"
@@ -288,7 +291,8 @@ DOUBLING_DIFFERENCE = Target(
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
 #: By name.
-RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in globals().values() if isinstance(each, Resource)}
+_ALL = (*globals().values(), *MATERIAL_VALUES)
+RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in _ALL if isinstance(each, Resource)}
 
 #: Targets that are debug views, the render first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [

@@ -13,6 +13,7 @@ import stat
 import zipfile
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import IO, Any, get_args, get_origin, get_type_hints
 
@@ -24,7 +25,7 @@ from .scene import Scene, View
 from .scene.arrays import ArrayFacts, Arrays, array_facts
 from .scene.limits import MAX_DISTANCE, is_invertible, spans_plane
 from .scene.quoting import shortened
-from .settings import Choice, Settings
+from .settings import Settings
 
 VERSION = 3
 #: Is read too. Its settings have other names.
@@ -125,7 +126,7 @@ def _from_json(type_: Any, encoded: Any, path: str, arrays: dict[str, np.ndarray
             raise SnapshotError(f"The snapshot's {path} is not a list.")
         item = get_args(type_)[0]
         return tuple(_from_json(item, each, f"{path}/{index}", arrays) for index, each in enumerate(encoded))
-    if issubclass(type_, Choice):
+    if issubclass(type_, StrEnum):
         if encoded not in list(type_):
             raise SnapshotError(f"The snapshot's {path} is {shortened(repr(encoded))}, none of {', '.join(type_)}.")
         return type_(encoded)

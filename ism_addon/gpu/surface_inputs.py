@@ -12,7 +12,7 @@ SURFACE: tuple[Resource[Any], ...] = POSITION, NORMAL, PRIMITIVE, TERMINATOR_OFF
 
 
 def surface_samplers(frame: Frame) -> dict[str, Any]:
-    """Samplers by name. Base color is no input: it only scales the probability of rays."""
+    """Samplers by name. Base color is an input of those passes alone that name MATERIAL."""
     return {
         "position": frame[POSITION],
         "normal": frame[NORMAL],

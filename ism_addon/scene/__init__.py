@@ -16,16 +16,18 @@ import numpy as np
 
 from ..color import PRIMARIES, REC709
 from .camera import View
-from .images import Image
+from .images import Encoding, Image
 from .instances import MAX_LINK_GROUPS, Instances
 from .lights import Lights, LightShape
-from .materials import Materials
+from .materials import MATERIAL_INPUTS, Materials
 from .meshes import Mesh, bounding_boxes
 from .world import World
 
 __all__ = [
+    "MATERIAL_INPUTS",
     "MAX_LINK_GROUPS",
     "Change",
+    "Encoding",
     "Image",
     "Instances",
     "LightShape",

@@ -22,16 +22,21 @@ UNIT_VECTOR = "unit vector"
 class ArrayFacts:
     """Declaration of an array field."""
 
-    layout: str
+    layout: str  # a dtype, or some with | between them, and lengths
     unit: str = ""  # "": a count, or dimensionless
     most: float | None = None  # largest absolute value
     first: int = 0  # smallest index
     into: str | int = ""  # of an index: its target, a field of the record or of the scene; or a length
 
     @property
+    def dtypes(self) -> list[np.dtype]:
+        """That the elements may have; the first is the default."""
+        return [np.dtype(name) for name in self.layout.partition(" ")[0].split("|")]
+
+    @property
     def dtype(self) -> np.dtype:
-        """Of the elements."""
-        return np.dtype(self.layout.partition(" ")[0])
+        """Of the elements, by default."""
+        return self.dtypes[0]
 
     @property
     def shapes(self) -> list[list[str]]:
@@ -51,7 +56,7 @@ class ArrayFacts:
         """Why an array is invalid for this field, as the end of a sentence; `lengths` keeps the letters' lengths."""
         sizes = next((shape for shape in self.shapes if len(shape) == array.ndim), None)
         if (
-            array.dtype != self.dtype
+            array.dtype not in self.dtypes
             or sizes is None
             or any(
                 length != (lengths.setdefault(size, length) if size.isalpha() else int(size))

@@ -2,15 +2,35 @@
 """Images of materials."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
 from .arrays import Arrays, array
 
 
+class Encoding(StrEnum):
+    """How the texels of an image store its values. Alpha is never encoded."""
+
+    SRGB = "SRGB"  # 8 bits, by sRGB's transfer function
+    LINEAR = "LINEAR"  # 8 bits, in proportion: 255 is 1
+    FLOAT = "FLOAT"  # 16-bit floats, in proportion, without a bound
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of the texels."""
+        return np.dtype(np.float16 if self is Encoding.FLOAT else np.uint8)
+
+
 @dataclass(frozen=True, eq=False)
 class Image(Arrays):
-    """Texels, sRGB-encoded, bottom row first."""
+    """Texels, bottom row first."""
 
-    texels: np.ndarray = array("uint8 H W 4")
+    texels: np.ndarray = array("uint8|float16 H W 4")
     repeat: bool = True  # else texture coordinates are clamped
+    encoding: Encoding = Encoding.SRGB
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.texels.dtype != self.encoding.dtype:
+            raise ValueError(f"texels of {self.texels.dtype} are not encoded as {self.encoding}")

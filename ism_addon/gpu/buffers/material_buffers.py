@@ -1,49 +1,72 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the scene's meshes are made of, on the GPU."""
 
+import moderngl
 import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
-from ...scene import Image, Materials
+from ...scene import MATERIAL_INPUTS, Encoding, Image, Materials
 from ...setting_limits import TEXTURE_WIDTH, images_within_limits, level
 from ..gl import driver_variants
 from ..gl.context import Device
 from ..gl.shader_records import MATERIAL
 
-SRGB8_ALPHA8 = 0x8C43
+#: OpenGL's internal formats and moderngl's types of texels.
+FORMATS = {Encoding.SRGB: (0x8C43, "f1"), Encoding.LINEAR: (0x8058, "f1"), Encoding.FLOAT: (0x881A, "f2")}
 
 
 class TextureBuffer:
-    """All images, with their halved copies, in one texture of texels. Where there are too many, the copies alone."""
+    """All images with their mip levels, those of one encoding in one texture. Too many have smaller levels alone."""
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
         halved = images_within_limits(images)
-        chains = [mip_chain(image.texels)[times:] for image, times in zip(images, halved, strict=True)]
+        chains = [mip_chain(image)[times:] for image, times in zip(images, halved, strict=True)]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
-        self.first_lines = np.cumsum([0] + [len(block) // TEXTURE_WIDTH for block in blocks])
         self.levels = [len(chain) for chain in chains]
         self.sizes = [level(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)]
-        # A texture, as arrays know no sRGB.
-        size = TEXTURE_WIDTH, lines_for(int(self.first_lines[-1]))
-        self.texture = device.gl.texture(size, 4, dtype="f1", internal_format=SRGB8_ALPHA8)
-        driver_variants.never_filtered(self.texture)
-        for block, line in zip(blocks, self.first_lines[:-1], strict=True):
-            self.texture.write(block, viewport=(0, int(line), TEXTURE_WIDTH, len(block) // TEXTURE_WIDTH))
+        self.first_lines = [0] * len(images)
+        #: Of those encodings that images have.
+        self.textures: dict[Encoding, moderngl.Texture] = {}
+        for encoding in dict.fromkeys(image.encoding for image in images):
+            own = [index for index, image in enumerate(images) if image.encoding is encoding]
+            ends = np.cumsum([0] + [len(blocks[index]) // TEXTURE_WIDTH for index in own]).tolist()
+            # A texture, as buffer textures know no sRGB.
+            internal, dtype = FORMATS[encoding]
+            size = TEXTURE_WIDTH, lines_for(ends[-1])
+            texture = device.gl.texture(size, 4, dtype=dtype, internal_format=internal)
+            driver_variants.never_filtered(texture)
+            for index, line in zip(own, ends[:-1], strict=True):
+                self.first_lines[index] = line
+                texture.write(blocks[index], viewport=(0, line, TEXTURE_WIDTH, len(blocks[index]) // TEXTURE_WIDTH))
+            self.textures[encoding] = texture
         self.bytes = sum(block.nbytes for block in blocks)
+
+    @property
+    def samplers(self) -> dict[str, moderngl.Texture]:
+        """By their names in textures/image.glsl."""
+        return {f"{encoding.lower()}_texels": texture for encoding, texture in self.textures.items()}
+
+    @property
+    def constants(self) -> dict[str, int]:
+        """Of shaders: which encodings there are. Without one a variant has no code for it, as some drivers execute both
+        branches."""
+        return {f"{encoding.lower()}_images": int(encoding in self.textures) for encoding in Encoding}
 
 
 class MaterialBuffers:
     """Materials as a table that leads into the images' texels."""
 
     def __init__(self, device: Device, materials: Materials, texels: TextureBuffer):
-        table = np.zeros(len(materials.base_color), MATERIAL.dtype)
-        table["color"] = materials.base_color
+        table = np.zeros(materials.row_count, MATERIAL.dtype)
+        for name in MATERIAL_INPUTS:
+            table[name] = getattr(materials, name)
         for row in np.flatnonzero(materials.image >= 0):
-            number = materials.image[row]
-            table[row]["first_line"], table[row]["levels"] = texels.first_lines[number], texels.levels[number]
-            table[row]["height"], table[row]["width"] = texels.sizes[number]
-            table[row]["repeat"] = texels.images[number].repeat
+            index = materials.image[row]
+            image, entry = texels.images[index], table[row]
+            entry["encoding"], entry["repeat"] = list(Encoding).index(image.encoding), image.repeat
+            entry["first_line"], entry["levels"] = texels.first_lines[index], texels.levels[index]
+            entry["height"], entry["width"] = texels.sizes[index]
         self.table = MATERIAL.upload(device, table)
         self.texels = texels
         self.bytes = table.nbytes
@@ -59,24 +82,40 @@ def padded(texels: np.ndarray) -> np.ndarray:
     return np.pad(texels, ((0, -len(texels) % TEXTURE_WIDTH), (0, 0)))
 
 
-def mip_chain(texels: np.ndarray) -> list[np.ndarray]:
-    """An image (H,W,4) uint8 and its halved copies down to one texel, each as rows of texels (N,4) uint8.
+def mip_chain(image: Image) -> list[np.ndarray]:
+    """An image and its halved copies down to one texel, each as rows of texels (N,4) of its encoding.
 
-    Averages are taken in linear light, on 16 bits. An odd last row or column joins its neighbour.
+    Averages are taken in linear light. An odd last row or column joins its neighbour.
     """
-    decode = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
-    encode = np.rint(srgb_from_linear(np.arange(65536) / 65535.0) * 255.0).astype(np.uint8)
-    chain = [texels.reshape(-1, 4)]
-    linear = decode[texels]
-    linear[..., 3] = texels[..., 3] / np.float32(255.0)
+    chain, linear = [image.texels.reshape(-1, 4)], decoded(image)
     while linear.shape[0] > 1 or linear.shape[1] > 1:
         for axis in (0, 1):
             if linear.shape[axis] > 1:
                 linear = halved(linear, axis)
-        level = encode[(linear * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
-        level[..., 3] = np.rint(linear[..., 3] * 255.0)
-        chain.append(level.reshape(-1, 4))
+        chain.append(encoded(linear, image.encoding).reshape(-1, 4))
     return chain
+
+
+def decoded(image: Image) -> np.ndarray:
+    """(H,W,4) float32: linear values and alpha."""
+    if image.encoding is Encoding.FLOAT:
+        return image.texels.astype(np.float32)
+    values = np.arange(256) / 255.0
+    table = (linear_from_srgb(values) if image.encoding is Encoding.SRGB else values).astype(np.float32)
+    linear = table[image.texels]
+    linear[..., 3] = image.texels[..., 3] / np.float32(255.0)
+    return linear
+
+
+def encoded(linear: np.ndarray, encoding: Encoding) -> np.ndarray:
+    """Texels of linear values (H,W,4). sRGB is encoded by a table of 16 bits."""
+    if encoding is Encoding.FLOAT:
+        return linear.astype(np.float16)
+    texels = np.rint(linear * 255.0).astype(np.uint8)
+    if encoding is Encoding.SRGB:
+        table = np.rint(srgb_from_linear(np.arange(65536) / 65535.0) * 255.0).astype(np.uint8)
+        texels[..., :3] = table[(linear[..., :3] * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
+    return texels
 
 
 def halved(image: np.ndarray, axis: int) -> np.ndarray:

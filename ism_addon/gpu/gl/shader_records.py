@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...scene import MATERIAL_INPUTS
 from .buffer_texture import BufferTexture
 from .context import Device
 
@@ -113,8 +114,17 @@ CASTER = Record(
     link_groups="uint",
 )
 
-#: A Lambertian surface; a width of 0 means that there is no image.
-MATERIAL = Record("Material", color="vec3", first_line="int", width="int", height="int", repeat="int", levels="int")
+#: The inputs of a material, then its image: a width of 0 means that there is none.
+MATERIAL = Record(
+    "Material",
+    **{name: each.glsl_type for name, each in MATERIAL_INPUTS.items()},
+    encoding="int",
+    first_line="int",
+    width="int",
+    height="int",
+    repeat="int",
+    levels="int",
+)
 
 #: An area light in anchor space. Its own space has the tangent for x and the normal for z, from its position.
 LIGHT = Record(

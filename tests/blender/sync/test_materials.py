@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ism_addon.blender.sync.materials import images
+from ism_addon.scene import Encoding
 
 
 @pytest.fixture
@@ -131,7 +132,7 @@ def test_another_colour_node_leaves_the_plain_colour_and_is_named(surface, extra
     scene = extracted()
     assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
     assert scene.warnings == (
-        "Materials coloured by a node 'Checker Texture' are drawn in the plain colour of its socket: 'Paint'.",
+        "Materials whose Base Color is given by a node 'Checker Texture' have the socket's own value: 'Paint'.",
     )
 
 
@@ -215,12 +216,6 @@ def test_images_are_shared_but_not_across_extensions(surface, extracted):
     assert [each.repeat for each in scene.images] == [True, False]
 
 
-def test_linear_images_are_encoded():
-    values = np.float32([0.0, 0.002, 0.18, 0.5, 1.0])
-    assert np.allclose(images.encoded(values), [0.0, 0.02584, 0.46136, 0.73536, 1.0], atol=1e-5)
-    assert np.allclose(images.encoded(np.float32([math.nan, -1, 7])), [0, 0, 1])
-
-
 @pytest.mark.parametrize("on_black", [False, True])
 def test_an_image_of_several_portions_is_stored_to_the_nearest_of_256(add, on_black):
     image = bpy.data.images.new("Large", 300, 2 * images.TEXELS_AT_A_TIME // 300, alpha=True)
@@ -232,13 +227,14 @@ def test_an_image_of_several_portions_is_stored_to_the_nearest_of_256(add, on_bl
     assert np.array_equal(images.texels(image, on_black), stored)
 
 
-def test_what_is_not_srgb_is_encoded(add):
+def test_texels_are_encoded_as_images_store_them(add):
     grey = [(0.18, 0.18, 0.18, 1)] * 4
-    encoded = round(0.46136 * 255)
     floats = picture(pixels=[(0.18, 0.18, 0.18, 1), (7, -1, math.nan, 1)] * 2, float_buffer=True)
-    assert images.texels(floats).tolist() == [[[encoded] * 3 + [255], [255, 0, 0, 255]]] * 2
+    assert images.encoding(floats) == Encoding.FLOAT
+    assert images.texels(floats).tolist() == [[[np.float16(0.18)] * 3 + [1.0], [7.0, 0.0, 0.0, 1.0]]] * 2
     data = picture(pixels=grey, is_data=True)
-    assert abs(int(images.texels(data)[0, 0, 0]) - encoded) <= 1
+    assert images.encoding(data) == Encoding.LINEAR
+    assert images.texels(data)[0, 0, 0] == round(0.18 * 255)
     assert images.texels(picture(pixels=grey))[0, 0, 0] == round(0.18 * 255)
 
 

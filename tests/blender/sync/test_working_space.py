@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ism_addon.blender.sync.materials import images
-from ism_addon.color import PRIMARIES, linear_from_srgb
+from ism_addon.color import PRIMARIES
+from ism_addon.gpu.buffers.material_buffers import decoded
 from tests.scenes.cycles import direct_light
 
 #: Before Blender 5.0 there is one only.
@@ -58,7 +59,7 @@ def test_texels_are_what_cycles_shows(add, extracted, empty_scene, space, kind):
     assert scene.warnings == () and scene.working_space == space
     tree.links.new(node.outputs["Color"], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    ours = linear_from_srgb(scene.images[0].texels[0, 0, :3] / 255.0)
+    ours = decoded(scene.images[0])[0, 0, :3]
     assert np.allclose(ours, seen(empty_scene, add), atol=0.004)
 
 

@@ -72,7 +72,7 @@ def test_a_final_picture_is_begun(limited, method):
 
 
 def test_a_scene_of_more_triangles_is_refused_with_a_sentence(monkeypatch, worker):
-    """Two rows each; and the next picture is drawn."""
+    """Three rows of normals each; and the next picture is drawn."""
     stand_in(monkeypatch, lambda context: Limited(context, BYTES))
     _, view = box_over_plane(24, 16)
     large = stage([sphere((0.0, 0.0, 0.5), 0.5, 200, 100)])
@@ -80,8 +80,8 @@ def test_a_scene_of_more_triangles_is_refused_with_a_sentence(monkeypatch, worke
     job = worker.start(Request(large, view, SMALL_SETTINGS), "script")
     assert ended(job)
     assert job.error == (
-        f"The picture could not be drawn: {2 * triangles:,} rows are more than the 65,536 that this OpenGL can fetch "
-        "from; a scene of fewer triangles, instances and lights takes fewer"
+        f"The picture could not be drawn: the meshes have {triangles:,} triangles, of which this OpenGL can draw "
+        "21,845 (instances of a mesh count once)"
     )
     job = worker.start(Request(*box_over_plane(24, 16), SMALL_SETTINGS), "script")
     assert ended(job)

@@ -31,7 +31,7 @@ def painted(*images: Image):
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 300), (64, 64), (5, 1), (33, 1024)])
 def test_lines_are_those_of_the_halved_copies(size):
-    chain = mip_chain(noise(*size).texels)
+    chain = mip_chain(noise(*size))
     for halved in range(len(chain)):
         texels = sum(len(copy) for copy in chain[halved:])
         assert lines_for(size, halved) == -(-texels // setting_limits.TEXTURE_WIDTH)
@@ -61,7 +61,7 @@ def test_a_smaller_copy_is_drawn_like_an_image_of_its_size(device, monkeypatch):
     large, small = noise(256, 128), noise(16, 16, seed=1)
     scene, view = painted(small, large)
     whole = draw(device, scene, view).color
-    halved = Image(mip_chain(large.texels)[1].reshape(128, 64, 4))
+    halved = Image(mip_chain(large)[1].reshape(128, 64, 4))
     expected = draw(device, *painted(small, halved)).color
     monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 2)
     assert images_within_limits(scene.images) == [0, 1]

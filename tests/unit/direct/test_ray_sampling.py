@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct import faint_lights, trace_shadows
+from ism_addon.gpu.passes.direct import select_faint_lights, trace_shadows
 from ism_addon.resources import LIGHT_INFLUENCE
 from ism_addon.sampling.dimensions import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, rd_sequence
 from ism_addon.sampling.pixel_grid import pixel_grid
@@ -86,7 +86,7 @@ def seen(device, monkeypatch):
     """seen(view, count, part): (H,W) how much of those lights the first ray of each pixel to each of them finds."""
     for name in ("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY"):
         monkeypatch.setattr(trace_shadows, name, 1.0)  # all pixels have one
-    monkeypatch.setattr(faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
+    monkeypatch.setattr(select_faint_lights, "MIN_LIGHT_PROBABILITY", 1.0)
 
     def irradiance(view: View, count: int, part: float) -> np.ndarray:
         drawn = draw(device, before_an_edge(count, part), view, with_quality(SMALL_SETTINGS, samples=2))

@@ -7,15 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.color import linear_from_srgb
-from ism_addon.gpu.buffers.material_buffers import mip_chain
 from ism_addon.gpu.gl import depth
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer, samples_per_visibility_buffer
 from ism_addon.sampling.pixel_grid import pixel_grid
-from ism_addon.scene import Image
 from tests.scenes.small import sphere
 from tests.support import reference
 from tests.support.small_scenes import (
@@ -159,84 +156,6 @@ def test_what_is_invisible_is_not_drawn(either):
     scene = objects()
     hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False, True])))
     compare(either, hidden, look((3.0, -3.0, 2.0), size=(48, 36)))
-
-
-def pattern(width: int = 8, height: int = 4, repeat: bool = True) -> Image:
-    """Random texels."""
-    return Image(np.random.default_rng(8).integers(0, 256, (height, width, 4), np.uint8), repeat)
-
-
-def looked_up(image: Image, uv: np.ndarray) -> np.ndarray:
-    """(N,3) bilinear between the texels' centres, in linear light."""
-    texels = linear_from_srgb(image.texels[..., :3] / 255.0)
-    height, width = texels.shape[:2]
-    at = (uv - np.floor(uv) if image.repeat else np.clip(uv, 0.0, 1.0)) * (width, height) - 0.5
-    low = np.floor(at).astype(int)
-    part = at - low
-    color = np.zeros((len(uv), 3))
-    for j in (0, 1):
-        for i in (0, 1):
-            x, y = low[:, 0] + i, low[:, 1] + j
-            x, y = (x % width, y % height) if image.repeat else (x.clip(0, width - 1), y.clip(0, height - 1))
-            weight = np.abs(1 - i - part[:, 0]) * np.abs(1 - j - part[:, 1])
-            color += weight[:, None] * texels[y, x]
-    return color
-
-
-@pytest.mark.parametrize("repeat", [True, False], ids=["repeat", "extend"])
-@pytest.mark.parametrize("uv", [1.0, 2.5])
-def test_images_are_filtered_bilinearly_in_linear_light(device, repeat, uv):
-    image = pattern(repeat=repeat)
-    floor = quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), uv=uv)
-    floor = replace(floor, uvs=floor.uvs - np.float32(0.4 * (uv > 1.0)))
-    view = from_above(1.6, (64, 64))
-    scene = stage([floor], image=image)
-    truth = reference.surfaces(scene, view)
-    at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
-    ours = gbuffer(device, scene, view)
-    assert ours["base_color"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
-
-
-def test_images_far_away_have_the_mean_colour(device):
-    """A pixel that covers the whole image shows its average, in linear light."""
-    image = pattern(37, 23)
-    floor = quad((-50.0, -50.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0), uv=1000.0)
-    ours = gbuffer(device, stage([floor], image=image), from_above(20.0, (16, 16)))
-    mean = linear_from_srgb(image.texels[..., :3] / 255.0).mean((0, 1))
-    assert ours["base_color"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02)
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 1), (16, 16), (7, 13)])
-def test_halved_images_keep_the_mean(shape):
-    texels = np.random.default_rng(1).integers(0, 256, (*shape, 4), np.uint8)
-    chain = mip_chain(texels)
-    assert len(chain[0]) == shape[0] * shape[1]
-    assert len(chain[-1]) == 1
-    if all(math.log2(side).is_integer() for side in shape):
-        mean = linear_from_srgb(texels[..., :3] / 255.0).mean((0, 1))
-        assert linear_from_srgb(chain[-1][0, :3] / 255.0) == pytest.approx(mean, abs=0.01)
-
-
-def test_several_images_and_plain_colours_side_by_side(device):
-    """Materials 0 and 2 have images, 1 a colour: each triangle takes its own."""
-    images = (pattern(3, 5), Image(np.full((2, 2, 4), (200, 30, 90, 255), np.uint8)))
-    meshes = [
-        replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
-        for k, x in enumerate((-1.5, -0.5, 0.5))
-    ]
-    scene = stage(meshes)
-    materials = replace(
-        scene.materials,
-        base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32),
-        image=np.array([0, -1, 1], np.int32),
-    )
-    ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
-    albedo = ours["base_color"][:, :3].reshape(10, 30, 3)
-    assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
-    assert albedo[:, 21:] == pytest.approx(
-        np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3
-    )
-    assert albedo[:, :9].std() > 0.01
 
 
 def test_the_same_pixels_at_any_size_of_picture(device):

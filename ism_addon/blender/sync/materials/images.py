@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images, of a file, packed or generated, to sRGB-encoded texels."""
+"""Blender's images, of a file, packed or generated, to texels."""
 
 import os
 
@@ -7,9 +7,12 @@ import bpy
 import numpy as np
 
 from ....color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
+from ....scene import Encoding
 
 #: Spaces whose stored values are linear; Blender reads floating point images as linear whatever they say.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
+
+MAX_FLOAT16 = 65504.0
 
 #: Texels that are converted at a time: they stay in the processor's cache from step to step.
 TEXELS_AT_A_TIME = 1 << 15
@@ -36,12 +39,21 @@ def origin(image: bpy.types.Image) -> tuple | None:
     return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode, working_space()
 
 
+def encoding(image: bpy.types.Image) -> Encoding:
+    """Of `texels`: as the image is stored, but for colors that are converted to another working space."""
+    if image.is_float:
+        return Encoding.FLOAT
+    space = image.colorspace_settings.name
+    keeps_values = space in DATA or (space in LINEAR and working_space() == REC709)
+    return Encoding.LINEAR if keeps_values else Encoding.SRGB
+
+
 def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
-    """(H,W,4) uint8, sRGB-encoded, bottom row first; None where there is nothing to read.
+    """(H,W,4) of the image's `encoding`, bottom row first; None where there is nothing to read.
 
     Of amounts of the working space's primaries, which floating point images have already.
     On black, what is transparent is dark, as where Cycles is not asked for an image's alpha.
-    A space that is not known is taken for sRGB. Light beyond 1 is cut off.
+    A space that is not known is taken for sRGB.
     """
     width, height = image.size
     count = len(image.pixels)
@@ -50,7 +62,7 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     pixels: np.ndarray = np.empty(count, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(width * height, -1)
-    stored = np.empty((height, width, 4), np.uint8)
+    stored = np.empty((height, width, 4), encoding(image).dtype)
     rows = stored.reshape(-1, 4)
     for first in range(0, len(rows), TEXELS_AT_A_TIME):
         part = slice(first, first + TEXELS_AT_A_TIME)
@@ -73,31 +85,25 @@ def _loaded(apart: bpy.types.BlendData, image: bpy.types.Image, path: str, on_bl
 
 
 def _stored(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
-    """(N,4) uint8 of the image's own values (N,4) in some of its pixels, which are spoilt."""
+    """(N,4) texels of the image's own values (N,4) in some of its pixels, which are spoilt."""
     color, alpha = pixels[:, :3], pixels[:, 3:]
     if on_black and _has_straight_alpha(image) and (alpha < 1.0).any():
         color *= alpha
-    space, working = image.colorspace_settings.name, working_space()
-    is_linear, has_primaries = image.is_float or space in LINEAR, not (image.is_float or space in DATA)
-    if has_primaries and working != REC709:
-        linear = color if is_linear else linear_from_srgb(color)
-        color[:] = encoded(linear @ between_spaces(working, REC709).T)
-    elif is_linear:
-        color[:] = encoded(color)
     if image.is_float:
-        alpha[:] = _within_bounds(alpha)
+        alpha[:] = _within_bounds(alpha, 1.0)
+        return _within_bounds(pixels, MAX_FLOAT16).astype(np.float16)
+    space, working = image.colorspace_settings.name, working_space()
+    if space not in DATA and working != REC709:
+        linear = color if space in LINEAR else linear_from_srgb(color)
+        color[:] = srgb_from_linear(_within_bounds(linear @ between_spaces(working, REC709).T, 1.0))
     pixels *= np.float32(255.0)
     pixels += np.float32(0.5)
     return pixels.astype(np.uint8)
 
 
-def encoded(linear: np.ndarray) -> np.ndarray:
-    """Linear values to sRGB's, within 0 to 1; what is no number is 0."""
-    return srgb_from_linear(_within_bounds(linear))
-
-
-def _within_bounds(values: np.ndarray) -> np.ndarray:
-    return np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0)
+def _within_bounds(values: np.ndarray, most: float) -> np.ndarray:
+    """Values from 0 to `most`; what is no number is 0."""
+    return np.clip(np.nan_to_num(values, nan=0.0), 0.0, most)
 
 
 def _four_channels(pixels: np.ndarray) -> np.ndarray:

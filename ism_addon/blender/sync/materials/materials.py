@@ -1,35 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials to a base colour or an image: what a Principled or a Diffuse BSDF is coloured with."""
+"""Materials to rows of their inputs, and the image that a Principled or a Diffuse BSDF is coloured with."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
-import numpy as np
 
-from ....scene import Image, Materials
+from ....scene import MATERIAL_INPUTS, Image, Materials
 from ..diagnostics import Diagnostics
 from . import images, nodes, unsupported_features
 
 #: The session_uid of an image, whether it repeats and is on black, and the file of its sequence's frame.
 ImageKey = tuple[int, bool, bool, str]
 
-#: The colour of what has no material, as in Blender.
-GREY = 0.8
+#: The input that an image may stand for.
+COLOR = "base_color"
 
-#: The shaders that are drawn, and the socket of their colour.
-SHADERS = {"ShaderNodeBsdfPrincipled": "Base Color", "ShaderNodeBsdfDiffuse": "Color"}
+#: Values of inputs where nothing says others.
+DEFAULTS: dict[str, Any] = {
+    name: [each.default] * each.components if each.components > 1 else each.default
+    for name, each in MATERIAL_INPUTS.items()
+}
 
 
 class _Row(NamedTuple):
     """One row of Materials."""
 
-    base_color: np.ndarray
+    values: dict[str, Any]  # of the inputs, by name
     image: int
     layer: str | None  # the UV layer that its image lies on; "": the one that renders; None where it has no image
     findings: tuple[Diagnostics, ...]  # those of its image are shared with the others that have it
 
 
-GREY_ROW = _Row(np.full(3, GREY), -1, None, ())
+GREY_ROW = _Row(DEFAULTS, -1, None, ())
 
 
 class MaterialReader:
@@ -85,7 +87,7 @@ class MaterialReader:
         rows = [row or GREY_ROW for row in self._rows]
         for found in dict.fromkeys(found for index in sorted(self._met) for found in rows[index].findings):
             findings.merge(found)
-        return Materials.of(base_color=[row.base_color for row in rows], image=[row.image for row in rows])
+        return Materials.of_rows({**row.values, "image": row.image} for row in rows)
 
     def images(self) -> tuple[Image, ...]:
         """What Materials.image leads into."""
@@ -97,33 +99,42 @@ class MaterialReader:
         findings = Diagnostics()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
+            return _Row(self._in_viewport(material), -1, None, (findings,))
         output = nodes.output(node_tree)
         unsupported_features.note_output(material, output, findings)
         shader = nodes.surface(output)
         if shader is None:
             findings.warn("Materials without a surface are drawn black", material.name)
-            return _Row(np.zeros(3), -1, None, (findings,))
-        if shader.bl_idname not in SHADERS:
+            return _Row({**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}, -1, None, (findings,))
+        if shader.bl_idname not in MATERIAL_INPUTS[COLOR].sockets:
             kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
             findings.warn(kind, material.name)
-            return _Row(nodes.color(material.diffuse_color, GREY), -1, None, (findings,))
+            return _Row(self._in_viewport(material), -1, None, (findings,))
         unsupported_features.note_shader(material, shader, findings)
-        return self._colored(material, shader.inputs[SHADERS[shader.bl_idname]], findings)
+        return self._shaded(material, shader, findings)
 
-    def _colored(self, material: bpy.types.Material, socket: bpy.types.NodeSocket, findings: Diagnostics) -> _Row:
-        """A row from a shader's colour socket."""
-        plain, node = nodes.rgb(socket, GREY)
-        if node is None:
-            return _Row(plain, -1, None, (findings,))
-        source = nodes.source(socket)
-        if node.bl_idname == "ShaderNodeTexImage" and source is not None and source.identifier == "Color":
-            index, of_image = self._image(material, node, findings)
-            layer = nodes.uv_layer(node.inputs["Vector"]) if index >= 0 else None
-            return _Row(plain, index, layer, (findings, of_image))
-        kind = f"Materials coloured by a node '{node.bl_label}' are drawn in the plain colour of its socket"
-        findings.warn(kind, material.name)
-        return _Row(plain, -1, None, (findings,))
+    @staticmethod
+    def _in_viewport(material: bpy.types.Material) -> dict[str, Any]:
+        """Values of the inputs by its viewport color."""
+        return {**DEFAULTS, COLOR: nodes.color(material.diffuse_color, MATERIAL_INPUTS[COLOR].default)}
+
+    def _shaded(self, material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> _Row:
+        """A row from a shader's sockets."""
+        values, image, layer, of_image = dict(DEFAULTS), -1, None, Diagnostics()
+        for name, each in MATERIAL_INPUTS.items():
+            if (socket := shader.inputs.get(each.sockets.get(shader.bl_idname, ""))) is None:
+                continue
+            values[name], node = nodes.value(socket, each.default)
+            source = nodes.source(socket)
+            if node is None or source is None:
+                continue
+            if name == COLOR and node.bl_idname == "ShaderNodeTexImage" and source.identifier == "Color":
+                image, of_image = self._image(material, node, findings)
+                layer = nodes.uv_layer(node.inputs["Vector"]) if image >= 0 else None
+                continue
+            kind = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
+            findings.warn(kind, material.name)
+        return _Row(values, image, layer, (findings, of_image))
 
     def _image(
         self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics
@@ -176,7 +187,7 @@ class MaterialReader:
             texels = images.texels_of_frame(image, of_frame, on_black) if of_frame else images.texels(image, on_black)
             if texels is None:
                 return None
-            found = Image(texels, repeat)
+            found = Image(texels, repeat, images.encoding(image))
         else:
             found = kept[1]
         if origin is not None:

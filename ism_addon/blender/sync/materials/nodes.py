@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What feeds a shader socket, and the few node trees whose colour can be told."""
 
+from typing import Any
+
 import bpy
 import numpy as np
 
@@ -45,6 +47,11 @@ def rgb(socket: bpy.types.NodeSocket, otherwise: float) -> tuple[np.ndarray, bpy
     if fed_by.node.bl_idname == "ShaderNodeRGB":
         return color(fed_by.default_value, otherwise), None
     return color(socket.default_value, otherwise), fed_by.node
+
+
+def value(socket: bpy.types.NodeSocket, otherwise: float) -> tuple[Any, bpy.types.Node | None]:
+    """What a socket of a number or of a color has: see `number` and `rgb`."""
+    return rgb(socket, otherwise) if socket.type == "RGBA" else number(socket)
 
 
 def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:

@@ -6,13 +6,13 @@ const float INVERSE_PI = 0.3183098861837907;
 
 // The BSDF times the cosine. 1/sr
 vec3 bsdf_evaluate(Surface surface, vec3 wi) {
-    return surface.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
+    return surface.material.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
 }
 
 // Radiance by all of a light. W/(sr m^2)
 vec3 bsdf_unshadowed(Surface surface, Light light) {
     float irradiance = light_irradiance(light, surface.position, surface.normal);
-    return light.radiance * surface.base_color * (INVERSE_PI * irradiance);
+    return light.radiance * surface.material.base_color * (INVERSE_PI * irradiance);
 }
 
 // An unbiased estimate of the same, if the light's irradiance is exact.

@@ -1,5 +1,6 @@
 // What a pixel shows, from the G-buffer. What a shader does not ask for is not fetched.
 #include "maths/octahedron.glsl"
+#include "surfaces/material_inputs.glsl"
 #include "surfaces/similarity.glsl"
 uniform sampler2D position; // in alpha, the normal, packed
 uniform sampler2D normal;
@@ -11,7 +12,7 @@ struct Surface {
     vec3 position;
     vec3 normal;
     vec3 geometric_normal;
-    vec3 base_color;
+    MaterialInputs material;
     float depth;
     float terminator_offset;
     int triangle;
@@ -22,7 +23,8 @@ struct Surface {
 Surface surface_at(ivec2 at) {
     vec4 p = fetch(position, at), octahedra = fetch(normal, at), color = fetch(base_color, at);
     uvec2 id = fetch(primitive, at).xy;
-    return Surface(p.xyz, direction_from_octahedron(octahedra.xy), direction_from_octahedron(octahedra.zw), color.rgb,
+    return Surface(p.xyz, direction_from_octahedron(octahedra.xy), direction_from_octahedron(octahedra.zw),
+                   material_inputs_at(at, color.rgb),
                    fetch(depth, at).x, color.a, int(id.x) - 1, int(id.y), p.w > 0.0);
 }
 

@@ -1,13 +1,27 @@
 // Filtered look-up in an image whose texels, and those of its halved copies, lie one behind the other.
-uniform sampler2D texels; // WIDTH to a line
+// WIDTH texels to a line; one texture an encoding.
+uniform sampler2D srgb_texels;
+uniform sampler2D linear_texels;
+uniform sampler2D float_texels;
 
 struct Level { int first; ivec2 size; }; // one of the copies: its first texel
 
 Level halved(Level level) { return Level(level.first + level.size.x * level.size.y, max(level.size >> 1, ivec2(1))); }
 
 vec3 texel(Material image, Level level, int x, int y) {
-    int number = level.first + y * level.size.x + x;
-    return fetch(texels, ivec2(number % WIDTH, image.first_line + number / WIDTH)).rgb;
+    int index = level.first + y * level.size.x + x;
+    ivec2 at = ivec2(index % WIDTH, image.first_line + index / WIDTH);
+    vec3 color = vec3(0.0);
+#if SRGB_IMAGES
+    if (image.encoding == 0) color = fetch(srgb_texels, at).rgb;
+#endif
+#if LINEAR_IMAGES
+    if (image.encoding == 1) color = fetch(linear_texels, at).rgb;
+#endif
+#if FLOAT_IMAGES
+    if (image.encoding == 2) color = fetch(float_texels, at).rgb;
+#endif
+    return color;
 }
 
 vec3 bilinear(Material image, Level level, vec2 uv) {

@@ -16,7 +16,6 @@ import moderngl
 import numpy as np
 
 from ....resources import (
-    BASE_COLOR,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -44,6 +43,7 @@ from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
+from ...material_inputs import MATERIAL, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
 from .ray_correction import RECORDS, ray_sequence, ray_threshold, shader_constants
@@ -62,7 +62,7 @@ class TraceShadows(Pass):
     """Radiance W/(sr m²) as predicted, and what rays add to it or take away."""
 
     inputs = (
-        *(*SURFACE, BASE_COLOR, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, FAINT_LIGHTS, TILE_VISIBILITY),
+        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -126,6 +126,7 @@ class TraceShadows(Pass):
         """Of a light's prediction."""
         return {
             **surface_samplers(frame),
+            **material_samplers(frame),
             "lights": frame[LIGHT_BUFFER],
             "light_index": light,
             "pixel_steps": fixed_point(PIXEL_INCREMENTS),
@@ -183,7 +184,7 @@ class TraceShadows(Pass):
             program = self.tile_program(*RECORDS, suffix="faint", **constants)
             bind(
                 program,
-                **surface_samplers(frame),
+                **surface_samplers(frame) | material_samplers(frame),
                 lights=frame[LIGHT_BUFFER],
                 pixel_steps=fixed_point(PIXEL_INCREMENTS),
                 light_steps=fixed_point(LIGHT_INCREMENTS[:3]),

@@ -38,7 +38,7 @@ void main() {
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
     // A Lambertian surface reflects the base color's part of a world of one radiance.
-    sample_color = vec4(direct.rgb + surface.base_color * world * ambient_visibility(at, surface), 1.0);
+    sample_color = vec4(direct.rgb + surface.material.base_color * world * ambient_visibility(at, surface), 1.0);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;
 }

@@ -13,7 +13,6 @@ import moderngl
 
 from ....resources import (
     ATLAS_BATCH,
-    BASE_COLOR,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
     LIGHT_BUFFER,
@@ -32,6 +31,7 @@ from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
+from ...material_inputs import MATERIAL, material_samplers
 
 #: Virtual lights that are evaluated, or lights, or pixels, in the time of a ray; as measured.
 VIRTUAL_LIGHTS_PER_RAY = 30
@@ -41,7 +41,7 @@ class GatherLight(Pass):
     """Radiance W/(sr m²) of each pixel: the sum over the atlases of virtual lights."""
 
     inputs = (
-        *(POSITION, NORMAL, BASE_COLOR, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS),
+        *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS),
         *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
         *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
     )
@@ -66,7 +66,7 @@ class GatherLight(Pass):
             self.shader.program,
             position=frame[POSITION],
             normal=frame[NORMAL],
-            base_color=frame[BASE_COLOR],
+            **material_samplers(frame),
             primitive=frame[PRIMITIVE],
             link_groups=frame[INSTANCE_BUFFERS].memberships,
             lights=frame[LIGHT_BUFFER],

@@ -3,6 +3,7 @@
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"
 #include "surfaces/camera_ray.glsl"
+#include "surfaces/material_outputs.glsl"
 #include "surfaces/terminator_offset.glsl"
 #if IMAGES
 #include "textures/image.glsl"
@@ -64,6 +65,7 @@ void main() {
     if (id.x == 0u) {
         depth = BACKGROUND_DEPTH;
         position = normal = base_color = vec4(0.0);
+        clear_material_inputs();
         return;
     }
     int triangle = int(id.x) - 1;
@@ -103,7 +105,8 @@ void main() {
     position = vec4(p, pack_normal(normal.xy));
 
     Material material = fetch_Material(materials, corner.material);
-    base_color = vec4(material.color, offset_from_triangle);
+    base_color = vec4(material.base_color, offset_from_triangle);
+    write_material_inputs(material);
 #if IMAGES
     if (material.width > 0) {
         mat3x2 at = mat3x2(uv_at(3 * triangle), uv_at(3 * triangle + 1), uv_at(3 * triangle + 2));

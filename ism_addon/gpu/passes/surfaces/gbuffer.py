@@ -4,6 +4,8 @@
 Beck-Norén & Valter 2013, section 3.3, store depth, normals and positions likewise.
 """
 
+from typing import Any
+
 import moderngl
 
 from ....resources import (
@@ -12,6 +14,7 @@ from ....resources import (
     DEPTH,
     INSTANCE_BUFFERS,
     MATERIAL_BUFFERS,
+    MATERIAL_VALUES,
     MESH_BUFFERS,
     NORMAL,
     POSITION,
@@ -25,8 +28,10 @@ from ....scene import Change
 from ....setting_limits import TEXTURE_WIDTH
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
+from ...gl import shader_records
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import INSTANCE, MATERIAL
+from ...gl.shader_records import INSTANCE
+from ...material_inputs import MATERIAL
 
 
 class GBuffer(Pass):
@@ -36,17 +41,22 @@ class GBuffer(Pass):
         *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, TILES),
         *(Change.VIEW, Change.SAMPLE, "shortcuts"),
     )
-    outputs = outputs(PRIMITIVE, DEPTH, POSITION, NORMAL, TERMINATOR_OFFSET) | {BASE_COLOR: (MATERIAL_BUFFERS,)}
+    outputs = outputs(PRIMITIVE, DEPTH, POSITION, NORMAL, TERMINATOR_OFFSET) | dict.fromkeys(
+        MATERIAL, (MATERIAL_BUFFERS,)
+    )
 
     def execute(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
         first, size = frame.grid.bounds(*frame.size)
         # A variant without images: some drivers execute both branches.
         images = len(frame.scene.images) > 0
-        program = self.tile_program(
-            INSTANCE, MATERIAL, background_depth=BACKGROUND_DEPTH, images=int(images), width=TEXTURE_WIDTH
-        )
-        materials = frame[MATERIAL_BUFFERS]
+        materials, targets = frame[MATERIAL_BUFFERS], (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
+        constants: dict[str, Any] = {
+            "background_depth": BACKGROUND_DEPTH,
+            **({"images": 1, "width": TEXTURE_WIDTH, **materials.texels.constants} if images else {"images": 0}),
+            **{f"{target.name}_location": location for location, target in enumerate(MATERIAL_VALUES, len(targets))},
+        }
+        program = self.tile_program(INSTANCE, shader_records.MATERIAL, **constants)
         bind(
             program,
             visibility_buffer=frame[VISIBILITY_BUFFER],
@@ -55,8 +65,8 @@ class GBuffer(Pass):
             last=tuple(size - 1),
             instances=frame[INSTANCE_BUFFERS].table,
             materials=materials.table,
-            texels=materials.texels.texture,
+            **materials.texels.samplers,
             **frame[MESH_BUFFERS].samplers,
             **({"uvs": frame[UV_BUFFERS].uvs.texture} if images else {}),
         )
-        draw_tiles(frame, frame.framebuffer(DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE), program)
+        draw_tiles(frame, frame.framebuffer(*targets, *MATERIAL_VALUES), program)
