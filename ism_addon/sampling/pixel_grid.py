@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .dimensions import Dimension, sequence
+from .dimensions import Dimension, draw
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,6 @@ def narrow_pixel_grid(number: int, reach: float) -> PixelGrid:
     k = np.pi * (t + 1.0)
     weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
     cumulative = np.cumsum(weight) - 0.5 * weight
-    place = sequence(Dimension.PIXEL, number - 1, 1)[0] if number else np.full(2, 0.5)
+    place = draw(Dimension.PIXEL, sample=number - 1)  # of the first, the middle
     off = reach * np.interp(place * weight.sum(), cumulative, t)
     return PixelGrid(np.eye(2, dtype=int), off, np.zeros((1, 2), int), off[None])

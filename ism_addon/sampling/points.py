@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..parallel import parallel_map
-from .dimensions import rd_sequence
+from .dimensions import Dimension, draw
 
 #: Points are made in blocks of this many, so that several cores share them.
 POINTS_AT_A_TIME = 1 << 17
@@ -45,7 +45,8 @@ def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tupl
     cumulative = np.cumsum(triangle_areas(corners))
 
     def block(start: int) -> tuple[np.ndarray, np.ndarray]:
-        random = rd_sequence(first + start, min(POINTS_AT_A_TIME, count - start), 3)
+        index = np.arange(first + start, first + min(start + POINTS_AT_A_TIME, count))
+        random = draw(Dimension.MAP_POINT, point=index)
         chosen = np.searchsorted(cumulative, random[:, 0] * cumulative[-1], side="right")
         chosen = np.minimum(chosen, len(corners) - 1)
         return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
@@ -70,5 +71,5 @@ def lattice(count: int, shift: np.ndarray) -> np.ndarray:
 
     It is better spread than a prefix of an endless sequence, for exactly `count` points.
     """
-    golden = rd_sequence(0, count, 1)[:, 0]
-    return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, golden]) + shift)[0]
+    row = draw(Dimension.VIRTUAL_LIGHT_ROW, virtual_light=np.arange(count))[:, 0]
+    return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, row]) + shift)[0]

@@ -10,7 +10,7 @@ import pytest
 
 from ism_addon.gpu.passes.direct import select_faint_lights, trace_shadows
 from ism_addon.resources import LIGHT_INFLUENCE
-from ism_addon.sampling.dimensions import PIXEL_INCREMENTS, RAY_INCREMENTS, TURN_INCREMENTS, rd_sequence
+from ism_addon.sampling.dimensions import Dimension
 from ism_addon.sampling.pixel_grid import pixel_grid
 from ism_addon.scene import Scene, View
 from tests.support.small_scenes import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
@@ -55,19 +55,12 @@ def errors(ray_steps, pixel_steps, samples: int) -> tuple[float, float]:
 
 def test_rays_are_even_together_with_the_places_in_the_pixel():
     """The additive sequence of two dimensions (Roberts 2018), which is even by itself, leaves half as much again."""
-    steps = np.diff(rd_sequence(0, 2, 2), axis=0)[0] % 1.0
+    ray_steps, pixel_steps = (Dimension.LIGHT_POINT.value[index] for index in ("ray", "pixel"))
+    steps = Dimension.PIXEL.value["sample"]
     for samples in (16, 32, 64):
-        ours, theirs = errors(RAY_INCREMENTS, PIXEL_INCREMENTS, samples), errors(steps, steps[::-1], samples)
+        ours, theirs = errors(ray_steps, pixel_steps, samples), errors(steps, steps[::-1], samples)
         assert ours[0] < {16: 0.9, 32: 0.75, 64: 0.75}[samples] * theirs[0]
         assert ours[1] < 1.05 * theirs[1]
-
-
-@pytest.mark.parametrize("steps", [RAY_INCREMENTS, PIXEL_INCREMENTS, TURN_INCREMENTS])
-def test_no_sequence_comes_back_to_where_it_was(steps):
-    """In thousands of members: evenly spread, the N-th would be no nearer to the start than about 1 / N."""
-    members = np.arange(1, 4097)
-    for step in steps:
-        assert (members * np.abs((members * step + 0.5) % 1.0 - 0.5)).min() > 1e-3
 
 
 def before_an_edge(count: int, part: float) -> Scene:

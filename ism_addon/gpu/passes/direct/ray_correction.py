@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ....resources import MEAN_LUMINANCE
-from ....sampling.dimensions import RAY_INCREMENTS, TURN_INCREMENTS, fixed_point
+from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_point
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 
@@ -35,7 +35,22 @@ def shader_constants(
 
 def ray_sequence() -> dict[str, tuple[int, ...]]:
     """Uniforms: which ray of a pixel goes where on its light, and in which sample."""
-    return {"ray_steps": fixed_point(RAY_INCREMENTS), "turn_steps": fixed_point(TURN_INCREMENTS)}
+    turns = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
+    return {
+        "pixel_steps": fixed_increments(Dimension.LIGHT_POINT, "pixel"),
+        "ray_steps": fixed_increments(Dimension.LIGHT_POINT, "ray"),
+        "turn_steps": tuple(step for steps in turns for step in steps),
+    }
+
+
+def light_shift(light: int) -> tuple[int, ...]:
+    """(3,) of a light: where on it the first pixel's first ray goes, and when."""
+    return fixed_point([*draw(Dimension.LIGHT_POINT, light=light), *draw(Dimension.RAY_TURN, light=light)])
+
+
+def light_steps() -> tuple[int, ...]:
+    """(3,) the same from light to light."""
+    return fixed_increments(Dimension.LIGHT_POINT, "light") + fixed_increments(Dimension.RAY_TURN, "light")
 
 
 def ray_threshold(frame: Frame) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ....resources import FAINT_LIGHTS, LIGHT_INFLUENCE, REDISCOVERED
-from ....sampling.dimensions import LIGHT_INCREMENTS, TURN_INCREMENTS, members
+from ....sampling.dimensions import Dimension, draw
 from ...culling.light_influence import LightInfluence, visibilities
 from ...frame import Frame, Pass, Schedule, outputs
 from .faint_lights import FAINT_LIGHT
@@ -42,7 +42,6 @@ def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Ma
         pairs = np.zeros(len(tile), FAINT_LIGHT)
         pairs["tile"], pairs["light"], pairs["visibility"] = tile, light, visibility[tile]
         pairs["probability"] = np.maximum(influence.bound_over_faint.ravel()[tile], MIN_LIGHT_PROBABILITY)
-        phases = members(TURN_INCREMENTS[:1], 0, visibility.size)[tile, 0] + light * LIGHT_INCREMENTS[3]
-        pairs["phase"] = np.mod(phases, 1.0)
+        pairs["phase"] = draw(Dimension.LIGHT_CHOICE, light=light, tile=tile)[:, 0]
         found.append(pairs)
     return np.concatenate(found)

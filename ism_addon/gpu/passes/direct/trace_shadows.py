@@ -34,7 +34,7 @@ from ....resources import (
     TILES,
     TLAS,
 )
-from ....sampling.dimensions import LIGHT_INCREMENTS, PIXEL_INCREMENTS, TURN_INCREMENTS, fixed_point, members
+from ....sampling.dimensions import Dimension, draw
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -46,7 +46,7 @@ from ...lights import shader_variant, type_of
 from ...material_inputs import MATERIAL, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
-from .ray_correction import RECORDS, ray_sequence, ray_threshold, shader_constants
+from .ray_correction import RECORDS, light_shift, light_steps, ray_sequence, ray_threshold, shader_constants
 
 #: The least probability of a ray; and of one to a faint light.
 MIN_RAY_PROBABILITY = 0.1
@@ -100,10 +100,9 @@ class TraceShadows(Pass):
 
     def draw_lights(self, frame: Frame) -> set[int]:
         """Lights with predictions of their own; gives those that anything was drawn of."""
-        shifts, used = members(LIGHT_INCREMENTS, 0, len(frame.scene.lights.shape)), set()
-        predicted, traced_draws = frame.framebuffer(DIRECT_PREDICTION), []
-        for light, shift in enumerate(shifts):  # all of one target first: to change it takes time
-            traced, shown = self.chosen(frame, light, shift[3])
+        predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
+        for light in range(len(frame.scene.lights.shape)):  # all of one target first: to change it takes time
+            traced, shown = self.chosen(frame, light)
             if not len(traced) + len(shown):
                 continue
             used.add(light)
@@ -113,7 +112,7 @@ class TraceShadows(Pass):
             draw_tiles(frame, predicted, program, shown)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
-                sequences = {"light_uv_shift": fixed_point(shift[:3]), **ray_sequence()}
+                sequences = {"light_uv_shift": light_shift(light), **ray_sequence()}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
         for light, variant, uniforms, traced in traced_draws:
             constants = shader_constants(variant, 1, len(frame.grid.places), MIN_RAY_PROBABILITY)
@@ -129,7 +128,6 @@ class TraceShadows(Pass):
             **material_samplers(frame),
             "lights": frame[LIGHT_BUFFER],
             "light_index": light,
-            "pixel_steps": fixed_point(PIXEL_INCREMENTS),
             "depth": frame[DEPTH],
             "prediction_surface": frame[PREDICTION_SURFACE],
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
@@ -146,7 +144,7 @@ class TraceShadows(Pass):
         return self.framebuffers[light]
 
     @staticmethod
-    def chosen(frame: Frame, light: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
+    def chosen(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
         """Tiles where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
         tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE].get(light)
         casts = casts_shadow(frame, light)
@@ -161,10 +159,9 @@ class TraceShadows(Pass):
         uncertain = (any_visible & any_occluded) | (not type_of(frame.scene.lights, light).exact)
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
-        columns, rows = frame.tiles
-        phase = members(TURN_INCREMENTS[:1], 0, columns * rows)[row * columns + column, 0] + shift
         # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
-        phase += tiles["sample_index"] // len(frame.grid.places) * TURN_INCREMENTS[1]
+        rounds = tiles["sample_index"] // len(frame.grid.places)
+        phase = draw(Dimension.TEST_TURN, light=light, tile=row * frame.tiles[0] + column, round=rounds)[:, 0]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean[row, column]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
         turn = (tiles["sample_index"] + 1.0) * probability + phase
@@ -186,8 +183,7 @@ class TraceShadows(Pass):
                 program,
                 **surface_samplers(frame) | material_samplers(frame),
                 lights=frame[LIGHT_BUFFER],
-                pixel_steps=fixed_point(PIXEL_INCREMENTS),
-                light_steps=fixed_point(LIGHT_INCREMENTS[:3]),
+                light_steps=light_steps(),
                 **ray_sequence(),
                 ray_threshold=ray_threshold(frame) if rays else 0.0,
                 **(frame[TLAS] if rays else {}),

@@ -8,7 +8,7 @@ uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D random;
 uniform vec3 directions[POINTS]; // in [0,1): two for the place on the cone's cap, one for the distance
-uniform float rotation;
+uniform vec2 rotation; // of a sample: of the angle and of the distance
 uniform float radius;
 uniform float cone_sine;
 uniform float intensity;
@@ -42,14 +42,13 @@ void main() {
     vec3 n = direction_from_octahedron(octahedra.xy), geometric_normal = direction_from_octahedron(octahedra.zw);
     vec2 subpixel_offset = project(here.xyz).xy - (vec2(at) + 0.5);
     mat3 cone = basis(n);
-    vec2 noise = 0.5 * fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + 0.5;
+    vec3 shift = vec3(0.0, fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + rotation);
     float hidden = 0.0;
     for (int k = 0; k < POINTS; ++k) {
-        vec3 c = directions[k];
-        float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * fract(c.y + noise.x + rotation);
+        vec3 c = fract(directions[k] + shift);
+        float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * c.y;
         vec3 direction = cone * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - sine * sine));
-        float distance = fract(c.z + noise.y + rotation);
-        hidden += occlusion_by(here.xyz, geometric_normal, subpixel_offset, here.xyz + direction * radius * sqrt(distance));
+        hidden += occlusion_by(here.xyz, geometric_normal, subpixel_offset, here.xyz + direction * radius * sqrt(c.z));
     }
     raw_occlusion = clamp(1.0 - intensity * hidden / float(POINTS), 0.0, 1.0);
 }

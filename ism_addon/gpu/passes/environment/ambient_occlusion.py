@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION, RAW_OCCLUSION
-from ....sampling.dimensions import Dimension, rd_sequence, sequence
+from ....sampling.dimensions import Dimension, draw, white_noise
 from ....scene import Change
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
@@ -40,13 +40,14 @@ class AmbientOcclusion(Pass):
 
     @cached_property
     def pixels(self) -> moderngl.VertexArray:
+        directions = draw(Dimension.OCCLUSION, direction=np.arange(SAMPLES))
         pixels = self.full_screen_program(points=SAMPLES, tile=NOISE_SIZE)
-        cast(moderngl.Uniform, pixels.program["directions"]).write(rd_sequence(0, SAMPLES, 3).astype("f4"))
+        cast(moderngl.Uniform, pixels.program["directions"]).write(directions.astype("f4"))
         return pixels
 
     @cached_property
     def random(self) -> moderngl.Texture:
-        random = np.random.default_rng(2013).uniform(-1.0, 1.0, (NOISE_SIZE, NOISE_SIZE, 2)).astype("f4")
+        random = white_noise(Dimension.OCCLUSION, (NOISE_SIZE, NOISE_SIZE, 2))
         texture = self.device.gl.texture((NOISE_SIZE, NOISE_SIZE), 2, random, dtype="f4")
         driver_variants.never_filtered(texture)
         return texture
@@ -65,7 +66,7 @@ class AmbientOcclusion(Pass):
             position=frame[POSITION],
             normal=frame[NORMAL],
             random=self.random,
-            rotation=sequence(Dimension.OCCLUSION_TURN, frame.sample, 1)[0, 0],
+            rotation=tuple(draw(Dimension.OCCLUSION_ROTATION, sample=frame.sample)),
             radius=ssao.radius,
             cone_sine=np.sin(ssao.cone_angle / 2.0),
             intensity=ssao.intensity,

@@ -2,6 +2,8 @@
 #include "maths/octahedron.glsl"
 #if INTEGERS
 uniform usampler2D source;
+uniform uvec3 triangle_steps;
+uniform uvec3 instance_steps;
 #else
 uniform sampler2D source;
 #endif
@@ -15,7 +17,7 @@ void main() {
     ivec2 at = min(ivec2(gl_FragCoord.xy * stretch), size - 1);
 #if INTEGERS
     uvec2 id = fetch(source, at).xy;
-    shown = id.x == 0u ? vec4(0.0) : vec4(fract(vec3(id.x + 7919u * id.y) * vec3(0.7548777, 0.5698403, 0.4301597)), 1.0);
+    shown = id.x == 0u ? vec4(0.0) : vec4(vec3(id.x * triangle_steps + id.y * instance_steps) / 4294967296.0, 1.0);
 #else
     vec4 texel = fetch(source, at);
     shown = vec4(components < 3 ? texel.xxx : octahedral ? 0.5 + 0.5 * direction_from_octahedron(texel.xy) : texel.rgb, 1.0);

@@ -6,6 +6,7 @@ from functools import cached_property
 import moderngl
 
 from ....resources import DEBUG_IMAGE, DEBUG_VIEWS, NORMAL, SAMPLE_COLOR
+from ....sampling.dimensions import Dimension, fixed_increments
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
@@ -38,6 +39,8 @@ class DebugImage(Pass):
             source=source,
             octahedral=target is NORMAL,
             components=source.components,
+            triangle_steps=fixed_increments(Dimension.DEBUG_COLOR, "triangle"),
+            instance_steps=fixed_increments(Dimension.DEBUG_COLOR, "instance"),
             size=(1, 1) if frame.is_neutral(target) else frame.graph.targets.sizes[target],
         )
         draw_pixels(frame, frame.framebuffer(DEBUG_IMAGE), shader)

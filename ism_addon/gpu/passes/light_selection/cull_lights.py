@@ -32,7 +32,7 @@ from ....resources import (
     TILE_SIZE,
     TLAS,
 )
-from ....sampling.dimensions import rd_sequence
+from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.surface_bounds import SurfaceBounds
@@ -190,9 +190,11 @@ class CullLights(Pass):
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) of each light: rays that arrived from every tile, or each so far apart, and rays."""
         columns, rows = (-(-count // spacing) for count in frame.tiles)
-        blocks = light_blocks(lights, rd_sequence(0, len(frame.scene.lights.shape), 2)[lights])
-        px = spacing * TILE_SIZE
-        grid, step = ProbeGrid((columns, rows), px, (px // 2, px // 2)), self.device.texture_size // rows
+        probing, px = 0 if spacing == COARSE_TILE_SPACING else frame.sample + 1, spacing * TILE_SIZE
+        blocks = light_blocks(lights, draw(Dimension.CULLING_POINT, light=lights, probing=probing))
+        light_uv_steps = fixed_increments(Dimension.CULLING_POINT, "culling_tile")
+        grid = ProbeGrid((columns, rows), px, (px // 2, px // 2), light_uv_steps)
+        step = self.device.texture_size // rows
         found: dict[int, np.ndarray] = {}
         for first in range(0, len(lights), step):
             some = lights[first : first + step]

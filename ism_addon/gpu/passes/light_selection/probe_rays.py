@@ -11,8 +11,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFER, PROBE, PROBE_SPACING, TLAS
-from ....sampling.dimensions import PIXEL_INCREMENTS, fixed_point
+from ....resources import LIGHT_BUFFER, PROBE, TLAS
+from ....sampling.dimensions import fixed_point
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
@@ -45,6 +45,7 @@ class ProbeGrid:
     block_size: tuple[int, int]  # texels
     spacing: int  # px from the first pixel of a texel to that of the next
     pixel_offset: tuple[int, int]  # px, of the pixel that has the ray from the first
+    light_uv_steps: tuple[int, ...]  # of light_uv from texel to texel, in 32-bit fixed point
     block_columns: int = 1  # blocks side by side
 
 
@@ -66,12 +67,18 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
 
 
 def trace_tiles(
-    frame: Frame, target: moderngl.Framebuffer, tiles: np.ndarray, blocks: BufferTexture, first: int, light: int
+    frame: Frame,
+    target: moderngl.Framebuffer,
+    tiles: np.ndarray,
+    light: int,
+    blocks: BufferTexture,
+    first: int,
+    grid: ProbeGrid,
 ) -> None:
-    """The rays of a light in rows of TILE, into its PROBE texture; it is that of the `first` of the blocks."""
+    """The rays of a light in rows of TILE, into its PROBE texture, which is the `first` of the blocks."""
     variant = shader_variant(frame.scene.lights, light)
     program = compile_program(frame.device, "glsl/tiles.vert", SHADER, records=RECORDS, **variant)
-    bind(program, **uniforms(frame, blocks, first, ProbeGrid(target.size, PROBE_SPACING, (0, 0))))
+    bind(program, **uniforms(frame, blocks, first, grid))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
 
 
@@ -80,9 +87,12 @@ def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -
     return {
         **surface_samplers(frame),
         **frame[TLAS],
-        **vars(grid),
         "lights": frame[LIGHT_BUFFER],
         "probe_blocks": blocks,
         "first_block": first,
-        "pixel_steps": fixed_point(PIXEL_INCREMENTS),
+        "block_size": grid.block_size,
+        "block_columns": grid.block_columns,
+        "spacing": grid.spacing,
+        "pixel_offset": grid.pixel_offset,
+        "pixel_steps": grid.light_uv_steps,
     }

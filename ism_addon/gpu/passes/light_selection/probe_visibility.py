@@ -3,15 +3,15 @@
 
 import moderngl
 
-from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBES, TLAS
-from ....sampling.dimensions import rd_sequence
+from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
+from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
 from ...gl.shader_records import PROBE_BLOCK
 from ...surface_inputs import SURFACE
 from ...tiles import tiles_where
-from .probe_rays import light_blocks, trace_tiles
+from .probe_rays import ProbeGrid, light_blocks, trace_tiles
 
 
 class ProbeVisibility(Pass):
@@ -30,9 +30,11 @@ class ProbeVisibility(Pass):
         lights = [light for light, influence in influences.items() if casts[light] and influence.to_probe.any()]
         probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
         gl.enable_only(moderngl.NOTHING)
-        blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, rd_sequence(0, len(casts), 2)[lights]))
-        for number, light in enumerate(lights):
+        blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, draw(Dimension.PROBE_POINT, light=lights)))
+        light_uv_steps = fixed_increments(Dimension.PROBE_POINT, "probe")
+        for index, light in enumerate(lights):
             into = gl.framebuffer([probes[light]])
             into.clear()
-            trace_tiles(frame, into, tiles_where(influences[light].to_probe), blocks, number, light)
+            grid = ProbeGrid(into.size, PROBE_SPACING, (0, 0), light_uv_steps)
+            trace_tiles(frame, into, tiles_where(influences[light].to_probe), light, blocks, index, grid)
         frame[PROBES] = probes

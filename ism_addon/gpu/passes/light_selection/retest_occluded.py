@@ -21,15 +21,14 @@ from ....resources import (
     TILE_VISIBILITY,
     TLAS,
 )
-from ....sampling.dimensions import Dimension, fixed_point, sequence
+from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...culling.light_influence import visibilities
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import pixels
-from ...gl.shader_records import PROBE_BLOCK
 from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, TILE
-from .probe_rays import ProbeGrid, trace_blocks
+from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
 #: Probability of a retest, in a sample and a tile, of a light that could be all the light there is.
 RETEST_PROBABILITY = 0.25
@@ -76,13 +75,13 @@ class RetestOccluded(Pass):
     @staticmethod
     def trace(frame: Frame, tiles: np.ndarray) -> moderngl.Texture:
         """A PROBE texture with a block for each row of TILE: a ray from each of its texels to the tile's light."""
-        blocks = np.zeros(len(tiles), PROBE_BLOCK.dtype)
-        blocks["light"] = tiles["light"]
-        blocks["light_uv"] = fixed_point(sequence(Dimension.RETEST_POINT, frame.sample, 1)[0])
+        lights = tiles["light"].astype(int)
+        blocks = light_blocks(lights, draw(Dimension.RETEST_POINT, sample=frame.sample, light=lights))
         blocks["first_texel"] = tiles["tile"] * PROBES_PER_TILE_SIDE
         offset = frame.sample % PROBE_SPACING, frame.sample // PROBE_SPACING % PROBE_SPACING
-        grid = ProbeGrid((PROBES_PER_TILE_SIDE, PROBES_PER_TILE_SIDE), PROBE_SPACING, offset, columns_of(tiles))
-        return trace_blocks(frame, blocks, grid)
+        light_uv_steps = fixed_increments(Dimension.RETEST_POINT, "probe")
+        size = PROBES_PER_TILE_SIDE, PROBES_PER_TILE_SIDE
+        return trace_blocks(frame, blocks, ProbeGrid(size, PROBE_SPACING, offset, light_uv_steps, columns_of(tiles)))
 
     @staticmethod
     def candidates(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
@@ -102,8 +101,8 @@ class RetestOccluded(Pass):
         lights, sums = frame[RETEST_CANDIDATES]
         if not len(lights):
             return np.zeros(0, TILE)
-        turn = sequence(Dimension.RETEST_TURN, frame.sample, 1)[0, 0]
-        picks = np.searchsorted(sums, np.arange(turn, sums[-1]), side="right")
+        start = float(draw(Dimension.RETEST, sample=frame.sample)[0])
+        picks = np.searchsorted(sums, np.arange(start, sums[-1]), side="right")
         light, row, column = np.unravel_index(picks, (len(lights), *frame.tiles[::-1]))
         tiles = np.zeros(len(picks), TILE)
         tiles["tile"] = np.stack([column, row], 1)

@@ -11,7 +11,7 @@ turns by a hundredth of a picture nine in ten change the points of one of twenty
 import numpy as np
 
 from ....resources import LIGHT_IMPORTANCE, POINT_CLOUD
-from ....sampling.dimensions import rd_sequence
+from ....sampling.dimensions import Dimension, draw
 from ....scene import Change, Lights
 from ...culling.surface_bounds import SurfaceBounds
 from ...frame import Frame, Pass, outputs
@@ -24,7 +24,8 @@ IMPORTANCE_POINTS = 4096
 
 def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_space: str) -> np.ndarray:
     """(L,): what the light of each would be off by if one virtual light stood for it, relative to the others'."""
-    some = (rd_sequence(0, IMPORTANCE_POINTS if len(cloud) else 0, 1)[:, 0] * len(cloud)).astype(int)
+    index = np.arange(IMPORTANCE_POINTS if len(cloud) else 0)
+    some = (draw(Dimension.IMPORTANCE_POINT, point=index)[:, 0] * len(cloud)).astype(int)
     points, normals = cloud.positions[some].T, cloud.normals[some].T
     either_side = SurfaceBounds.around(np.tile(points, 2), np.concatenate([normals, -normals], 1))
     estimates = np.zeros((len(lights.shape), 2 * len(some)), np.float32)

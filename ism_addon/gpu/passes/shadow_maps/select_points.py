@@ -17,7 +17,7 @@ import numpy as np
 
 from ....parallel import parallel_map
 from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD
-from ....sampling.dimensions import rd_sequence
+from ....sampling.dimensions import Dimension, draw
 from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
 from ...lights import type_of
@@ -68,11 +68,19 @@ def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
 
 
 def select(
-    cloud: PointCloud, weights: np.ndarray, count: int, splat_size: float, look: Callable[[], None] = lambda: None
+    cloud: PointCloud,
+    weights: np.ndarray,
+    light: int,
+    count: int,
+    splat_size: float,
+    look: Callable[[], None] = lambda: None,
 ) -> list[np.ndarray]:
-    """SUBSETS_PER_LIGHT subsets of about `count` points, as arrays of MAP_POINT. Before each it calls `look`."""
+    """SUBSETS_PER_LIGHT subsets of about `count` points for a light of weights (P,), as arrays of MAP_POINT.
+
+    Before each it calls `look`.
+    """
     chance = selection_probabilities(weights, count)
-    luck = rd_sequence(0, len(cloud), 1)[:, 0].astype(np.float32)
+    luck = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)), light=light)[:, 0].astype(np.float32)
     found = []
     for turn in range(SUBSETS_PER_LIGHT):
         look()
@@ -112,7 +120,7 @@ class SelectPoints(Pass):
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
-            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
+            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), light, count, size, look)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         chosen = parallel_map(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))

@@ -15,7 +15,7 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
-from ....sampling.dimensions import Dimension, rd_sequence, sequence
+from ....sampling.dimensions import Dimension, draw
 from ....sampling.points import lattice, proportional_counts
 from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
@@ -47,12 +47,12 @@ def virtual_light_tables(
     for light_type, rows, own in by_type(lights):
         tangents[rows], normals[rows] = light_type.axes(own)
     bitangents = np.cross(normals, tangents)
-    shifts = sequence(Dimension.VIRTUAL_LIGHT, sample, 1) + rd_sequence(0, len(normals), 2)
+    shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(normals)), sample=sample)
     squares = {light: lattice(count, shifts[light]) for light, count in points_per_light.items()}
     offsets = np.concatenate(
         [np.zeros((0, 3)), *(type_of(lights, light).points(lights, light, squares[light]) for light in squares)]
     )
-    angle = 2.0 * np.pi * rd_sequence(sample * len(owners), len(owners), 1)
+    angle = 2.0 * np.pi * draw(Dimension.MAP_ROTATION, map=sample * len(owners) + np.arange(len(owners)))
     points = np.zeros(len(owners), VIRTUAL_LIGHT.dtype)
     points["offset"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents, normals])[:, owners])
     points["rotation"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)

@@ -26,7 +26,7 @@ from ....resources import (
     TILE_VARIANCE,
     TILES,
 )
-from ....sampling.dimensions import TURN_INCREMENTS, Dimension, members, sequence
+from ....sampling.dimensions import Dimension, draw
 from ....scene import Change
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
@@ -58,11 +58,10 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 @dataclass
 class TileSelection:
-    """How often each tile takes part, and when: arrays (rows,columns) float32."""
+    """How often each tile takes part: arrays (rows,columns) float32."""
 
     sample_counts: np.ndarray  # samples so far, of a tile that has converged those for its neighbours too
     probabilities: np.ndarray
-    phases: np.ndarray  # in [0,1)
 
 
 class SelectTiles(Pass):
@@ -90,8 +89,8 @@ class SelectTiles(Pass):
             adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
             if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged)
-        turn = sequence(Dimension.TILE_TURN, frame.sample, 1)[0, 0]
-        takes_part = np.mod(selection.phases + turn, 1.0) < selection.probabilities
+        turns = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows)).reshape(rows, columns)
+        takes_part = turns < selection.probabilities
         takes_part &= neighbourhood_max(~converged)
         frame[TILES] = self.tiles(frame, takes_part)
         frame.counts["pixels_drawn"] += len(frame[TILES]) * TILE_SIZE**2
@@ -106,8 +105,7 @@ class SelectTiles(Pass):
         """All tiles, none drawn yet."""
         columns, rows = frame.tiles
         none, all_tiles = (np.full((rows, columns), value, np.float32) for value in (0.0, 1.0))
-        phases = members(TURN_INCREMENTS[:1], 0, columns * rows).reshape(rows, columns)
-        frame[TILE_SELECTION] = TileSelection(none, all_tiles, phases)
+        frame[TILE_SELECTION] = TileSelection(none, all_tiles)
         frame[SAMPLES_PER_TILE] = none.copy()
 
     @staticmethod

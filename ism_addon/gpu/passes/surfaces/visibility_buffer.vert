@@ -1,5 +1,6 @@
-// Object to clip space of the fine picture, see sampling.pixel_grid.PixelGrid. The mesh stands where its instance's rows say. Without
-// vertices or indices: they would take as much memory as the corners, which is all that there is of a large scene.
+// Object to clip space of the fine picture, see sampling.pixel_grid.PixelGrid. The mesh stands where its instance's rows
+// say. Without vertices or indices: they would take as much memory as the corners, which is all that there is of a large
+// scene.
 #include "trace/triangle_fetch.glsl"
 uniform usamplerBuffer instances;
 uniform int first_instance;
