@@ -14,7 +14,7 @@ import numpy as np
 
 from ...parallel import parallel_map
 from ...scene import Mesh
-from .bvh import ENDS, QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
+from .bvh import MIN_MAX, QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
 from .quantization import Quantization
 
 #: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
@@ -40,11 +40,11 @@ TRIANGLES_AT_A_TIME = 1 << 15
 
 @dataclass(frozen=True, eq=False)
 class BLAS:
-    """A mesh's tree in its lattice's steps, and where its leaves' triangles are."""
+    """A mesh's tree in its quantization's quanta, and where its leaves' triangles are."""
 
-    parts: (
+    bounds: (
         np.ndarray
-    )  # (P,2,3) steps, P = min(BOXES_PER_MESH, leaves): boxes around all of the mesh, closer than one when turned
+    )  # (P,2,3) quanta, P = min(BOXES_PER_MESH, leaves): boxes around all of the mesh, closer than one when turned
     nodes: np.ndarray  # (leaves // 2,) NODE
     starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
     per_leaf: int  # triangles from there on that a leaf looks at
@@ -56,7 +56,7 @@ class BLAS:
         return len(self.starts)
 
     @property
-    def tree(self) -> "BLAS":
+    def blas(self) -> "BLAS":
         """This one: see Runs."""
         return self
 
@@ -66,43 +66,43 @@ class DeferredBLAS:
 
     order = None
 
-    def __init__(self, lattice: Quantization, count: int):
-        self.lattice, self.count, self.run = lattice, count, run_of(count)
+    def __init__(self, quantization: Quantization, count: int):
+        self.quantization, self.count, self.run = quantization, count, run_of(count)
         self.boxes = np.empty((2, 3, -(-count // self.run)), np.int16)  # in planes
-        self.making: Future[BLAS] | None = None
+        self.future: Future[BLAS] | None = None
 
     def end_of(self, triangle: int) -> int:
         """Where the run ends that has the triangle before this one."""
         return min(-(-triangle // self.run) * self.run, self.count)
 
     def bound(self, first: int, corners: list[np.ndarray]) -> None:
-        """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in steps."""
-        if self.making is not None:
+        """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in quanta."""
+        if self.future is not None:
             return
         begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
         found = np.empty((2, 3, begun.stop - begun.start), np.float32)
-        for side, either in enumerate(ENDS):
+        for side, either in enumerate(MIN_MAX):
             for axis in range(3):
                 along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
                 found[side, axis] = reduce(either, along.T)
         self.boxes[:, :, begun] = quantize_boxes(found)
 
-    def begin(self) -> "Future[BLAS]":
+    def build_async(self) -> "Future[BLAS]":
         """Make the tree, beside whatever else is done."""
-        if self.making is None:
+        if self.future is None:
             core = ThreadPoolExecutor(1)
-            self.making = core.submit(blas_of_runs, self.boxes, self.count)
+            self.future = core.submit(blas_of_runs, self.boxes, self.count)
             core.shutdown(wait=False)
-        return self.making
+        return self.future
 
     @property
-    def tree(self) -> BLAS:
+    def blas(self) -> BLAS:
         """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
         try:
-            made = self.begin().result()
+            made = self.build_async().result()
         except BaseException:
-            self.making = None
+            self.future = None
             raise
         self.boxes = self.boxes[:, :, :0].copy()
         return made
@@ -110,31 +110,31 @@ class DeferredBLAS:
 
 def build_blas(mesh: Mesh) -> BLAS | DeferredBLAS:
     """The tree of a mesh that has triangles, or what will have it."""
-    lattice = Quantization.of(mesh)
-    if len(mesh.triangles) > SORT_ALL_BELOW and is_coherent(mesh, lattice):
-        return DeferredBLAS(lattice, len(mesh.triangles))
-    return blas_of_triangles(lattice.steps(mesh.positions, np.float32), mesh.triangles)
+    quantization = Quantization.of(mesh)
+    if len(mesh.triangles) > SORT_ALL_BELOW and is_coherent(mesh, quantization):
+        return DeferredBLAS(quantization, len(mesh.triangles))
+    return blas_of_triangles(quantization.quantize(mesh.positions, np.float32), mesh.triangles)
 
 
-def is_coherent(mesh: Mesh, lattice: Quantization) -> bool:
+def is_coherent(mesh: Mesh, quantization: Quantization) -> bool:
     """Whether the triangles of some of a mesh's runs do."""
     run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
     some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SAMPLED_TRIANGLES)]
-    corners = lattice.steps(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
+    corners = quantization.quantize(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
     inside = surfaces(corners.min(2), corners.max(2)).reshape(-1, run).sum(1)
     of_runs = corners.reshape(3, -1, 3 * run)
     return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= MAX_OVERLAP * inside) >= COHERENT_FRACTION)
 
 
-def blas_of_triangles(steps: np.ndarray, triangles: np.ndarray) -> BLAS:
-    """Sorted triangle by triangle; steps are (3,V)."""
-    tree = build(boxes_of(steps, triangles), TRIANGLES_PER_LEAF)
+def blas_of_triangles(quanta: np.ndarray, triangles: np.ndarray) -> BLAS:
+    """Sorted triangle by triangle; quanta are (3,V)."""
+    tree = build(boxes_of(quanta, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
     filled = np.count_nonzero(real.reshape(tree.leaves, -1), 1)
     # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
     starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
     order = tree.order[real].astype(np.uint32)
-    return BLAS(parts_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+    return BLAS(bounds_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
 
 
 def blas_of_runs(boxes: np.ndarray, count: int) -> BLAS:
@@ -142,7 +142,7 @@ def blas_of_runs(boxes: np.ndarray, count: int) -> BLAS:
     run, members = run_of(count), assign_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
     rows, nodes = packed_nodes_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
-    return BLAS(parts_of(nodes), rows, starts, run, None)
+    return BLAS(bounds_of(nodes), rows, starts, run, None)
 
 
 def run_of(count: int) -> int:
@@ -150,13 +150,13 @@ def run_of(count: int) -> int:
     return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_LEAF)))
 
 
-def boxes_of(steps: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(2,3,T) int16: boxes around triangles (T,3) of steps (3,V), in planes."""
+def boxes_of(quanta: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(2,3,T) int16: boxes around triangles (T,3) of quanta (3,V), in planes."""
     boxes = np.empty((2, 3, len(triangles)), np.int16)
 
     def find(first: int) -> None:
         part = slice(first, first + TRIANGLES_AT_A_TIME)
-        places = steps.take(np.ascontiguousarray(triangles[part].T), 1)
+        places = quanta.take(np.ascontiguousarray(triangles[part].T), 1)
         boxes[:, :, part] = quantize_boxes(np.stack([places.min(1), places.max(1)]))
 
     parallel_map(find, range(0, len(triangles), TRIANGLES_AT_A_TIME), len(triangles))
@@ -169,8 +169,8 @@ def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return x * y + y * z + z * x
 
 
-def parts_of(nodes: np.ndarray) -> np.ndarray:
-    """BLAS.parts of BVH.nodes."""
+def bounds_of(nodes: np.ndarray) -> np.ndarray:
+    """BLAS.bounds of BVH.nodes."""
     level = min(BOXES_PER_MESH, nodes.shape[2] // 2)
     boxes = nodes[:, :, level : 2 * level].transpose(2, 0, 1)
     boxes = boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]] * np.float32(QUANTA_PER_PLANE)

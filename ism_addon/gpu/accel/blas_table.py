@@ -6,39 +6,39 @@ from functools import cached_property
 import numpy as np
 
 from ...scene import Mesh
-from ..buffers.small_meshes import in_groups, joined
+from ..buffers.small_meshes import concatenated, small_mesh_groups
 from ..gl.context import Device
 from .blas import BLAS, DeferredBLAS
 
 
 class BLASTable:
-    """The trees of the resident meshes, and what of them instances ask for, as arrays: made when first asked for."""
+    """The trees of the resident meshes, and the arrays that BuildTLAS needs of them, built on first use."""
 
-    def __init__(self, meshes: tuple[Mesh, ...], made: dict[int, BLAS | DeferredBLAS]):
-        """`meshes` are all of the scene, `made` has the trees by index."""
-        self.meshes, self.made = meshes, made
+    def __init__(self, meshes: tuple[Mesh, ...], built: dict[int, BLAS | DeferredBLAS]):
+        """`meshes` are all of the scene, `built` has the trees by index."""
+        self.meshes, self.built = meshes, built
         #: (M,): where in the arrays below a mesh of the scene is; -1 for those that are not.
         self.rows = np.full(len(meshes), -1)
-        self.rows[list(made)] = np.arange(len(made))
+        self.rows[list(built)] = np.arange(len(built))
 
     @cached_property
     def trees(self) -> tuple[BLAS, ...]:
         """One a resident mesh."""
-        return tuple(each.tree for each in self.made.values())
+        return tuple(each.blas for each in self.built.values())
 
     @cached_property
     def boxes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of all that have P parts, for each such P: which (W,) they are, and middles and halves (3,N,P) of the parts.
+        """Bounds of the resident meshes, grouped by how many boxes P a mesh has.
 
-        Which of them it is by mesh: -1 for others.
+        Of each group: (W,) where in it a resident mesh is, -1 for others; centres and halves (3,N,P) of the boxes.
         """
-        counts, found = np.array([len(tree.parts) for tree in self.trees], np.int64), []
+        counts, found = np.array([len(tree.bounds) for tree in self.trees], np.int64), []
         for count in np.unique(counts).tolist():
             own = np.flatnonzero(counts == count)
             which = np.full(len(counts), -1)
             which[own] = np.arange(len(own))
-            parts = np.concatenate([self.trees[number].parts for number in own]).astype(np.float64)
-            low, high = parts.reshape(-1, count, 2, 3).transpose(2, 3, 0, 1)
+            bounds = np.concatenate([self.trees[number].bounds for number in own]).astype(np.float64)
+            low, high = bounds.reshape(-1, count, 2, 3).transpose(2, 3, 0, 1)
             found.append((which, (low + high) / 2.0, (high - low) / 2.0))
         return found
 
@@ -48,7 +48,7 @@ class BLASTable:
         return np.array([tree.leaves for tree in self.trees], np.int64)
 
     @cached_property
-    def per_leaf(self) -> np.ndarray:
+    def triangles_per_leaf(self) -> np.ndarray:
         """(W,) int64: triangles."""
         return np.array([tree.per_leaf for tree in self.trees], np.int64)
 
@@ -61,10 +61,10 @@ class BLASBuffers:
         self.first_leaves = np.cumsum([0] + [tree.leaves for tree in trees])
         self.nodes = device.new_buffer(2 * int(self.first_nodes[-1]), 4, "u4")
         self.leaf_starts = device.new_buffer(int(self.first_leaves[-1]), 1, "u4")
-        for group in in_groups([tree.leaves for tree in trees]):  # small ones in one write
+        for group in small_mesh_groups([tree.leaves for tree in trees]):  # small ones in one write
             some, first = trees[group], group.start
-            self.nodes.write(joined([rows_of(tree.nodes) for tree in some]), 2 * int(self.first_nodes[first]))
-            self.leaf_starts.write(joined([tree.starts for tree in some]), int(self.first_leaves[first]))
+            self.nodes.write(concatenated([rows_of(tree.nodes) for tree in some]), 2 * int(self.first_nodes[first]))
+            self.leaf_starts.write(concatenated([tree.starts for tree in some]), int(self.first_leaves[first]))
         self.bytes = sum(tree.starts.nbytes + tree.nodes.nbytes for tree in trees)
 
 

@@ -2,10 +2,10 @@
 """A tree of boxes over boxes: what a shadow ray looks through instead of all triangles.
 
 Complete, so that its shape needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and the leaves are
-as many as the next power of four asks for. Each node splits its boxes at the median of their middles along the longest
+as many as the next power of four asks for. Each node splits its boxes at the median of their centres along the longest
 axis (Kay & Kajiya 1986), all nodes of a level at once. Rays go two levels at a step, from k to 4k … 4k + 3: what they
 fetch for that is 32 bytes, corners in bytes within the box around all four (Ylitie, Karras & Laine 2017). Lengths are
-in steps of a grid, see scale_of and lattice; boxes begin and end in planes of it, whose numbers take 16 bits.
+in quanta, see quantization.py; corners of boxes lie on planes, 512 quanta apart, whose indices take 16 bits.
 """
 
 from dataclasses import dataclass
@@ -26,24 +26,26 @@ TINY_ROW = 1 << 5
 BOXES_AT_A_TIME = 1 << 13
 
 #: The box (2,3,1) around nothing: it begins after its end.
-NOTHING = np.repeat(np.array([[[32767]], [[-32768]]], np.int16), 3, 1)
+EMPTY_BOX = np.repeat(np.array([[[32767]], [[-32768]]], np.int16), 3, 1)
 
 #: What boxes around several have of the boxes' low ends, and of their high ends.
-ENDS: tuple[np.ufunc, np.ufunc] = np.minimum, np.maximum
+MIN_MAX: tuple[np.ufunc, np.ufunc] = np.minimum, np.maximum
 
-#: Steps from one plane in which boxes may begin and end to the next: 16 bits say which, 8 where they are all of a node.
+#: Quanta between planes. A box's corners lie on planes: 16 bits say which; in a node, 8 bits.
 QUANTA_PER_PLANE = 512
 
-#: Steps that boxes reach beyond what is in them: more than rays err that start as far away as the tree is large.
+#: Quanta by which boxes are enlarged: more than the rounding error of rays that start as far away as the tree is large.
 BOX_SLACK = 32
 
-#: Rays see a tree on a grid of so many steps on either side of the origin: as many as float32 tells apart, nearly, and
-#: boxes that reach a little farther still end in the last planes.
+#: A tree's grid has so many quanta on either side of its origin: nearly all that float32 distinguishes. Enlarged boxes
+#: still end on its last planes.
 GRID_EXTENT = 255 * 128 * QUANTA_PER_PLANE - 2 * BOX_SLACK
 
-#: A node as rays read it, two texels: the plane where its box begins; how many planes are the unit of the rest, as a
-#: power of two of four bits an axis; and on each axis, from where to where the four boxes two levels below reach.
-BVH_NODE = np.dtype([("begin", "<i2", 3), ("unit", "<u2"), ("low", "u1", (3, 4)), ("high", "u1", (3, 4))])
+#: A node as shaders read it, two texels: the low corner of its box, in planes; the unit of the rest on each axis, a
+#: power of two of planes, four bits an axis; and in that unit, from the low corner, the four boxes two levels below.
+BVH_NODE = np.dtype(
+    [("origin", "<i2", 3), ("exponent", "<u2"), ("child_min", "u1", (3, 4)), ("child_max", "u1", (3, 4))]
+)
 
 
 #: The power of two of planes by which a byte reaches so many of them.
@@ -76,8 +78,8 @@ def build(boxes: np.ndarray, most_per_leaf: int) -> BVH:
     """A tree over N > 0 boxes (2,3,N) in planes."""
     leaves = leaves_for(boxes.shape[2], most_per_leaf)
     order = assign_leaves(boxes, leaves)
-    boxes, in_leaf = np.append(boxes, NOTHING, 2), order.reshape(leaves, -1).T
-    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate(ENDS))
+    boxes, in_leaf = np.append(boxes, EMPTY_BOX, 2), order.reshape(leaves, -1).T
+    low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate(MIN_MAX))
     return BVH(order, leaves, node_boxes(np.stack([low, high]), np.arange(leaves)))
 
 
@@ -91,11 +93,11 @@ def assign_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
     count = boxes.shape[2]
     per_leaf = -(-count // leaves)
     order = np.minimum(np.arange(leaves * per_leaf), count)
-    middles = ((boxes[0] >> 1) + (boxes[1] >> 1)).take(order[None], 1, mode="clip")
-    halves = [(middles, order[None])]
+    centres = ((boxes[0] >> 1) + (boxes[1] >> 1)).take(order[None], 1, mode="clip")
+    halves = [(centres, order[None])]
     if leaves > 1 and count > MIN_PARALLEL_SIZE:
-        middles, both = split(*halves[0])
-        halves = [(middles[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
+        centres, both = split(*halves[0])
+        halves = [(centres[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
     most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
     return np.concatenate(parallel_map(lambda half: sort(*half, most), halves, count))
 
@@ -106,7 +108,7 @@ def node_boxes(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
     nodes = np.empty((2, 3, 2 * leaves), np.int16)
 
     def fill(side: int, axis: int) -> None:
-        along, either, nothing = nodes[side, axis], (np.minimum, np.maximum)[side], NOTHING[side, axis]
+        along, either, nothing = nodes[side, axis], (np.minimum, np.maximum)[side], EMPTY_BOX[side, axis]
         boxes[side, axis].take(members, out=along[leaves:], mode="clip")
         np.copyto(along[leaves:], nothing, where=empty)
         first = leaves // 2
@@ -120,12 +122,12 @@ def node_boxes(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
     return nodes
 
 
-def scale_of(reach: np.ndarray) -> np.ndarray:
-    """(3,) float32: steps of the grid a unit of length, for what reaches (3,) from the origin.
+def scale_of(extent: np.ndarray) -> np.ndarray:
+    """(3,) float32: quanta per unit of length, for what reaches `extent` (3,) from the origin.
 
-    What is flat counts as thicker, lest products overflow.
+    Flat extents count as thicker, so that products do not overflow.
     """
-    return np.float32(GRID_EXTENT) / np.maximum(reach, max(1e-3 * reach.max(), 1e-20)).astype(np.float32)
+    return np.float32(GRID_EXTENT) / np.maximum(extent, max(1e-3 * extent.max(), 1e-20)).astype(np.float32)
 
 
 def packed(nodes: np.ndarray) -> np.ndarray:
@@ -153,8 +155,8 @@ def packed_nodes_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarra
         part = slice(first, min(first + BOXES_AT_A_TIME, above))
         chosen = members[grandchildren(part)]
         inside = boxes.take(chosen, 2, mode="clip")
-        np.copyto(inside, NOTHING, where=chosen == boxes.shape[2])
-        for side, either in enumerate(ENDS):
+        np.copyto(inside, EMPTY_BOX, where=chosen == boxes.shape[2])
+        for side, either in enumerate(MIN_MAX):
             around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
         pack(inside, around[:, :, part], rows[above:][part])
 
@@ -171,37 +173,37 @@ def grandchildren(part: slice) -> slice:
 
 def pack(inside: np.ndarray, around: np.ndarray, into: np.ndarray) -> None:
     """Fill rows (N,) BVH_NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
-    begin = around[0]
+    origin = around[0]
     # Differences that wrap around are right as 16 bits without a sign.
-    powers = POWERS.take((around[1] - begin).view(np.uint16))
-    into["begin"], into["unit"] = begin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
-    low, high = (inside - np.repeat(begin, 4, 1)).view(np.uint16)
+    powers = POWERS.take((around[1] - origin).view(np.uint16))
+    into["origin"], into["exponent"] = origin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
+    low, high = (inside - np.repeat(origin, 4, 1)).view(np.uint16)
     powers = np.repeat(powers, 4, 1)
     low, high = low >> powers, high + ((np.uint16(1) << powers) - np.uint16(1)) >> powers
-    nowhere = inside[0, 0] > inside[1, 0]
-    low[:, nowhere], high[:, nowhere] = 255, 0
+    is_empty = inside[0, 0] > inside[1, 0]
+    low[:, is_empty], high[:, is_empty] = 255, 0
     words = into.view(np.uint32).reshape(-1, 8)  # four bytes at a time, as numpy is slow along short axes
     words[:, 2:5], words[:, 5:] = (corner.astype(np.uint8).view(np.uint32).T for corner in (low, high))
 
 
-def sort(middles: np.ndarray, groups: np.ndarray, most: int) -> np.ndarray:
-    """Split boxes (1,N), N a power of two times what a leaf holds, into rows of `most`; their middles are (3,1,N)."""
+def sort(centres: np.ndarray, groups: np.ndarray, most: int) -> np.ndarray:
+    """Split boxes (1,N), N a power of two times what a leaf holds, into rows of `most`; their centres are (3,1,N)."""
     while groups.shape[1] > most:
-        middles, groups = split(middles, groups)
+        centres, groups = split(centres, groups)
     return groups.ravel()
 
 
-def split(middles: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Each row of groups (G,N) as two, the lower half along its longest axis first; with middles (3,G,N).
+def split(centres: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each row of groups (G,N) as two, the lower half along its longest axis first; with centres (3,G,N).
 
     Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
     """
     count, size = groups.shape
-    longest = (reduce_rows(np.maximum, middles) - reduce_rows(np.minimum, middles)).view(np.uint16).argmax(0)
-    order = ascending(middles[longest, np.arange(count)])
+    longest = (reduce_rows(np.maximum, centres) - reduce_rows(np.minimum, centres)).view(np.uint16).argmax(0)
+    order = ascending(centres[longest, np.arange(count)])
     order += np.arange(0, count * size, size)[:, None]
     order = order.reshape(2 * count, size // 2)
-    return middles.reshape(3, -1).take(order, 1), groups.ravel().take(order)
+    return centres.reshape(3, -1).take(order, 1), groups.ravel().take(order)
 
 
 def ascending(values: np.ndarray) -> np.ndarray:
@@ -217,10 +219,10 @@ def ascending(values: np.ndarray) -> np.ndarray:
     return (keys & 0xFFFF).astype(np.int64)
 
 
-def reduce_rows(either: np.ufunc, middles: np.ndarray) -> np.ndarray:
-    """(3,G) the least or the greatest of each row of middles (3,G,N)."""
-    rows, size = middles.shape[:2], middles.shape[2]
+def reduce_rows(either: np.ufunc, centres: np.ndarray) -> np.ndarray:
+    """(3,G) the least or the greatest of each row of centres (3,G,N)."""
+    rows, size = centres.shape[:2], centres.shape[2]
     while size <= SHORT_ROW and size % 2 == 0:
-        middles, size = middles.reshape(-1), size // 2
-        middles = either(middles[::2], middles[1::2])
-    return either.reduce(middles.reshape(*rows, size), 2)
+        centres, size = centres.reshape(-1), size // 2
+        centres = either(centres[::2], centres[1::2])
+    return either.reduce(centres.reshape(*rows, size), 2)

@@ -12,16 +12,16 @@ import numpy as np
 
 from ...parallel import parallel_map
 from ...scene import Mesh
-from ..buffers.small_meshes import JoinedMeshes, in_groups
+from ..buffers.small_meshes import JoinedMeshes, small_mesh_groups
 from .blas import BLAS, BOXES_PER_MESH, TRIANGLES_PER_LEAF, DeferredBLAS, boxes_of, build_blas
-from .bvh import BVH_NODE, ENDS, NOTHING, QUANTA_PER_PLANE, leaves_for, pack, sort
+from .bvh import BVH_NODE, EMPTY_BOX, MIN_MAX, QUANTA_PER_PLANE, leaves_for, pack, sort
 
 
 def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
     """mesh_tree of each mesh, on all cores."""
     counts = [len(mesh.triangles) for mesh in meshes]
     order = sorted(range(len(meshes)), key=counts.__getitem__)  # neighbours are alike
-    groups = [order[group] for group in in_groups([counts[number] for number in order])]
+    groups = [order[group] for group in small_mesh_groups([counts[number] for number in order])]
 
     def made(group: list[int]) -> Sequence[BLAS | DeferredBLAS]:
         some = [meshes[number] for number in group]
@@ -34,7 +34,7 @@ def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
 def blas_of_small_meshes(meshes: Sequence[Mesh]) -> list[BLAS]:
     """Those of meshes that are small enough to be put together."""
     together = JoinedMeshes(meshes)
-    boxes = boxes_of(together.steps(np.float32), together.triangles)
+    boxes = boxes_of(together.quantize(np.float32), together.triangles)
     leaves = {count: leaves_for(count, TRIANGLES_PER_LEAF) for count in set(together.counts.tolist())}
     shapes: dict[tuple[int, int], list[int]] = {}
     for number, count in enumerate(together.counts.tolist()):
@@ -58,22 +58,22 @@ def blas_of_shape(boxes: np.ndarray, first: np.ndarray, counts: np.ndarray, leav
     order = sort(middles, order, 4 if per_leaf == 1 else per_leaf).reshape(number, -1)
     real = order < count
     inside = boxes.take(first[:, None] + np.minimum(order, count - 1), 2)
-    np.copyto(inside, NOTHING[..., None], where=~real)
+    np.copyto(inside, EMPTY_BOX[..., None], where=~real)
     nodes = node_boxes(inside.reshape(2, 3, number, leaves, per_leaf))
     filled = real.reshape(number, leaves, per_leaf).sum(2)
     starts = np.minimum(np.cumsum(filled, 1) - filled, count - per_leaf).astype(np.uint32)
     ends = np.cumsum(counts).tolist()
     orders = np.split(order[real].astype(np.uint32), ends[:-1])
-    trees = zip(parts_of(nodes), packed(nodes), starts, orders, strict=True)
-    return [BLAS(parts, rows, begins, per_leaf, own) for parts, rows, begins, own in trees]
+    trees = zip(bounds_of(nodes), packed(nodes), starts, orders, strict=True)
+    return [BLAS(bounds, rows, begins, per_leaf, own) for bounds, rows, begins, own in trees]
 
 
 def node_boxes(inside: np.ndarray) -> np.ndarray:
     """(2,3,M,2 * leaves): Tree.nodes of each of M trees, whose leaves hold boxes (2,3,M,leaves,per_leaf)."""
     _, _, number, leaves, per_leaf = inside.shape
     nodes = np.empty((2, 3, number, 2 * leaves), np.int16)
-    nodes[..., 0] = NOTHING
-    for along, either, of_side in zip(nodes, ENDS, inside, strict=True):
+    nodes[..., 0] = EMPTY_BOX
+    for along, either, of_side in zip(nodes, MIN_MAX, inside, strict=True):
         along[..., leaves:] = reduce(either, (of_side[..., k] for k in range(per_leaf)))
         level = leaves
         while level > 1:
@@ -96,8 +96,8 @@ def packed(nodes: np.ndarray) -> np.ndarray:
     return rows
 
 
-def parts_of(nodes: np.ndarray) -> np.ndarray:
-    """(M,P,2,3) BLAS.parts of trees' nodes (2,3,M,2 * leaves)."""
+def bounds_of(nodes: np.ndarray) -> np.ndarray:
+    """(M,P,2,3) BLAS.bounds of trees' nodes (2,3,M,2 * leaves)."""
     level = min(BOXES_PER_MESH, nodes.shape[3] // 2)
     boxes = nodes[..., level : 2 * level].transpose(2, 3, 0, 1)
     real = boxes[:, :, 0, 0] <= boxes[:, :, 1, 0]

@@ -40,10 +40,10 @@ class MultiDrawCall:
 class Owners:
     """By triangle, the instance whose it is: of meshes that stand once."""
 
-    def __init__(self, device: Device, geometry: MeshBuffers, pairs: bytes):
+    def __init__(self, device: Device, mesh_buffers: MeshBuffers, pairs: bytes):
         """`pairs` (N,2) int64 are the meshes' numbers and their instances' rows; there may be none."""
         numbers, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
-        first, counts = geometry.first_triangle[numbers], geometry.counts[numbers]
+        first, counts = mesh_buffers.first_triangle[numbers], mesh_buffers.counts[numbers]
         owners = np.zeros((int((first + counts).max(initial=0)), 1), np.uint32)
         within = np.arange(counts.sum()) - (np.cumsum(counts) - counts).repeat(counts)
         owners[first.repeat(counts) + within, 0] = rows.repeat(counts)
@@ -54,14 +54,14 @@ class Owners:
 class InstanceBuffers:
     """Where the instances stand in anchor space, those of a mesh one behind the other."""
 
-    def __init__(self, device: Device, geometry: MeshBuffers, instances: Instances, anchor: np.ndarray):
+    def __init__(self, device: Device, mesh_buffers: MeshBuffers, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
         order = shown[np.argsort(instances.mesh[shown], kind="stable")]
         #: Where in the table an instance is; -1 for one that is not seen.
         self.rows = np.full(len(instances.mesh), -1)
         self.rows[order] = np.arange(len(order))
         mesh = instances.mesh[order]
-        linear, offsets = anchor_from_steps(geometry, instances, order, anchor)
+        linear, offsets = anchor_from_quanta(mesh_buffers, instances, order, anchor)
         self.matrices = np.concatenate([linear, offsets[:, :, None]], 2)
         table = np.zeros(len(order), INSTANCE.dtype)
         for k in range(3):
@@ -71,37 +71,37 @@ class InstanceBuffers:
         groups["groups"] = instances.groups[order]
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
-        self.geometry = geometry
+        self.mesh_buffers = mesh_buffers
         #: Each instance's mesh, -1 if that is not there; and whether that is drawn together with others: of small ones,
         #: if they are some, those that stand once.
-        self.mesh = np.where(geometry.first_triangle[mesh] >= 0, mesh, -1)
-        alone = np.bincount(mesh, minlength=len(geometry.meshes))[mesh] == 1
-        self.single = (self.mesh >= 0) & alone & (geometry.counts[mesh] <= SMALL_MESH)
-        numbers = self.mesh[self.single]
-        ends = geometry.first_triangle[numbers] + geometry.counts[numbers]
-        if len(numbers) < 2 or ends.max() > MAX_OWNERS_RATIO * geometry.counts[numbers].sum():
-            self.single[:] = False
-        self.half_sizes = geometry.half_sizes[mesh]
+        self.mesh = np.where(mesh_buffers.first_triangle[mesh] >= 0, mesh, -1)
+        alone = np.bincount(mesh, minlength=len(mesh_buffers.meshes))[mesh] == 1
+        self.is_single = (self.mesh >= 0) & alone & (mesh_buffers.counts[mesh] <= SMALL_MESH)
+        numbers = self.mesh[self.is_single]
+        ends = mesh_buffers.first_triangle[numbers] + mesh_buffers.counts[numbers]
+        if len(numbers) < 2 or ends.max() > MAX_OWNERS_RATIO * mesh_buffers.counts[numbers].sum():
+            self.is_single[:] = False
+        self.half_sizes = mesh_buffers.half_sizes[mesh]
 
-    def own(self, share: Callable[[bytes], Owners]) -> None:
+    def set_owners(self, share: Callable[[bytes], Owners]) -> None:
         """Note whose the triangles are that are drawn together; `share` makes Owners, or has made them."""
-        rows = np.flatnonzero(self.single)
+        rows = np.flatnonzero(self.is_single)
         self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
-    def draws(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
+    def visible_draw_calls(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
         """The instances that can be in the picture, or as far beyond it as cull.py says."""
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
-        return self.chosen(in_view(self.half_sizes, clip_from_centre, margin))
+        return self.draw_calls(in_view(self.half_sizes, clip_from_centre, margin))
 
-    def chosen(self, which: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
+    def draw_calls(self, which: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
         """Those instances (I,) bool."""
         found = runs(which, self.mesh)
         rows, instances = np.array(found, np.int64).reshape(-1, 2).T
         numbers = self.mesh[rows]
-        first, counts = self.geometry.first_triangle[numbers], self.geometry.counts[numbers]
-        single = self.single[rows]
-        edges = np.flatnonzero(np.diff(single, prepend=False, append=False))
+        first, counts = self.mesh_buffers.first_triangle[numbers], self.mesh_buffers.counts[numbers]
+        is_single = self.is_single[rows]
+        edges = np.flatnonzero(np.diff(is_single, prepend=False, append=False))
         begin = 0
         for edge, end in [*edges.reshape(-1, 2).tolist(), [len(rows), len(rows)]]:
             for k in range(begin, edge):
@@ -132,11 +132,11 @@ def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
     return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
 
 
-def anchor_from_steps(
-    geometry: MeshBuffers, instances: Instances, rows: np.ndarray, anchor: np.ndarray
+def anchor_from_quanta(
+    mesh_buffers: MeshBuffers, instances: Instances, rows: np.ndarray, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the steps of their meshes' lattices."""
+    """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the quanta of their meshes."""
     mesh, matrices = instances.mesh[rows], instances.world_from_object[rows]
     linear = matrices[:, :3, :3]
-    offsets = np.einsum("nij,nj->ni", linear, geometry.centres[mesh]) + matrices[:, :3, 3] - anchor
-    return linear / geometry.scales[mesh, None, None], offsets
+    offsets = np.einsum("nij,nj->ni", linear, mesh_buffers.centres[mesh]) + matrices[:, :3, 3] - anchor
+    return linear / mesh_buffers.quanta_per_metre[mesh, None, None], offsets

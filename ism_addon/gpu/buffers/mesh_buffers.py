@@ -21,12 +21,12 @@ from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
 from ..gl.shader_records import octahedron_from_directions
 from .heap_trim import trim_heap
-from .small_meshes import JoinedMeshes, in_groups
+from .small_meshes import JoinedMeshes, small_mesh_groups
 
-#: Triangles that are made ready and uploaded at a time: little enough for a processor's cache.
+#: Triangles that are prepared and uploaded at a time: few enough for a processor's cache.
 TRIANGLES_AT_A_TIME = 1 << 15
 
-#: Portions that are made ready while one is uploaded.
+#: Portions that are prepared while one is uploaded.
 PORTIONS_AHEAD = 3
 
 #: OpenGL numbers the vertices of a draw by int32. Drivers whose buffer textures have fewer rows can draw fewer.
@@ -39,7 +39,7 @@ Made = TypeVar("Made")
 class QuantizedVertices:
     """As they are uploaded."""
 
-    steps: np.ndarray  # (3,V) int32
+    quanta: np.ndarray  # (3,V) int32
     octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
 
 
@@ -52,7 +52,7 @@ class Source:
     """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
 
     arrays: Mesh | JoinedMeshes
-    steps: Callable[[], np.ndarray]  # makes (3,V) int32
+    quanta: Callable[[], np.ndarray]  # makes (3,V) int32
     order: np.ndarray | None  # (T,): which triangle is where; None: all are where they were
     runs: DeferredBLAS | None
 
@@ -61,20 +61,20 @@ class Source:
         """That of one mesh, or of some small ones."""
         if len(meshes) == 1:
             (mesh,), (tree,) = meshes, trees
-            steps = partial(Quantization.of(mesh).steps, mesh.positions)
-            return cls(mesh, steps, tree.order if tree else None, tree if isinstance(tree, DeferredBLAS) else None)
+            quanta = partial(Quantization.of(mesh).quantize, mesh.positions)
+            return cls(mesh, quanta, tree.order if tree else None, tree if isinstance(tree, DeferredBLAS) else None)
         together = JoinedMeshes(meshes)
         order = None
         if trees[0] is not None:
             order = np.concatenate([tree.order for tree in trees if tree is not None]) + together.first.repeat(
                 together.counts
             )
-        return cls(together, partial(together.steps, np.int32), order, None)
+        return cls(together, partial(together.quantize, np.int32), order, None)
 
     def vertices(self) -> QuantizedVertices:
         """Its own."""
         normals = self.arrays.normals
-        return QuantizedVertices(self.steps(), snorm16(normals) if normals.ndim == 2 else None)
+        return QuantizedVertices(self.quanta(), snorm16(normals) if normals.ndim == 2 else None)
 
 
 @dataclass(frozen=True)
@@ -90,15 +90,15 @@ class TriangleRange:
         """(N,3) uint32 into the positions of its source."""
         return self.source.arrays.triangles[self.chosen]
 
-    def places(self) -> list[np.ndarray]:
-        """Nine coordinates (N,) of the corners, in steps. Runs that begin there are bounded, which may end later."""
+    def positions(self) -> list[np.ndarray]:
+        """Nine coordinates (N,) of the corners, in quanta. Runs that begin there are bounded, which may end later."""
         runs, triangles = self.source.runs, self.triangles
         if runs is None or not isinstance(self.chosen, slice):
             return vertex_positions(triangles, self.vertices)
         first, count = self.chosen.start, len(triangles)
-        places = vertex_positions(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
-        runs.bound(first, places)
-        return [along[:count] for along in places]
+        positions = vertex_positions(self.source.arrays.triangles[first : runs.end_of(first + count)], self.vertices)
+        runs.bound(first, positions)
+        return [along[:count] for along in positions]
 
 
 class TriangleOrder:
@@ -106,7 +106,7 @@ class TriangleOrder:
 
     def __init__(self, meshes: Sequence[Mesh], trees: Sequence[BLAS | DeferredBLAS | None]):
         counts = [len(mesh.triangles) for mesh in meshes]
-        self.groups = in_groups(counts)
+        self.groups = small_mesh_groups(counts)
         self.meshes, self.trees = meshes, trees
         self.runs = [tree for tree in trees if isinstance(tree, DeferredBLAS)]
         self.first_triangle = np.cumsum([0, *counts])
@@ -120,9 +120,9 @@ class TriangleOrder:
         """All triangles, TRIANGLES_AT_A_TIME. Vertices are kept as long as ranges of their source are."""
         latest, source, vertices = -1, None, NO_VERTICES
         ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
-        for pieces in portions(np.diff(ends), TRIANGLES_AT_A_TIME):
+        for ranges in portions(np.diff(ends), TRIANGLES_AT_A_TIME):
             portion = []
-            for number, part in pieces:
+            for number, part in ranges:
                 if source is None or number != latest:
                     group = self.groups[number]
                     latest, source = number, Source.of(self.meshes[group], self.trees[group])
@@ -130,12 +130,12 @@ class TriangleOrder:
                 portion.append(TriangleRange(source, part if source.order is None else source.order[part], vertices))
             yield portion
 
-    def made(self, make: Callable[[list[TriangleRange]], Made], with_vertices: bool) -> Iterator[Made]:
+    def map_portions(self, make: Callable[[list[TriangleRange]], Made], with_vertices: bool) -> Iterator[Made]:
         """What `make` makes of each portion, by all cores, in their order."""
         waiting: deque[Future[Made]] = deque()
         with ThreadPoolExecutor() as cores:
-            for pieces in self.portions(with_vertices):
-                waiting.append(cores.submit(make, pieces))
+            for ranges in self.portions(with_vertices):
+                waiting.append(cores.submit(make, ranges))
                 if len(waiting) > PORTIONS_AHEAD:
                     yield waiting.popleft().result()
             for ready in waiting:
@@ -145,19 +145,19 @@ class TriangleOrder:
 class MeshBuffers:
     """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
 
-    def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_trees: bool):
+    def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_blas_order: bool):
         """Triangles lie as their trees want them, or as in their meshes."""
         #: Triangles of each mesh.
         self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
-        self.meshes, self.in_trees = meshes, in_trees
+        self.meshes, self.in_blas_order = meshes, in_blas_order
         #: Of those that are there, in the order in which they came: their numbers, and their trees.
         self.trees: dict[int, BLAS | DeferredBLAS | None] = {}
         #: Of each mesh; -1 before it is there.
         self.first_triangle = np.full(len(meshes), -1)
         self.count = self.bytes = 0
-        self.centres, self.scales = quantizations(meshes)
+        self.centres, self.quanta_per_metre = quantizations(meshes)
         low, high = bounding_boxes(meshes).swapaxes(0, 1)
-        self.half_sizes = (high - low) / 2.0 * self.scales[:, None] + 1.0  # steps are rounded
+        self.half_sizes = (high - low) / 2.0 * self.quanta_per_metre[:, None] + 1.0  # quanta are rounded
         self.corners, self.normals = device.growing_buffer(4, "u4"), device.growing_buffer(2, "i2")
         self.most = min(MAX_TRIANGLES, device.buffer_textures.max_rows // 3)  # normals have three rows each
 
@@ -172,7 +172,7 @@ class MeshBuffers:
         Raises ValueError if they are too many.
         """
         new = [number for number in wanted if number not in self.trees]
-        own = {number: trees[number] if self.in_trees else None for number in new}
+        own = {number: trees[number] if self.in_blas_order else None for number in new}
         order = TriangleOrder([self.meshes[number] for number in new], list(own.values()))
         if (count := self.count + order.count) > self.most:
             raise ValueError(
@@ -183,11 +183,11 @@ class MeshBuffers:
         self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
         self.corners.reserve(2 * order.count)
         self.normals.reserve(3 * order.count)
-        for corners, normals in order.made(buffers_of, with_vertices=True):
+        for corners, normals in order.map_portions(buffers_of, with_vertices=True):
             self.corners.append(corners)
             self.normals.append(normals)
         for runs in order.runs:
-            runs.begin()
+            runs.build_async()
         # Last: what has failed on the way is not there, and comes again for the next picture.
         self.first_triangle[new] = self.count + order.first_triangle[:-1]
         self.trees |= own
@@ -200,68 +200,68 @@ class MeshBuffers:
         return TriangleOrder([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
 
 
-def buffers_of(pieces: list[TriangleRange]) -> tuple[np.ndarray, np.ndarray]:
+def buffers_of(ranges: list[TriangleRange]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""
-    corners, normals = zip(*map(buffers_of_range, pieces), strict=True)
+    corners, normals = zip(*map(buffers_of_range, ranges), strict=True)
     return np.concatenate(corners), np.concatenate(normals)
 
 
-def buffers_of_range(piece: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
+def buffers_of_range(range_: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
     """The same of one source's."""
-    arrays, vertices = piece.source.arrays, piece.vertices
-    corners = packed_corners(piece.places(), arrays.materials[piece.chosen]).reshape(-1, 4)
+    arrays, vertices = range_.source.arrays, range_.vertices
+    corners = packed_corners(range_.positions(), arrays.materials[range_.chosen]).reshape(-1, 4)
     if vertices.octahedra is None:
-        return corners, snorm16(arrays.normals[piece.chosen]).reshape(-1, 2)
-    return corners, vertices.octahedra.view(np.uint32).take(piece.triangles).view(np.int16).reshape(-1, 2)
+        return corners, snorm16(arrays.normals[range_.chosen]).reshape(-1, 2)
+    return corners, vertices.octahedra.view(np.uint32).take(range_.triangles).view(np.int16).reshape(-1, 2)
 
 
 def vertex_positions(triangles: np.ndarray, vertices: QuantizedVertices) -> list[np.ndarray]:
     """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first of each, and so on."""
-    return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.steps]
+    return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.quanta]
 
 
 class UVBuffers:
     """Texture coordinates by corner, zero where a mesh has none."""
 
-    def __init__(self, device: Device, geometry: MeshBuffers):
-        self.geometry, self.meshes, self.bytes = geometry, 0, 0
+    def __init__(self, device: Device, mesh_buffers: MeshBuffers):
+        self.mesh_buffers, self.meshes, self.bytes = mesh_buffers, 0, 0
         self.uvs = device.growing_buffer(2, "f4")
 
-    def follow(self) -> int:
+    def upload_new(self) -> int:
         """Upload those of the meshes that have come: bytes."""
-        order = self.geometry.order(list(self.geometry.trees)[self.meshes :])
+        order = self.mesh_buffers.order(list(self.mesh_buffers.trees)[self.meshes :])
         self.uvs.count = self.bytes // self.uvs.texture.row  # of what has failed, none is left
         self.uvs.reserve(3 * order.count)
-        for uvs in order.made(uvs_of, with_vertices=False):
+        for uvs in order.map_portions(uvs_of, with_vertices=False):
             self.uvs.append(uvs)
         self.meshes += len(order.meshes)
         self.bytes += 24 * order.count
         return 24 * order.count
 
 
-def uvs_of(pieces: list[TriangleRange]) -> np.ndarray:
+def uvs_of(ranges: list[TriangleRange]) -> np.ndarray:
     """(3 N,2) float32 of N triangles."""
     nothing = np.zeros((TRIANGLES_AT_A_TIME, 3, 2), np.float32)
-    every = ((piece.source.arrays.uvs, piece) for piece in pieces)
-    found = [uvs[piece.chosen] if len(uvs) else nothing[: len(piece.triangles)] for uvs, piece in every]
+    every = ((range_.source.arrays.uvs, range_) for range_ in ranges)
+    found = [uvs[range_.chosen] if len(uvs) else nothing[: len(range_.triangles)] for uvs, range_ in every]
     return np.concatenate(found).reshape(-1, 2)
 
 
 def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
-    """Arrays of these lengths, one behind the other, in portions of `size`: the pieces of each, by array and slice."""
-    pieces, room = [], size
+    """Arrays of these lengths, one behind the other, in portions of `size`: the ranges of each, by array and slice."""
+    ranges, room = [], size
     for index, length in enumerate(lengths):
         first = 0
         while first < length:
             end = min(first + room, length)
-            pieces.append((index, slice(first, end)))
+            ranges.append((index, slice(first, end)))
             room -= end - first
             first = end
             if not room:
-                yield pieces
-                pieces, room = [], size
-    if pieces:
-        yield pieces
+                yield ranges
+                ranges, room = [], size
+    if ranges:
+        yield ranges
 
 
 def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarray:

@@ -60,15 +60,15 @@ class JoinedMeshes:
         found[~by_vertex.repeat(self.counts)] = np.concatenate(others)
         return found
 
-    def steps(self, dtype: type) -> np.ndarray:
-        """(3,V) whole numbers: all vertices in the steps of their meshes' lattices."""
-        centres, scales = quantizations(self.meshes)
+    def quantize(self, dtype: type) -> np.ndarray:
+        """(3,V) whole numbers: all vertices in the quanta of their meshes."""
+        centres, quanta_per_metre = quantizations(self.meshes)
         positions = np.concatenate([mesh.positions for mesh in self.meshes])
-        found = quantize(positions, centres.repeat(self.vertices, 0), scales.repeat(self.vertices))
+        found = quantize(positions, centres.repeat(self.vertices, 0), quanta_per_metre.repeat(self.vertices))
         return found.astype(dtype)
 
 
-def in_groups(counts: Sequence[int]) -> list[slice]:
+def small_mesh_groups(counts: Sequence[int]) -> list[slice]:
     """Meshes of so many triangles in groups of neighbours: up to TRIANGLES_AT_A_TIME of small ones, any other alone."""
     groups: list[slice] = []
     size = TRIANGLES_AT_A_TIME
@@ -82,6 +82,6 @@ def in_groups(counts: Sequence[int]) -> list[slice]:
     return groups
 
 
-def joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
+def concatenated(arrays: Sequence[np.ndarray]) -> np.ndarray:
     """Arrays one behind the other; a single one, which may be large, is not copied."""
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)

@@ -81,7 +81,7 @@ class AreaLightBounds:
         )
         height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
         across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
-        lit = surfaces.seen & (height > 0.0) & (above > 0.0) & ~self.outside(ahead, across, slack)
+        lit = surfaces.exists & (height > 0.0) & (above > 0.0) & ~self.outside(ahead, across, slack)
         wide = self.scale == 0.0
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch, or it is not lit
             solid = self.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)

@@ -11,7 +11,7 @@ from ism_addon.gpu.accel.blas import BLAS, SORT_ALL_BELOW, DeferredBLAS, build_b
 from ism_addon.gpu.accel.bvh import quantize_boxes
 from ism_addon.gpu.accel.small_blas import build_all_blas
 from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers, TriangleOrder
-from ism_addon.gpu.buffers.small_meshes import SMALL_MESH, in_groups
+from ism_addon.gpu.buffers.small_meshes import SMALL_MESH, small_mesh_groups
 from ism_addon.gpu.buffers.small_meshes import TRIANGLES_AT_A_TIME as TOGETHER
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS
 from tests.scenes.small import grid_triangles, mesh
@@ -54,8 +54,8 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
     meshes = (rubble(5), sheet)
     trees = tuple(map(build_blas, meshes))
     order = TriangleOrder(meshes, trees)
-    list(order.made(lambda pieces: [piece.places() for piece in pieces], with_vertices=True))
-    runs, steps = trees[1], trees[1].lattice.steps(sheet.positions)
+    list(order.map_portions(lambda pieces: [piece.positions() for piece in pieces], with_vertices=True))
+    runs, steps = trees[1], trees[1].quantization.quantize(sheet.positions)
     assert isinstance(runs, DeferredBLAS)
     assert (TRIANGLES_AT_A_TIME - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0
     corners = steps[:, sheet.triangles]
@@ -67,8 +67,8 @@ def test_runs_are_bounded_wherever_portions_of_them_end():
 def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
     """It need not be asked for: it is made beside the pass that draws them."""
     runs = build_blas(sheet := bumps(MANY))
-    MeshBuffers(device, (sheet,), in_trees=True).add((0,), {0: runs})
-    assert runs.making.result(timeout=60.0) is runs.tree
+    MeshBuffers(device, (sheet,), in_blas_order=True).add((0,), {0: runs})
+    assert runs.future.result(timeout=60.0) is runs.blas
 
 
 def test_a_tree_of_runs_that_has_failed_is_tried_again(monkeypatch, device):
@@ -76,10 +76,10 @@ def test_a_tree_of_runs_that_has_failed_is_tried_again(monkeypatch, device):
     runs = build_blas(sheet := bumps(MANY))
     with monkeypatch.context() as short:
         short.setattr(mesh_tree_module, "blas_of_runs", no_memory)
-        MeshBuffers(device, (sheet,), in_trees=True).add((0,), {0: runs})
+        MeshBuffers(device, (sheet,), in_blas_order=True).add((0,), {0: runs})
         with pytest.raises(MemoryError):
-            _ = runs.tree
-    assert runs.tree.leaves > 0
+            _ = runs.blas
+    assert runs.blas.leaves > 0
 
 
 def no_memory(*_arguments):
@@ -98,7 +98,7 @@ def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
 
 def same_tree(one: BLAS, other: BLAS) -> bool:
     return one.per_leaf == other.per_leaf and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("parts", "nodes", "starts", "order")
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("bounds", "nodes", "starts", "order")
     )
 
 
@@ -114,7 +114,7 @@ def test_the_trees_of_small_meshes_are_the_same_alone_and_together():
     "counts", [[], [1], [SMALL_MESH, SMALL_MESH + 1, 1, 2], [1, 9 * SMALL_MESH, 2], [SMALL_MESH] * 40], ids=str
 )
 def test_small_neighbours_are_in_groups_and_others_alone(counts):
-    groups = in_groups(counts)
+    groups = small_mesh_groups(counts)
     assert [number for group in groups for number in range(len(counts))[group]] == list(range(len(counts)))
     sizes = [counts[group] for group in groups]
     assert all(len(some) == 1 or (max(some) <= SMALL_MESH and sum(some) <= TOGETHER) for some in sizes)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from ism_addon.gpu.accel.bvh import (
     BOX_SLACK,
     BVH,
+    EMPTY_BOX,
     GRID_EXTENT,
-    NOTHING,
     QUANTA_PER_PLANE,
     build,
     node_boxes,
@@ -43,7 +43,7 @@ def check(tree: BVH, given: np.ndarray, most_per_leaf: int) -> None:
     assert tree.per_leaf * leaves == len(tree.order)
     assert 1 <= tree.per_leaf <= most_per_leaf
     assert (np.bincount(tree.order, minlength=count)[:count] == 1).all(), "every box is in one leaf once"
-    nothing = np.tile(NOTHING[..., 0], (len(nodes), 1, 1))
+    nothing = np.tile(EMPTY_BOX[..., 0], (len(nodes), 1, 1))
     nowhere = (nodes == nothing).all((1, 2))
     assert (nodes[~nowhere, 0] < nodes[~nowhere, 1]).all()
     assert nowhere[0]
@@ -68,8 +68,8 @@ def check_packed(tree: BVH) -> None:
     levels = np.arange(1, len(rows))
     read = levels[np.log2(levels).astype(int) % 2 == 0]
     row, inside = rows[read], nodes[4 : 4 * len(rows)].reshape(-1, 4, 2, 3)[read - 1]
-    unit = 2 ** (row["unit"][:, None].astype(int) >> np.array([0, 4, 8]) & 15)[:, None]
-    low, high = (row["begin"][:, None] + row[side].swapaxes(1, 2) * unit for side in ("low", "high"))
+    unit = 2 ** (row["exponent"][:, None].astype(int) >> np.array([0, 4, 8]) & 15)[:, None]
+    low, high = (row["origin"][:, None] + row[side].swapaxes(1, 2) * unit for side in ("child_min", "child_max"))
     nothing = inside[:, :, 0, 0] > inside[:, :, 1, 0]
     assert (low > high)[nothing].all()
     for packed_too_far in (inside[:, :, 0] - low, high - inside[:, :, 1]):
@@ -150,9 +150,9 @@ def test_the_outermost_boxes_end_in_the_last_planes():
     """A room: its walls take all of a byte, and coordinates with the slack all of the grid."""
     room = np.repeat(np.float32([-5.1, 5.1])[:, None, None], 3, 1)
     row = packed(build(on_grid(np.repeat(room, 5, 2)), 1).nodes)[1]
-    assert row["begin"].tolist() == [-255 * 128] * 3
-    assert row["unit"] == 8 * (1 + 16 + 256)
-    assert row["low"].max(1).tolist() == [255] * 3 and row["low"].min(1).tolist() == [0] * 3
+    assert row["origin"].tolist() == [-255 * 128] * 3
+    assert row["exponent"] == 8 * (1 + 16 + 256)
+    assert row["child_min"].max(1).tolist() == [255] * 3 and row["child_min"].min(1).tolist() == [0] * 3
 
 
 def test_the_same_boxes_make_the_same_tree():

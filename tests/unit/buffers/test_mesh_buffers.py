@@ -42,7 +42,7 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
     for k, mesh in enumerate(meshes):
         own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
         order = trees[k].order if trees else np.arange(len(mesh.triangles))
-        positions = corners[own] / made.scales[k] + made.centres[k]
+        positions = corners[own] / made.quanta_per_metre[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles[order]]).max() < 1e-6
         assert np.abs(normals[own] - mesh.corner_normals[order]).max() < 1e-4
 
@@ -51,7 +51,7 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
 def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
     """Another renderer may use the same geometry."""
     meshes = rubble(5), rubble(TRIANGLES_AT_A_TIME, seed=1), rubble(7, seed=2)
-    made, done = MeshBuffers(device, meshes, in_trees=False), []
+    made, done = MeshBuffers(device, meshes, in_blas_order=False), []
 
     def some(pieces):
         if len(done) == portion:
@@ -68,7 +68,7 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
     corners, _ = uploaded(made)
     for k, mesh in enumerate(meshes):
         own = slice(made.first_triangle[k], made.first_triangle[k] + len(mesh.triangles))
-        positions = corners[own] / made.scales[k] + made.centres[k]
+        positions = corners[own] / made.quanta_per_metre[k] + made.centres[k]
         assert np.abs(positions - mesh.positions[mesh.triangles]).max() < 1e-6
 
 
@@ -76,10 +76,10 @@ def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatc
     meshes = tuple(
         replace(rubble(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, TRIANGLES_AT_A_TIME, 7)
     )
-    made = MeshBuffers(device, meshes, in_trees=False)
+    made = MeshBuffers(device, meshes, in_blas_order=False)
     coordinates, done = UVBuffers(device, made), []
     made.add((0,), {})
-    coordinates.follow()
+    coordinates.upload_new()
 
     def some(pieces):
         if done:
@@ -91,8 +91,8 @@ def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatc
     with monkeypatch.context() as short, pytest.raises(MemoryError):
         short.setattr(mesh_buffers, "PORTIONS_AHEAD", 0)
         short.setattr(mesh_buffers, "uvs_of", some)
-        coordinates.follow()
-    coordinates.follow()
+        coordinates.upload_new()
+    coordinates.upload_new()
     found = np.frombuffer(coordinates.uvs.texture.buffer.read(), np.float32)
     assert np.array_equal(
         found[: 6 * made.count], np.repeat([5, TRIANGLES_AT_A_TIME, 7], [6 * 5, 6 * TRIANGLES_AT_A_TIME, 6 * 7])
@@ -110,7 +110,7 @@ def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(devic
     made = MeshBuffers(device, meshes, sorted_by_trees)
     made.add(range(4), trees)
     coordinates = UVBuffers(device, made)
-    coordinates.follow()
+    coordinates.upload_new()
     found = np.frombuffer(coordinates.uvs.texture.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
     orders = [trees[k].order if trees else np.arange(count) for k, count in enumerate(counts)]
     uvs[1] = np.zeros((counts[1], 3, 2), np.float32)
@@ -140,7 +140,7 @@ def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch, lim
         monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
     else:
         monkeypatch.setattr(device.buffer_textures, "max_rows", 302)
-    made = MeshBuffers(device, (rubble(60), rubble(41), rubble(30), rubble(10)), in_trees=False)
+    made = MeshBuffers(device, (rubble(60), rubble(41), rubble(30), rubble(10)), in_blas_order=False)
     assert made.add((0,), {}) == 44 * 60
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this OpenGL can draw 100"):
         made.add((0, 1), {})

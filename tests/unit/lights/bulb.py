@@ -27,7 +27,7 @@ class BulbBounds:
         nearest = np.clip(self.position[:, :, None], surfaces.low, surfaces.high) - self.position[:, :, None]
         centre = (surfaces.low + surfaces.high) / 2.0 - self.position[:, :, None]
         with np.errstate(divide="ignore"):
-            found = [self.intensity[:, None] * surfaces.seen / (to * to).sum(1) for to in (nearest, centre)]
+            found = [self.intensity[:, None] * surfaces.exists / (to * to).sum(1) for to in (nearest, centre)]
         return tuple(np.minimum(each, 1e30).astype(np.float32) for each in found)
 
     @property

@@ -115,7 +115,7 @@ class CullLights(Pass):
     def first_state(self, frame: Frame) -> CullingState:
         """By what the first sample shows."""
         surfaces = self.bound_tiles(frame)
-        bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.seen))
+        bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
         visibility = self.probe_coarsely(frame, bounds)
         none = np.zeros(frame.tiles[::-1])
         arriving = sum((visibility[light] * estimates[light] for light in visibility), none)
@@ -131,14 +131,14 @@ class CullLights(Pass):
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
             found = neighbourhood_visibility(rays, narrow[light])
             visibility[light] = np.maximum(visibility[light], self.per_tile(frame, found))
-        new = np.flatnonzero(~state.surfaces.hold(shown))
+        new = np.flatnonzero(~state.surfaces.contains(shown))
         surfaces = state.surfaces.joined(shown)
         bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, new)[0])
         return CullingState(surfaces, bounds, visibility, state.irradiance)
 
     def irradiance(self, frame: Frame, surfaces: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
         """Arrays (L,rows,columns) of bounds and of estimates, for some surfaces: see LightBounds."""
-        some, lights = surfaces.some(which), frame.scene.lights
+        some, lights = surfaces.select(which), frame.scene.lights
         step = max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
         columns, rows = frame.tiles
         found = np.zeros((2, len(lights.shape), rows, columns), np.float32)
@@ -207,7 +207,7 @@ class CullLights(Pass):
 
 def light_influences(state: CullingState) -> dict[int, LightInfluence]:
     """Which lights contribute where, by the most that each can bring."""
-    shown, found = state.surfaces.seen.reshape(2, *state.irradiance.shape).any(0), {}
+    shown, found = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
     mean = max(float(state.irradiance[shown].mean()) if shown.any() else 0.0, FLOAT32_TINY)
     local, left_out = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
     relative_bounds = state.bounds / np.maximum(state.irradiance, mean)

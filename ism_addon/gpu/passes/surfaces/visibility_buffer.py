@@ -67,9 +67,9 @@ class VisibilityBuffer(Pass):
         )
         if frame.settings.shortcuts:
             pixel = 2.0 / min(frame.size)
-            draws = instances.draws(clip_from_anchor(frame.view, frame.anchor), pixel)
+            draws = instances.visible_draw_calls(clip_from_anchor(frame.view, frame.anchor), pixel)
         else:
-            draws = instances.chosen(np.ones(len(instances.mesh), np.bool_))
+            draws = instances.draw_calls(np.ones(len(instances.mesh), np.bool_))
         vertices, waiting = gl.vertex_array(self.program, []), 0
         for draw in portions(draws, TRIANGLES_AT_A_TIME):
             bind(self.program, together=isinstance(draw, MultiDrawCall))

@@ -13,10 +13,10 @@ from ....resources import BLAS, BLAS_BUFFERS, INSTANCE_BUFFERS, MESH_BUFFERS, RE
 from ....scene import Change, Mesh
 from ...accel import blas
 from ...accel.blas_table import BLASBuffers, BLASTable, rows_of
-from ...accel.bvh import NOTHING, build, packed
+from ...accel.bvh import EMPTY_BOX, build, packed
 from ...accel.small_blas import build_all_blas
 from ...accel.tlas import instance_bounds, inverse_of, on_grid
-from ...buffers.instance_buffers import anchor_from_steps
+from ...buffers.instance_buffers import anchor_from_quanta
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import CASTER
 
@@ -72,12 +72,12 @@ class BuildTLAS(Pass):
         chosen = np.flatnonzero(instances.casts_shadow & (table.rows[instances.mesh] >= 0))
         mesh = instances.mesh[chosen]
         row, meshes = table.rows[mesh], frame[MESH_BUFFERS]
-        linear, offsets = anchor_from_steps(meshes, instances, chosen, frame.anchor)
+        linear, offsets = anchor_from_quanta(meshes, instances, chosen, frame.anchor)
         low, high = (np.empty((len(chosen), 3), np.float32) for _ in range(2))
         for which, middles, halves in table.boxes:
             own = np.flatnonzero(which[row] >= 0)
             low[own], high[own] = instance_bounds(linear[own], offsets[own], which[row[own]], middles, halves)
-        middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), NOTHING)
+        middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), EMPTY_BOX)
         tree = build(boxes, 1)
         nodes = rows_of(packed(tree.nodes))
         casters = np.zeros(len(chosen), CASTER.dtype)
@@ -87,7 +87,7 @@ class BuildTLAS(Pass):
         casters["first_node"] = buffers.first_nodes[row]
         casters["first_leaf"] = buffers.first_leaves[row]
         casters["leaves"] = table.leaves[row]
-        casters["triangles_per_leaf"] = table.per_leaf[row]
+        casters["triangles_per_leaf"] = table.triangles_per_leaf[row]
         casters["first_triangle"] = meshes.first_triangle[mesh]
         casters["instance"] = frame[INSTANCE_BUFFERS].rows[chosen]
         casters["link_groups"] = instances.groups[chosen]

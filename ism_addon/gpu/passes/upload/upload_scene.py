@@ -24,7 +24,7 @@ class UploadMeshes(Pass):
 
     def execute(self, frame: Frame) -> None:
         blas = frame.get(BLAS)
-        trees = blas.made if blas is not None and blas.meshes == frame.scene.meshes else None
+        trees = blas.built if blas is not None and blas.meshes == frame.scene.meshes else None
         buffers = frame.shared_resource(MeshBuffers, frame.scene.meshes, trees is not None)
         frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, trees or {})
         frame[MESH_BUFFERS] = buffers
@@ -41,7 +41,7 @@ class UploadUVs(Pass):
 
     def execute(self, frame: Frame) -> None:
         buffers = frame.shared_resource(UVBuffers, frame[MESH_BUFFERS])
-        frame.counts["bytes_uploaded"] += buffers.follow()
+        frame.counts["bytes_uploaded"] += buffers.upload_new()
         frame[UV_BUFFERS] = buffers
 
 
@@ -54,7 +54,7 @@ class UploadInstances(Pass):
     def execute(self, frame: Frame) -> None:
         meshes = frame[MESH_BUFFERS]
         buffers = InstanceBuffers(self.device, meshes, frame.scene.instances, frame.anchor)
-        buffers.own(lambda pairs: frame.shared_resource(Owners, meshes, pairs))
+        buffers.set_owners(lambda pairs: frame.shared_resource(Owners, meshes, pairs))
         frame[INSTANCE_BUFFERS] = buffers
         frame.counts["bytes_uploaded"] += buffers.bytes
 
