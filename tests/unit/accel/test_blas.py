@@ -36,7 +36,7 @@ def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
     sheet = bumps(MANY)
     assert len(sheet.triangles) > SORT_ALL_BELOW
     compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
-    tree = BuildBLAS.kept[sheet].tree
+    tree = BuildBLAS.kept[sheet].blas
     assert tree.order is None
     assert tree.per_leaf * len(np.unique(tree.starts)) >= len(sheet.triangles)
 
