@@ -1,4 +1,4 @@
-// Tiles that take part in a draw: a point each, as large as they are. See TILE in tiles.py.
+// Tiles of a draw, as points of the size of a tile. See TILE in tiles.py.
 in vec2 in_tile;
 in vec4 in_visibility_texel_and_offset;
 in float in_sample_index;
@@ -8,10 +8,10 @@ in float in_visibility;
 uniform float size;       // of a tile, with what is drawn around it, px
 uniform vec2 tile_counts; // columns and rows; the viewport is theirs, which may reach beyond the picture
 flat out vec2 tile;
-flat out vec4 visibility_texel_and_offset; // px; both from those of the pixel's centre
-flat out float sample_index;               // of the tile's own samples
+flat out vec4 visibility_texel_and_offset; // px, from the pixel's centre
+flat out float sample_index;               // among the tile's samples
 flat out float tile_probability;           // with which it is drawn; 0 if each pixel has its own
-flat out float tile_light;                 // that it is drawn for
+flat out float tile_light;                 // index of the light that is drawn
 flat out float tile_visibility;            // predicted for all of its pixels
 
 void main() {

@@ -105,7 +105,7 @@ def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_p
     turns = np.zeros((64 * places, len(blocks)), int)
     for number, turn in enumerate(turns):
         blocks["sample_index"] = number
-        traced, _ = renderer.graph.instance(TraceShadows).chosen(frame, 0)
+        traced, _ = renderer.graph.instance(TraceShadows).tiles_to_draw(frame, 0)
         turn += (blocks["tile"][:, None] == traced["tile"]).all(2).any(1)
     rounds = turns.reshape(64, places, len(blocks))
     assert places == 16

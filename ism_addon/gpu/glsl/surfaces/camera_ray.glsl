@@ -1,4 +1,4 @@
-// View rays, see block.py.
+// Camera rays, see gl/frame_uniforms.py.
 struct Ray { vec3 origin; vec3 direction; };
 
 Ray view_ray(vec2 pixel) {

@@ -1,7 +1,7 @@
-// How far the curved surface that a triangle's normals speak of stands out over the triangle, at barycentric b.
+// Height over a triangle, at barycentric b, of the curved surface that its smooth normals approximate.
 
-// Half of what Phong tessellation (Boubekeur & Alexa 2008) says, which is right on a sphere; or more, as far as all three
-// tangent planes, each raised to clear the triangle, leave room. Cycles lifts its shadow rays by the same.
+// Half of the height by Phong tessellation (Boubekeur & Alexa 2008), which is right on a sphere, or more, up to the lowest of
+// the three tangent planes, each raised above the triangle. Cycles lifts its shadow rays by the same.
 float terminator_offset(vec3 b, vec3 corners[3], vec3 corner_normals[3]) {
     vec3 p = b.x * corners[0] + b.y * corners[1] + b.z * corners[2];
     float bulge = 0.0, room = 1e30;

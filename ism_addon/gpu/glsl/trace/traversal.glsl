@@ -1,8 +1,7 @@
-// Whether anything stands between two points, by the trees of boxes of accel/bvh.py: one over the instances, in whose leaves
-// one over the triangles of a mesh begins. Four boxes are looked at together, for what takes long is to fetch them.
-// Without a stack: for each level four bits say which boxes wait (Barringer & Akenine-Moller 2013, for complete trees).
-// Boxes, meshes and triangles have loops of their own (Aila & Laine 2009), which also lets those processors skip them
-// that walk through both sides of every "if".
+// Traversal of the two levels of bounding volume hierarchies of accel/bvh.py, over instances and over a mesh's triangles.
+// Four boxes are tested together, as fetching them takes most of the time. There is no stack: four bits a level say which
+// boxes are still to be visited (Barringer & Akenine-Moller 2013, for complete trees). Boxes, meshes and triangles have
+// loops of their own (Aila & Laine 2009). Processors that execute both branches of an "if" can skip those, too.
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
 uniform usamplerBuffer blas_nodes;
@@ -13,25 +12,26 @@ uniform int tlas_leaves;
 uniform vec3 tlas_centre;
 uniform vec3 tlas_scale;
 
-// Where a ray is in one tree: the node, and which of its siblings and of its ancestors' wait, four bits a level, the
-// latest eight levels in x. Node 0 marks an empty stack.
+// Where a ray is in one tree: the node, and which of its siblings and of its ancestors' siblings are still to be visited,
+// four bits a level, the lowest eight levels in x. Node 0: the traversal has ended.
 struct TraversalState { int node; uvec2 trail; };
 
-TraversalState pop(TraversalState here) {
-    if (here.trail.x == 0u) here = TraversalState(here.node >> 16, uvec2(here.trail.y, 0u));
-    int waiting = findLSB(here.trail.x), up = waiting & ~3;
-    uvec2 trail = uvec2(here.trail.x >> up | here.trail.y << 1 << (31 - up), here.trail.y >> up);
-    int node = (here.node >> (up >> 1) & ~3) | (waiting & 3);
-    return here.trail.x == 0u ? TraversalState(0, uvec2(0u)) : TraversalState(node, uvec2(trail.x & (trail.x - 1u), trail.y));
+TraversalState pop(TraversalState state) {
+    if (state.trail.x == 0u) state = TraversalState(state.node >> 16, uvec2(state.trail.y, 0u));
+    int waiting = findLSB(state.trail.x), up = waiting & ~3;
+    uvec2 trail = uvec2(state.trail.x >> up | state.trail.y << 1 << (31 - up), state.trail.y >> up);
+    int node = (state.node >> (up >> 1) & ~3) | (waiting & 3);
+    return state.trail.x == 0u ? TraversalState(0, uvec2(0u)) : TraversalState(node, uvec2(trail.x & (trail.x - 1u), trail.y));
 }
 
 vec3 avoid_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
 
 vec4 unpack_bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// On to the first of four that the ray meets, or to what waits. A rounding error may not lose one: see BOX_SLACK.
-TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState here, vec3 origin, vec3 inverse_ray) {
-    int at = 2 * (first_node + here.node);
+// To the first of the four grandchildren that the ray meets, or to the next node to visit. Boxes are enlarged by BOX_SLACK
+// for rounding errors.
+TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState state, vec3 origin, vec3 inverse_ray) {
+    int at = 2 * (first_node + state.node);
     uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
@@ -44,9 +44,9 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState he
         leave = min(leave, unpack_bytes(back ? low[k] : high[k]) * step[k] + first[k]);
     }
     uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
-    uint all = met.x | met.y | met.z | met.w;
-    uvec2 trail = uvec2(here.trail.x << 4 | (all & (all - 1u)), here.trail.y << 4 | here.trail.x >> 28);
-    return all > 0u ? TraversalState(4 * here.node + findLSB(all), trail) : pop(here);
+    uint hits = met.x | met.y | met.z | met.w;
+    uvec2 trail = uvec2(state.trail.x << 4 | (hits & (hits - 1u)), state.trail.y << 4 | state.trail.x >> 28);
+    return hits > 0u ? TraversalState(4 * state.node + findLSB(hits), trail) : pop(state);
 }
 
 bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
@@ -57,31 +57,31 @@ bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
 }
 
-// By instances of the group `blockers`. The triangle of an instance on which the ray starts cannot be in its own way.
+// Whether an instance of the group `blockers` occludes the segment. The triangle on which it starts does not.
 bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
     vec3 whole_ray = avoid_zero(to - from), whole_inverse = 1.0 / (whole_ray * tlas_scale);
     vec3 whole_origin = (from - tlas_centre) * tlas_scale;
-    TraversalState outside = TraversalState(1, uvec2(0u));
+    TraversalState outer = TraversalState(1, uvec2(0u));
     bool hit = false;
-    while (outside.node > 0) {
-        while (outside.node > 0 && outside.node < tlas_leaves)
-            outside = next_leaf(tlas_nodes, 0, outside, whole_origin, whole_inverse);
-        if (outside.node == 0) break;
-        Caster caster = fetch_Caster(casters, outside.node - tlas_leaves);
+    while (outer.node > 0) {
+        while (outer.node > 0 && outer.node < tlas_leaves)
+            outer = next_leaf(tlas_nodes, 0, outer, whole_origin, whole_inverse);
+        if (outer.node == 0) break;
+        Caster caster = fetch_Caster(casters, outer.node - tlas_leaves);
         mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = inside * vec4(from, 1.0), ray = avoid_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
         int own = caster.instance == instance ? triangle : -1;
-        TraversalState here = TraversalState(is_linked(caster.link_groups, blockers) ? 1 : 0, uvec2(0u));
-        while (here.node > 0) {
-            while (here.node > 0 && here.node < caster.leaves)
-                here = next_leaf(blas_nodes, caster.first_node, here, origin, inverse_ray);
-            int start = caster.first_leaf + here.node - caster.leaves;
+        TraversalState state = TraversalState(is_linked(caster.link_groups, blockers) ? 1 : 0, uvec2(0u));
+        while (state.node > 0) {
+            while (state.node > 0 && state.node < caster.leaves)
+                state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray);
+            int start = caster.first_leaf + state.node - caster.leaves;
             int first = caster.first_triangle + int(texelFetch(blas_leaf_starts, start).x);
-            int last = here.node > 0 ? first + caster.triangles_per_leaf : first;
+            int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
             for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != own);
-            here = hit ? TraversalState(0, uvec2(0u)) : pop(here);
+            state = hit ? TraversalState(0, uvec2(0u)) : pop(state);
         }
-        outside = hit ? TraversalState(0, uvec2(0u)) : pop(outside);
+        outer = hit ? TraversalState(0, uvec2(0u)) : pop(outer);
     }
     return hit;
 }

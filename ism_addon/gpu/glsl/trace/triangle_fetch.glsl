@@ -1,4 +1,4 @@
-// Triangles in the quanta of their meshes, in two rows each: see packed_corners in mesh_buffers.py.
+// Triangles in quanta of their meshes, two rows each: see packed_corners in mesh_buffers.py.
 uniform usamplerBuffer corners;
 
 struct Corners { vec3 first; vec3 u; vec3 v; int material; }; // a corner, and from it to the other two

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faint lights as SelectFaintLights leaves them, and which of them a sample draws."""
+"""Faint lights of tiles, which SelectFaintLights selects, and those of them that a sample draws."""
 
 import numpy as np
 
-#: A light that is faint in a tile: its predicted visibility, how often it is drawn, and when.
+#: A light that is faint in a tile: predicted visibility, probability that a sample draws it, and phase of that.
 FAINT_LIGHT = np.dtype([("tile", "i8"), ("light", "i8"), ("visibility", "f4"), ("probability", "f4"), ("phase", "f4")])
 
 
 def drawn_pairs(pairs: np.ndarray, tiles: np.ndarray, columns: int, rows: int, sample: int) -> np.ndarray:
-    """Rows of TILE for the pairs that a sample draws in these tiles. Sample indices count those that a pair had.
+    """Rows of TILE: the pairs that a sample draws in these tiles. The first sample draws all.
 
-    The first sample draws all.
+    `sample_index` counts the samples that drew the pair.
     """
-    taking_part = np.full(columns * rows, -1)
-    taking_part[tiles["tile"].astype(np.int64) @ (1, columns)] = np.arange(len(tiles))
-    pairs = pairs[taking_part[pairs["tile"]] >= 0]
-    found = tiles[taking_part[pairs["tile"]]]
+    row_of_tile = np.full(columns * rows, -1)
+    row_of_tile[tiles["tile"].astype(np.int64) @ (1, columns)] = np.arange(len(tiles))
+    pairs = pairs[row_of_tile[pairs["tile"]] >= 0]
+    drawn = tiles[row_of_tile[pairs["tile"]]]
     probability = pairs["probability"] if sample > 0 else np.ones(len(pairs), np.float32)
-    turn = found["sample_index"] * probability + pairs["phase"]
-    found["sample_index"], found["ray_probability"] = np.floor(turn), probability
-    found["light"], found["visibility"] = pairs["light"], pairs["visibility"]
-    return found[np.floor(turn + probability) > found["sample_index"]]
+    position = drawn["sample_index"] * probability + pairs["phase"]
+    drawn["sample_index"], drawn["ray_probability"] = np.floor(position), probability
+    drawn["light"], drawn["visibility"] = pairs["light"], pairs["visibility"]
+    return drawn[np.floor(position + probability) > drawn["sample_index"]]

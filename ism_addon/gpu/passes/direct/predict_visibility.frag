@@ -1,7 +1,7 @@
-// Visibility of a light at a pixel: interpolated between probes, as far as they show the same surface.
+// Predicted visibility of a light at a pixel: a bilateral interpolation of the predictions at probes.
 #include "textures/bilateral_upsample.glsl"
 uniform sampler2D probe_prediction; // see predict_visibility_probes.frag
-out vec2 prediction;                // visibility, and whether that is uncertain
+out vec2 prediction;                // visibility, whether it is uncertain
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -9,10 +9,10 @@ void main() {
     float sum = 0.0, weights = 0.0, uncertain = 0.0;
     for (int k = 0; k < 4; ++k) {
         Neighbour other = neighbour(k, at, surface, PROBE_SPACING);
-        vec2 found = fetch(probe_prediction, other.at).xy;
-        sum += other.weight * found.x;
+        vec2 predicted = fetch(probe_prediction, other.at).xy;
+        sum += other.weight * predicted.x;
         weights += other.weight;
-        uncertain = max(uncertain, other.weight > 0.0 ? found.y : 0.0);
+        uncertain = max(uncertain, other.weight > 0.0 ? predicted.y : 0.0);
     }
     prediction = vec2(sum / weights, uncertain);
 }

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The visibility of each light at each pixel, from the rays of its neighbours on the same surface.
 
-The rays of a neighbourhood start at evenly spread points of the light, so together they are as good as many of one
-pixel's. The prediction need not be right: TraceShadows corrects it, and traces few rays where it is right.
+The rays of a neighbourhood go to evenly spread points of the light, so together they estimate as well as many rays of
+one pixel. TraceShadows corrects the prediction, with the fewer rays the better it is.
 """
 
 from collections.abc import Mapping
@@ -39,12 +39,12 @@ from ...gl.shader_compiler import bind
 from ...lights import is_narrow
 from ...tiles import PROBES_PER_TILE_SIDE, from_strips, tiles_where
 
-#: Of one light: whether any ray about a tile arrived, and whether any was occluded.
-RAYS_OF_TILES = Target("rays_of_tiles", "any arrived, any occluded", format="rg8", divisor=TILE_SIZE, strips=True)
+#: Of one light: whether any ray about a tile was unoccluded, and whether any was occluded.
+RAYS_OF_TILES = Target("rays_of_tiles", "any unoccluded, any occluded", format="rg8", divisor=TILE_SIZE, strips=True)
 
 
 class PredictVisibility(Pass):
-    """For each light that casts shadows, the visibility that a pixel is believed to have."""
+    """For each light that casts shadows, the predicted visibility at each pixel."""
 
     schedule = Schedule.DOUBLING
     inputs = PROBES, REDISCOVERED, LIGHT_INFLUENCE, POSITION, NORMAL, DEPTH, Change.SAMPLE
@@ -72,8 +72,8 @@ class PredictVisibility(Pass):
             visibility, probes, counts = self.first_visibility(frame), dict(frame[PROBES]), {}
         else:
             visibility, probes, counts = dict(frame[TILE_VISIBILITY]), dict(frame[ALL_PROBES]), frame[RAY_COUNTS]
-            for light, found in self.rays_of_tiles(frame, counts, 1).items():
-                visibility[light] = visibility[light] | found
+            for light, tiles in self.rays_of_tiles(frame, counts, 1).items():
+                visibility[light] = visibility[light] | tiles
             self.add_rediscovered(frame, visibility, probes)
         frame.copy_target(PREDICTION_SURFACE, POSITION)
         predictions = textures_per_light(frame, PREDICTED_VISIBILITY, PREDICTION, visibility)
@@ -82,19 +82,19 @@ class PredictVisibility(Pass):
         frame[PREDICTED_VISIBILITY], frame[TILE_VISIBILITY], frame[ALL_PROBES] = predictions, visibility, probes
 
     def first_visibility(self, frame: Frame) -> dict[int, np.ndarray]:
-        """(rows,columns,2) bool of each light that arrives anywhere: whether any probe did; was occluded."""
-        found = self.rays_of_tiles(frame, frame[PROBES], PROBE_SPACING)
+        """By light that is visible anywhere, (rows,columns,2) bool: any probe unoccluded; any occluded."""
+        visibility = self.rays_of_tiles(frame, frame[PROBES], PROBE_SPACING)
         for light in np.flatnonzero(is_narrow(frame.scene.lights)).tolist():
-            if light in found:  # a cone may light what lies between rays, none of which it was worth to send
-                found[light][frame[LIGHT_INFLUENCE][light].to_probe & ~found[light].any(2)] = True
+            if light in visibility:  # its cone can light what lies between probes that it does not light
+                visibility[light][frame[LIGHT_INFLUENCE][light].to_probe & ~visibility[light].any(2)] = True
         if not frame.settings.shortcuts:
-            found = {light: np.ones_like(tiles) for light, tiles in found.items()}
-        return {light: tiles for light, tiles in found.items() if tiles[..., 0].any()}
+            visibility = {light: np.ones_like(tiles) for light, tiles in visibility.items()}
+        return {light: tiles for light, tiles in visibility.items() if tiles[..., 0].any()}
 
     def add_rediscovered(
         self, frame: Frame, visibility: dict[int, np.ndarray], probes: dict[int, moderngl.Texture]
     ) -> None:
-        """Lights that had seemed occluded: what retests say of their tiles, and probes without any ray."""
+        """Add lights that retests found: their tiles, and probes without rays."""
         for light, tiles in frame[REDISCOVERED].items():
             if light in visibility or not (tiles & ~frame[LIGHT_INFLUENCE][light].is_faint).any():
                 continue
@@ -103,13 +103,13 @@ class PredictVisibility(Pass):
             self.device.gl.framebuffer([probes[light]]).clear()
 
     def rays_of_tiles(self, frame: Frame, rays: Mapping[int, moderngl.Texture], spacing: int) -> dict[int, np.ndarray]:
-        """For each light (rows,columns,2) bool: whether any ray about a tile arrived; was occluded."""
+        """By light, (rows,columns,2) bool: whether any ray about a tile was unoccluded; whether any was occluded."""
         gl = self.device.gl
-        found = {light: create(gl, RAYS_OF_TILES, size_of(RAYS_OF_TILES, *frame.size)) for light in rays}
-        for light, texture in found.items():
+        textures = {light: create(gl, RAYS_OF_TILES, size_of(RAYS_OF_TILES, *frame.size)) for light in rays}
+        for light, texture in textures.items():
             draw_per_tile(frame, gl.framebuffer([texture]), self.of_tiles, rays=rays[light], spacing=spacing)
         self.device.wait()
-        return {light: from_strips(pixels(texture), frame.tiles) > 0.0 for light, texture in found.items()}
+        return {light: from_strips(pixels(texture), frame.tiles) > 0.0 for light, texture in textures.items()}
 
     def predict(
         self,
@@ -119,7 +119,7 @@ class PredictVisibility(Pass):
         counts: moderngl.Texture | None,
         prediction: moderngl.Texture,
     ) -> None:
-        """All or nothing of a light in tiles whose rays agree; in others at the probes first, then between them."""
+        """Predict a light: 0 or 1 in tiles whose rays agree; in others first at the probes, then between them."""
         surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "depth": frame[DEPTH]}
         rays = {"probes": probes, "traced": counts is not None, **({} if counts is None else {"ray_counts": counts})}
         gl, uncertain = self.device.gl, tiles_where(visibility.all(2))
@@ -135,15 +135,15 @@ class PredictVisibility(Pass):
 def textures_per_light(
     frame: Frame, resource: Resource[dict[int, moderngl.Texture]], target: Target, lights: Mapping[int, object]
 ) -> dict[int, moderngl.Texture]:
-    """A texture of the picture's size for each light: that which the resource holds, if it fits."""
-    kept, room = frame.get(resource) or {}, driver_variants.sides(frame.size)
-    fits = {light: texture for light, texture in kept.items() if texture.size == room}
+    """By light, a texture of the picture's size: that of the resource, if its size is right."""
+    kept, size = frame.get(resource) or {}, driver_variants.sides(frame.size)
+    fits = {light: texture for light, texture in kept.items() if texture.size == size}
     return {light: fits[light] if light in fits else create(frame.device.gl, target, frame.size) for light in lights}
 
 
-def write_tiles(prediction: moderngl.Texture, size: tuple[int, int], arrived: np.ndarray, side: int) -> None:
-    """Predict for tiles (rows,columns) bool of `side` texels that all of a light arrives or nothing, with certainty."""
-    texels = np.zeros((*arrived.shape, 2), np.float16)
-    texels[..., 0] = arrived
+def write_tiles(prediction: moderngl.Texture, size: tuple[int, int], visible: np.ndarray, side: int) -> None:
+    """Predict for tiles (rows,columns) bool of `side` texels that a light is all visible or all occluded, certainly."""
+    texels = np.zeros((*visible.shape, 2), np.float16)
+    texels[..., 0] = visible
     whole = np.ascontiguousarray(texels.repeat(side, 1).repeat(side, 0)[: size[1], : size[0]])
     prediction.write(whole, (0, 0, *size), alignment=1)

@@ -1,10 +1,10 @@
-// Whether any ray about a tile arrived, and whether any was occluded.
+// Whether any ray about a tile was unoccluded, and whether any was occluded.
 #include "textures/tile_index.glsl"
-uniform sampler2D rays; // that arrived, and all
-uniform int spacing;    // pixels from one texel of them to the next
+uniform sampler2D rays; // unoccluded, traced
+uniform int spacing;    // pixels from one texel of `rays` to the next
 out vec2 any_ray;
 
-const int MARGIN = 2; // texels beyond the tile that its predictions read
+const int MARGIN = 2; // texels beyond the tile that predictions read: RADIUS in predict_visibility_probes.frag
 
 void main() {
     ivec2 tile = tile_index(), last = last_pixel() / spacing, side = ivec2(TILE_SIZE / spacing);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which rays correct a prediction."""
+"""Which pixels trace rays that correct a prediction, and to which points of a light."""
 
 from typing import Any
 
@@ -10,20 +10,21 @@ from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_poi
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 
-#: A pixel has a ray for sure if that may change it by this part of the picture's mean luminance.
+#: A pixel traces a ray in each sample if a ray can change it by this fraction of the picture's mean luminance.
 RAY_THRESHOLD = 0.1
 
-#: Doubt in a prediction that all rays of a neighbourhood agree on.
+#: Uncertainty of a prediction on which all rays of a neighbourhood agree. Both: `dev.py bench constants`, see
+#: docs/benchmarks.md.
 MIN_DOUBT = 0.03
 
-#: What their shaders fetch.
+#: Records that the shaders fetch.
 RECORDS = LIGHT, CASTER, MEMBERSHIP
 
 
 def shader_constants(
     variant: dict[str, int], rays: int, subpixel_offsets: int, min_probability: float
 ) -> dict[str, Any]:
-    """Constants of the shader for a variant of lights: `rays` is 0 or 1; a grid has so many subpixel offsets."""
+    """Constants of the shader for a variant of lights. `rays`: 1 if it traces any."""
     return {
         "trace": rays,
         "subpixel_offsets": subpixel_offsets,
@@ -34,7 +35,7 @@ def shader_constants(
 
 
 def ray_sequence() -> dict[str, tuple[int, ...]]:
-    """Uniforms: which ray of a pixel goes where on its light, and in which sample."""
+    """Uniforms: increments of the points on a light, and of the samples in which rays are traced."""
     turns = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
     return {
         "pixel_steps": fixed_increments(Dimension.LIGHT_POINT, "pixel"),
@@ -44,15 +45,15 @@ def ray_sequence() -> dict[str, tuple[int, ...]]:
 
 
 def light_shift(light: int) -> tuple[int, ...]:
-    """(3,) of a light: where on it the first pixel's first ray goes, and when."""
+    """(3,) of a light: the same for the first ray of the first pixel, in 32-bit fixed point."""
     return fixed_point([*draw(Dimension.LIGHT_POINT, light=light), *draw(Dimension.RAY_TURN, light=light)])
 
 
 def light_steps() -> tuple[int, ...]:
-    """(3,) the same from light to light."""
+    """(3,) increments of light_shift from light to light."""
     return fixed_increments(Dimension.LIGHT_POINT, "light") + fixed_increments(Dimension.RAY_TURN, "light")
 
 
 def ray_threshold(frame: Frame) -> float:
-    """The change of a pixel's luminance that a ray is traced for in any case."""
+    """Change of a pixel's luminance for which a ray is traced in each sample."""
     return RAY_THRESHOLD * frame[MEAN_LUMINANCE] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that are a small part of a tile's light: in which tiles, and how often they are drawn there.
+"""Lights that bring a small fraction of a tile's light.
 
-They have no prediction of their own, however many they are: CullLights estimates one visibility for all pixels of a
-tile. The fainter a light is, the lower is its probability in a sample, and the higher its weight.
+One visibility is predicted for all pixels of the tile, the coarse visibility of CullLights. The fainter a light is, the
+lower is the probability that a sample draws it, and the higher its weight.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from ...culling.light_influence import LightInfluence, visibilities
 from ...frame import Frame, Pass, Schedule, outputs
 from .faint_lights import FAINT_LIGHT
 
-#: The least probability that a faint light is drawn in a tile.
+#: Least probability that a sample draws a faint light in a tile. See `dev.py bench constants` in docs/benchmarks.md.
 MIN_LIGHT_PROBABILITY = 0.25
 
 
@@ -35,7 +35,7 @@ class SelectFaintLights(Pass):
 
 def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Mapping[int, np.ndarray]) -> np.ndarray:
     """Rows of FAINT_LIGHT for all tiles and the lights that are faint there; `rediscovered` as in resources.py."""
-    found, coarse = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
+    tables, coarse = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
     for light, influence in influences.items():
         visibility = (influence.is_faint * coarse[light]).ravel()
         tile = np.flatnonzero(visibility)
@@ -43,5 +43,5 @@ def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Ma
         pairs["tile"], pairs["light"], pairs["visibility"] = tile, light, visibility[tile]
         pairs["probability"] = np.maximum(influence.bound_over_faint.ravel()[tile], MIN_LIGHT_PROBABILITY)
         pairs["phase"] = draw(Dimension.LIGHT_CHOICE, light=light, tile=tile)[:, 0]
-        found.append(pairs)
-    return np.concatenate(found)
+        tables.append(pairs)
+    return np.concatenate(tables)

@@ -1,21 +1,21 @@
-// One light on each pixel: its predicted radiance towards the camera, and perhaps a ray that says how far that is wrong.
+// One light at each pixel: its predicted radiance towards the camera, and in some samples a ray that corrects it.
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 uniform usamplerBuffer lights;
 uniform int light_index;
-uniform sampler2D prediction;         // visibility, and whether that is uncertain
-uniform sampler2D prediction_surface; // positions and normals that it was predicted for
-uniform uvec3 light_uv_shift;         // of points on the light, and of samples in which rays are traced
+uniform sampler2D prediction;         // visibility, whether it is uncertain
+uniform sampler2D prediction_surface; // positions and normals for which it was predicted
+uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
 flat in float tile_probability;
-layout(location = 0) out vec4 direct_prediction; // in alpha, the luminance by which it may rise
+layout(location = 0) out vec4 direct_prediction; // in alpha, most by which its luminance can rise
 #if TRACE
-layout(location = 1) out vec4 direct_residual; // in alpha, the luminance of what is in doubt, if none of it were occluded
-layout(location = 2) out vec2 rays;            // that arrived, and all
+layout(location = 1) out vec4 direct_residual; // in alpha, unshadowed luminance of the light, if it is uncertain
+layout(location = 2) out vec2 rays;            // unoccluded, traced
 #endif
 
-// A prediction is of the surface that a pixel showed then. Of another one that it shows now, a neighbour may know.
+// A pixel's prediction is of the surface that it showed then. If it shows another one now, a neighbour's may be of this one.
 vec2 predicted_visibility_at(Surface surface, ivec2 at) {
 #if TRACE
     ivec2 last = last_pixel();
@@ -24,9 +24,9 @@ vec2 predicted_visibility_at(Surface surface, ivec2 at) {
     for (int k = 0, taps = 9; k < taps; ++k) { // the pixel's own first
         ivec2 other = clamp(at + ivec2((k + 4) % 3 - 1, (k + 4) % 9 / 3 - 1), ivec2(0), last);
         vec4 there = fetch(prediction_surface, other, texel);
-        float alike = similarity(surface.position, surface.normal, surface.depth, there);
-        if (k == 0 || alike > best) predicted = fetch(prediction, other, texel).xy;
-        best = max(best, alike);
+        float same_surface = similarity(surface.position, surface.normal, surface.depth, there);
+        if (k == 0 || same_surface > best) predicted = fetch(prediction, other, texel).xy;
+        best = max(best, same_surface);
         if (k == 0 && best > 0.5) taps = 1;
     }
     if (best < 0.5) predicted.y = 1.0;
@@ -54,7 +54,8 @@ void main() {
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if TRACE
     direct_residual.a = uncertain ? abs(amount) : 0.0;
-    bool tests = tile_probability > 0.0; // whether the prediction holds: as a correction, its weight would be too noisy
+    // A ray to a certain prediction only tests it: as a correction, its weight 1 / probability would be too noisy.
+    bool tests = tile_probability > 0.0;
     float probability = tests ? tile_probability
                               : ray_probability(amount, predicted.x, uncertain);
     ScheduledRay ray = schedule_ray(at, light_uv_shift.z, probability);

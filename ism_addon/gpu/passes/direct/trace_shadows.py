@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Radiance towards the camera by each light: a prediction, and by shadow rays how far that is wrong.
 
-With U the unshadowed radiance, exact, and p the predicted visibility, a ray to a point of the light that alone
-estimates U by x corrects p U by x (v - p), v being 1 if it arrives: no error where p is right about a light all visible
-or all occluded, none on average elsewhere (a control variate). It is the ratio estimator of Heitz, Hill & McGuire 2018
-in another form, whose samples can be added up. The probability of a ray is in proportion to how much it may change the
-picture, and its weight is the inverse. Where nothing is uncertain, rare rays only test the prediction. Where U is not
-exact, the correction is x v - p U, and all is uncertain. Faint lights are drawn together, with one prediction a tile,
-see faint_lights.py.
+With U the unshadowed radiance and p the predicted visibility, p U is the prediction. A ray to a sample of the light has
+the visibility v, 0 or 1, and estimates U by x. The residual x (v - p) corrects the prediction, as a control variate:
+it is right on average, and 0 where the light is all visible or all occluded and p says so. This is the ratio estimator
+of Heitz, Hill & McGuire 2018 in a form whose samples can be summed. The probability of a ray follows how much it can
+change the picture, and its weight is the inverse. Where the prediction is certain, rare rays only test it. Where U is
+not exact, the residual is x v - p U, and no prediction is certain. Faint lights have one prediction a tile, see
+faint_lights.py.
 """
 
 from typing import Any
@@ -48,18 +48,20 @@ from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
 from .ray_correction import RECORDS, light_shift, light_steps, ray_sequence, ray_threshold, shader_constants
 
-#: The least probability of a ray; and of one to a faint light.
+# How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
+
+#: Least probability of a ray that corrects a prediction, and of one to a faint light.
 MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
 
-#: The probability that a tile without doubt is tested, for a light that could be as bright there as the picture is on
-#: average, and the most: where it is brighter, it is the worse if the prediction is wrong.
+#: Probability that a sample tests a tile whose prediction is certain, if the light's bound there is the picture's mean.
+#: It is in proportion to the bound, as errors are, up to MAX_CERTAIN_PROBABILITY.
 CERTAIN_PROBABILITY = 0.03125
 MAX_CERTAIN_PROBABILITY = 0.5
 
 
 class TraceShadows(Pass):
-    """Radiance W/(sr m²) as predicted, and what rays add to it or take away."""
+    """Predicted radiance W/(sr m²), and the residuals that correct it."""
 
     inputs = (
         *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, FAINT_LIGHTS, TILE_VISIBILITY),
@@ -86,7 +88,7 @@ class TraceShadows(Pass):
         frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
 
     def ray_counts(self, frame: Frame) -> dict[int, moderngl.Texture]:
-        """A RAY_COUNT texture for each light that rays are traced to; without any ray before the second sample."""
+        """By light, the RAY_COUNT texture, of all lights that rays are traced to. Cleared before the second sample."""
         before, room = frame.get(RAY_COUNTS) or {}, driver_variants.sides(frame.size)
         if frame.sample == 0:
             return before
@@ -99,17 +101,17 @@ class TraceShadows(Pass):
         return counts
 
     def draw_lights(self, frame: Frame) -> set[int]:
-        """Lights with predictions of their own; gives those that anything was drawn of."""
+        """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
         predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
-        for light in range(len(frame.scene.lights.shape)):  # all of one target first: to change it takes time
-            traced, shown = self.chosen(frame, light)
-            if not len(traced) + len(shown):
+        for light in range(len(frame.scene.lights.shape)):  # first all of one framebuffer, as changing it takes time
+            traced, untraced = self.tiles_to_draw(frame, light)
+            if not len(traced) + len(untraced):
                 continue
             used.add(light)
             variant, uniforms = shader_variant(frame.scene.lights, light), self.uniforms(frame, light)
             program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
             bind(program, **uniforms)
-            draw_tiles(frame, predicted, program, shown)
+            draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 sequences = {"light_uv_shift": light_shift(light), **ray_sequence()}
@@ -122,7 +124,7 @@ class TraceShadows(Pass):
         return used
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
-        """Of a light's prediction."""
+        """Uniforms of a light's prediction."""
         return {
             **surface_samplers(frame),
             **material_samplers(frame),
@@ -134,43 +136,43 @@ class TraceShadows(Pass):
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:
-        """Of a light that has rays: the framebuffer that takes what they find, kept as long as its textures are."""
+        """Framebuffer for the rays to a light, cached as long as its textures stay."""
         textures = frame[DIRECT_PREDICTION], frame[DIRECT_RESIDUAL], frame[RAY_COUNTS][light]
         kept = self.framebuffers.get(light)
         if kept is None or kept.color_attachments != textures:
-            for gone in self.framebuffers.keys() - frame[RAY_COUNTS].keys():
-                del self.framebuffers[gone]
+            for unused in self.framebuffers.keys() - frame[RAY_COUNTS].keys():
+                del self.framebuffers[unused]
             self.framebuffers[light] = self.device.gl.framebuffer(textures)
         return self.framebuffers[light]
 
     @staticmethod
-    def chosen(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
-        """Tiles where rays are traced, and those where only the prediction is drawn; elsewhere that is nothing."""
+    def tiles_to_draw(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, if that is not 0."""
         tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE].get(light)
-        casts = casts_shadow(frame, light)
-        if influence is None or (casts and light not in frame[TILE_VISIBILITY]):
+        has_shadow = casts_shadow(frame, light)
+        if influence is None or (has_shadow and light not in frame[TILE_VISIBILITY]):
             return tiles[:0], tiles[:0]
         column, row = tiles["tile"].astype(np.int64).T
         own = (influence.contributes & ~influence.is_faint)[row, column]
         tiles, row, column = tiles[own], row[own], column[own]
-        if not casts:
+        if not has_shadow:
             return tiles[:0], tiles
         any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
         uncertain = (any_visible & any_occluded) | (not type_of(frame.scene.lights, light).exact)
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
-        # After each round of the places in the pixel at another one of them, or rays would never start elsewhere.
+        # The phase changes after each round of subpixel offsets: otherwise rays would start at the same ones only.
         rounds = tiles["sample_index"] // len(frame.grid.places)
         phase = draw(Dimension.TEST_TURN, light=light, tile=row * frame.tiles[0] + column, round=rounds)[:, 0]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean[row, column]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
-        turn = (tiles["sample_index"] + 1.0) * probability + phase
-        tested = ~uncertain & (np.floor(turn) > np.floor(turn - probability))
+        position = (tiles["sample_index"] + 1.0) * probability + phase
+        tested = ~uncertain & (np.floor(position) > np.floor(position - probability))
         tiles["ray_probability"] = np.where(uncertain, 0.0, probability)
         return tiles[uncertain | tested], tiles[any_visible & ~uncertain & ~tested]
 
     def draw_faint_lights(self, frame: Frame) -> set[int]:
-        """All lights that are faint somewhere, one draw for each type; gives those that anything was drawn of."""
+        """Draw faint lights, with one draw for each shader variant. Returns those that were drawn in any tile."""
         rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
         frame.counts["pairs_traced"] += rays * len(tiles) * TILE_SIZE**2
         lights = np.unique(tiles["light"]).astype(int)
@@ -193,10 +195,10 @@ class TraceShadows(Pass):
         return set(variants)
 
     def faint_tiles(self, frame: Frame) -> np.ndarray:
-        """Rows of TILE for each pair of a tile and a faint light that this sample draws."""
+        """Rows of TILE: pairs of a tile and a faint light that this sample draws."""
         return drawn_pairs(frame[FAINT_LIGHTS], frame[TILES], *frame.tiles, frame.sample)
 
 
 def casts_shadow(frame: Frame, light: int) -> bool:
-    """Whether a light has shadows."""
+    """Whether a light has shadows in this picture."""
     return frame.casts_shadows and bool(frame.scene.lights.casts_shadow[light])

@@ -1,4 +1,4 @@
-// What a tile shows nearby, and what far off: boxes around it, and cones of its normals.
+// Bounding boxes and normal cones of a tile's surfaces, of the near and of the far ones.
 #include "textures/tile_index.glsl"
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"

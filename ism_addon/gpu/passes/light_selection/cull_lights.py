@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tiled light culling: which lights can change which tiles, and by how much. The others are left out.
+"""Tiled light culling: which lights can change which tiles, and by how much. The others are culled.
 
-As in tiled shading (Olsson & Assarsson 2011), a tile's surfaces are bounded by boxes, and their normals by cones, see
-`surface_bounds`. A few coarse shadow rays then tell which lights arrive at all. A light that may be hidden is probed by
-ProbeVisibility if it could be a large part of a tile's light, and by RetestOccluded now and then if not. Lights that
-are negligible in a tile, all of them together, are left out for good.
+As in tiled shading (Olsson & Assarsson 2011), a tile's surfaces are bounded by boxes, and their normals by cones: see
+culling/surface_bounds.py. A few coarse shadow rays then estimate where each light is visible. A light that may be
+occluded is probed by ProbeVisibility if it could be a large part of a tile's light, and else by RetestOccluded in some
+samples. Lights whose bounds together are negligible in a tile are culled there.
 """
 
 from dataclasses import dataclass
@@ -44,19 +44,23 @@ from ...surface_inputs import SURFACE
 from ...tiles import from_strips
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
-#: Lights that bring less than this part of a block's light, all together, are left out there. Blocks are not taken
-#: for darker than this part of the picture's mean.
+# How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
+
+#: The culled lights of a tile together bring at most this fraction of its light.
 MAX_CULLED_FRACTION = 1e-3
+
+#: For that, a tile's light counts as at least this fraction of the picture's mean.
 MIN_RELATIVE_IRRADIANCE = 0.1
 
-#: A light that may bring no more than this part of a block's light is predicted for the block as a whole.
+#: A light is faint in a tile if its bound is at most this fraction of the tile's light. It has one prediction a tile.
 FAINT_FRACTION = 0.01
 
-#: What a block shows is bounded in two parts, near and far, if the farthest depth is the nearest times this.
+#: A tile has two bounding boxes, of near and of far surfaces, if the farthest depth is the nearest times this or more.
 DEPTH_SPLIT_RATIO = 1.1
 
-#: Lights are looked for from one block of so many, along either side of the picture; of more lights than a few, only
-#: those that arrive at any of fewer blocks, where these are many: a small picture's would leave out what they miss.
+#: Coarse shadow rays start in every FINE_TILE_SPACING-th tile, in x and in y. More than FEW_LIGHTS lights are first
+#: tested from every COARSE_TILE_SPACING-th, if these are MANY_LIGHTS tiles or more: in a small picture, that few rays
+#: would miss visible lights.
 FINE_TILE_SPACING = 2
 COARSE_TILE_SPACING = 4
 FEW_LIGHTS = 16
@@ -66,10 +70,10 @@ MANY_LIGHTS = 64
 NEAR_BOUNDS = TILE_MIN, TILE_MAX, TILE_NORMAL_CONE
 FAR_BOUNDS = FAR_TILE_MIN, FAR_TILE_MAX, FAR_TILE_NORMAL_CONE
 
-#: Pairs of a light and a block that are weighed at a time: as many as processors keep close at hand.
+#: Pairs of a light and a tile that are bounded at a time, so that the arrays stay in a processor's cache.
 PAIRS_AT_A_TIME = 1 << 15
 
-#: So many times the picture's mean light is as bright as any.
+#: Bounds are clamped to this many times the picture's mean light.
 MAX_BOUND_OVER_MEAN = 100.0
 
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
@@ -77,18 +81,18 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 @dataclass
 class CullingState:
-    """What all samples so far say of lights. The luminance of irradiance is in W/m²."""
+    """Lights and surfaces, after all samples so far. Irradiance is a luminance, W/m²."""
 
-    surfaces: SurfaceBounds  # of all that tiles have shown
-    bounds: np.ndarray  # (L,rows,columns) float32: upper bounds of the luminance of each light's irradiance there
+    surfaces: SurfaceBounds  # of the visible surfaces of each tile
+    bounds: np.ndarray  # (L,rows,columns) float32: upper bounds of each light's irradiance
     coarse_visibility: dict[int, np.ndarray]  # (rows,columns) by light
-    irradiance: np.ndarray  # (rows,columns): the luminance that is believed to arrive
+    irradiance: np.ndarray  # (rows,columns): estimate of all lights
 
 
 class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
-    schedule = Schedule.DOUBLING  # surfaces come to light
+    schedule = Schedule.DOUBLING  # further samples show further surfaces
     inputs = *SURFACE, DEPTH, LIGHT_BUFFER, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     feedback = (REDISCOVERED,)
     outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS)
@@ -113,31 +117,31 @@ class CullLights(Pass):
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
     def first_state(self, frame: Frame) -> CullingState:
-        """By what the first sample shows."""
+        """From the first sample."""
         surfaces = self.bound_tiles(frame)
         bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
         visibility = self.probe_coarsely(frame, bounds)
         none = np.zeros(frame.tiles[::-1])
-        arriving = sum((visibility[light] * estimates[light] for light in visibility), none)
-        return CullingState(surfaces, bounds, visibility, neighbourhood(arriving).mean((2, 3)))
+        irradiance = sum((visibility[light] * estimates[light] for light in visibility), none)
+        return CullingState(surfaces, bounds, visibility, neighbourhood(irradiance).mean((2, 3)))
 
     def next_state(self, frame: Frame) -> CullingState:
-        """By all that was seen so far."""
-        state, shown, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
+        """From the state before, the surfaces of this sample, and the rediscovered lights."""
+        state, visible, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
         visibility = dict(state.coarse_visibility)
         rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
             visibility[light] = influence.visibility_with(rediscovered.get(light))
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
-            found = neighbourhood_visibility(rays, narrow[light])
-            visibility[light] = np.maximum(visibility[light], self.per_tile(frame, found))
-        new = np.flatnonzero(~state.surfaces.contains(shown))
-        surfaces = state.surfaces.joined(shown)
+            coarse = neighbourhood_visibility(rays, narrow[light])
+            visibility[light] = np.maximum(visibility[light], self.per_tile(frame, coarse))
+        new = np.flatnonzero(~state.surfaces.contains(visible))
+        surfaces = state.surfaces.joined(visible)
         bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, new)[0])
         return CullingState(surfaces, bounds, visibility, state.irradiance)
 
     def irradiance(self, frame: Frame, surfaces: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """Arrays (L,rows,columns) of bounds and of estimates, for some surfaces: see LightBounds."""
+        """Bounds and estimates (L,rows,columns) of the lights' irradiance on some surfaces: see LightBounds."""
         some, lights = surfaces.select(which), frame.scene.lights
         step = max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
         columns, rows = frame.tiles
@@ -156,91 +160,92 @@ class CullLights(Pass):
         return list(found)
 
     def bound_tiles(self, frame: Frame) -> SurfaceBounds:
-        """What the tiles show, each nearby and far off."""
+        """Bounds of the near and of the far surfaces of each tile."""
         targets = *NEAR_BOUNDS, *FAR_BOUNDS
-        shown = {"position": frame[POSITION], "depth": frame[DEPTH]}
-        draw_per_tile(frame, frame.framebuffer(*targets), self.surface_bounds, **shown)
+        samplers = {"position": frame[POSITION], "depth": frame[DEPTH]}
+        draw_per_tile(frame, frame.framebuffer(*targets), self.surface_bounds, **samplers)
         self.device.wait()
         found = [from_strips(frame.read(target), frame.tiles) for target in targets]
         near_and_far = np.array(found).reshape(2, 3, -1, 4)
         return SurfaceBounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
     def probe_coarsely(self, frame: Frame, bounds: np.ndarray) -> dict[int, np.ndarray]:
-        """(rows,columns) of each light whose bound (L,rows,columns) is above 0 anywhere: visibility about a tile."""
-        casts, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, is_narrow(frame.scene.lights)
-        reaching = np.flatnonzero(bounds.any((1, 2)))
-        probed = reaching[casts[reaching]]
+        """Coarse visibility (rows,columns) by light, of all whose bounds (L,rows,columns) are not 0 everywhere."""
+        casts_shadow, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, is_narrow(frame.scene.lights)
+        bounded = np.flatnonzero(bounds.any((1, 2)))
+        probed = bounded[casts_shadow[bounded]]
         coarse_tiles = np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.tiles])
         if len(probed) > FEW_LIGHTS and coarse_tiles >= MANY_LIGHTS:
-            arrived = self.probe_rays(frame, probed, COARSE_TILE_SPACING)
-            sent = {light: rays.any() for light, rays in arrived.items()}
-            probed = np.array([k for k in probed if arrived[k][..., 0].any() or (narrow[k] and not sent[k])], int)
+            coarse = self.probe_rays(frame, probed, COARSE_TILE_SPACING)
+            is_lit = {light: rays.any() for light, rays in coarse.items()}
+            probed = np.array([k for k in probed if coarse[k][..., 0].any() or (narrow[k] and not is_lit[k])], int)
         rays = self.probe_rays(frame, probed, FINE_TILE_SPACING)
         certain = {
-            light: np.full(frame.tiles[::-1], 0.0 if casts[light] else 1.0, np.float32) for light in reaching.tolist()
+            light: np.full(frame.tiles[::-1], 0.0 if casts_shadow[light] else 1.0, np.float32)
+            for light in bounded.tolist()
         }
         return certain | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
-    def per_tile(frame: Frame, found: np.ndarray) -> np.ndarray:
-        """(rows,columns) for each tile, of what rays from every FINE_TILE_SPACING-th have found."""
+    def per_tile(frame: Frame, values: np.ndarray) -> np.ndarray:
+        """Values of every FINE_TILE_SPACING-th tile, repeated to all tiles (rows,columns)."""
         columns, rows = frame.tiles
-        return found.repeat(FINE_TILE_SPACING, 0).repeat(FINE_TILE_SPACING, 1)[:rows, :columns]
+        return values.repeat(FINE_TILE_SPACING, 0).repeat(FINE_TILE_SPACING, 1)[:rows, :columns]
 
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
-        """(rows,columns,2) of each light: rays that arrived from every tile, or each so far apart, and rays."""
+        """By light, unoccluded and traced rays (H,W,2), one from every `spacing`-th tile in x and in y."""
         columns, rows = (-(-count // spacing) for count in frame.tiles)
         probing, px = 0 if spacing == COARSE_TILE_SPACING else frame.sample + 1, spacing * TILE_SIZE
         blocks = light_blocks(lights, draw(Dimension.CULLING_POINT, light=lights, probing=probing))
         light_uv_steps = fixed_increments(Dimension.CULLING_POINT, "culling_tile")
         grid = ProbeGrid((columns, rows), px, (px // 2, px // 2), light_uv_steps)
         step = self.device.texture_size // rows
-        found: dict[int, np.ndarray] = {}
+        of_lights: dict[int, np.ndarray] = {}
         for first in range(0, len(lights), step):
             some = lights[first : first + step]
             texture = trace_blocks(frame, blocks[first : first + step], grid)
             self.device.wait()
             rays = pixels(texture)[: len(some) * rows, :columns]
-            found |= zip(some, rays.reshape(len(some), rows, columns, 2), strict=True)
-        return found
+            of_lights |= zip(some, rays.reshape(len(some), rows, columns, 2), strict=True)
+        return of_lights
 
 
 def light_influences(state: CullingState) -> dict[int, LightInfluence]:
-    """Which lights contribute where, by the most that each can bring."""
-    shown, found = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
-    mean = max(float(state.irradiance[shown].mean()) if shown.any() else 0.0, FLOAT32_TINY)
-    local, left_out = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
+    """By light, its influence on the tiles, of all lights that are not culled everywhere."""
+    exists, influences = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
+    mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
+    local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
     relative_bounds = state.bounds / np.maximum(state.irradiance, mean)
     for light in np.argsort(relative_bounds.sum((1, 2))):  # the faintest first
         bound = state.bounds[light]
-        left_out += bound
-        contributes = (bound > 0.0) & (left_out > MAX_CULLED_FRACTION * local)
+        culled += bound
+        contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
         if contributes.any():
-            found[int(light)] = LightInfluence(
+            influences[int(light)] = LightInfluence(
                 contributes=contributes,
                 bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
                 relative_bound=np.minimum(relative_bounds[light], 1.0),
                 bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
                 coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
             )
-    return found
+    return influences
 
 
 def without_culling(frame: Frame) -> dict[int, LightInfluence]:
-    """As if all lights contributed to all tiles."""
+    """All lights contribute to all tiles."""
     ones = np.ones(frame.tiles[::-1], np.float32)
     return {light: LightInfluence(ones > 0.0, ones, ones, ones, ones) for light in range(len(frame.scene.lights.shape))}
 
 
 def neighbourhood_visibility(rays: np.ndarray, narrow: bool) -> np.ndarray:
-    """(H,W): of rays (H,W,2), those that arrived and all, the part that arrived among each one and its neighbours.
+    """(H,W) visibility, from unoccluded and traced rays (H,W,2) in 3×3 neighbourhoods.
 
-    A light's `narrow` cone may light what lies between points that it sends nothing to.
+    A `narrow` light can be visible between points that it does not light. There its visibility is unknown.
     """
-    arrived, sent = (neighbourhood(number).sum((2, 3)) for number in np.moveaxis(rays, 2, 0))
-    return np.where(narrow & (sent == 0.0), UNKNOWN_VISIBILITY, arrived / np.maximum(sent, 1.0))
+    unoccluded, traced = (neighbourhood(count).sum((2, 3)) for count in np.moveaxis(rays, 2, 0))
+    return np.where(narrow & (traced == 0.0), UNKNOWN_VISIBILITY, unoccluded / np.maximum(traced, 1.0))
 
 
 def neighbourhood(values: np.ndarray) -> np.ndarray:
-    """(H,W,3,3): each one of (H,W) and its eight neighbours; beyond the border, those at it."""
+    """(H,W,3,3): 3×3 neighbourhoods of (H,W). Beyond the border, values at the border are repeated."""
     return np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, mode="edge"), (3, 3))

@@ -1,4 +1,4 @@
-// Probe rays: one to a light, from one of the pixels that a texel stands for. Texels lie in blocks, each of one light.
+// Probe rays: each texel traces a ray from one pixel to a light. Texels lie in blocks, all rays of which go to one light.
 #include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
 uniform usamplerBuffer lights;
@@ -7,11 +7,11 @@ uniform int first_block;
 uniform int block_columns;  // blocks side by side
 uniform ivec2 block_size;   // texels
 uniform int spacing;        // px, from the first pixel of a texel to that of the next
-uniform ivec2 pixel_offset; // px, of the pixel from the first
-out vec2 rays;              // that arrived, and all
+uniform ivec2 pixel_offset; // px, from a texel's first pixel to the one that the ray starts from
+out vec2 rays;              // unoccluded, traced
 
-// Where the light sends something, but not from the point that was sampled, nothing is known: that is half a ray. Where it
-// sends nothing there is none.
+// Where the light is above the horizon, but not the sampled point, its visibility is unknown: half a ray. Where the light
+// is below the horizon, no ray.
 vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);

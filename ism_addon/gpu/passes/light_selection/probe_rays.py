@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Probe rays: coarse shadow rays that say what of a light arrives about a tile or a pixel. One shader traces all.
+"""Probe rays: coarse shadow rays that estimate a light's visibility about a tile or a pixel. One shader traces all.
 
-Each texel of a target is a ray. Texels lie in blocks: a block's rays go to one light.
+Each texel of a target is a ray. Texels lie in blocks, and all rays of a block go to one light.
 """
 
 from collections.abc import Iterable
@@ -26,7 +26,7 @@ from ...tiles import PROBES_PER_TILE_SIDE
 SHADER = "passes/light_selection/probe_rays.frag"
 RECORDS = LIGHT, CASTER, MEMBERSHIP, PROBE_BLOCK
 
-#: In place of a light's index: a block without rays.
+#: Light index of blocks without rays.
 NO_LIGHT = -1
 
 
@@ -40,11 +40,11 @@ def light_blocks(lights: Iterable[int], light_uvs: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ProbeGrid:
-    """Which pixels the texels of blocks stand for, and how the blocks lie in the target."""
+    """The pixels that rays start from, and the layout of the blocks in the target."""
 
     block_size: tuple[int, int]  # texels
     spacing: int  # px from the first pixel of a texel to that of the next
-    pixel_offset: tuple[int, int]  # px, of the pixel that has the ray from the first
+    pixel_offset: tuple[int, int]  # px from a texel's first pixel to the one that the ray starts from
     light_uv_steps: tuple[int, ...]  # of light_uv from texel to texel, in 32-bit fixed point
     block_columns: int = 1  # blocks side by side
 

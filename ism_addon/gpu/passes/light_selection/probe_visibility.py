@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Coarse visibility of each light: one shadow ray from every fourth pixel, where CullLights asks for it."""
+"""Coarse visibility of each light: one shadow ray from one pixel in 2×2, in the tiles that CullLights chose."""
 
 import moderngl
 
@@ -15,7 +15,7 @@ from .probe_rays import ProbeGrid, light_blocks, trace_tiles
 
 
 class ProbeVisibility(Pass):
-    """For each light that casts shadows and may be visible, whether a ray from every fourth pixel arrives."""
+    """For each light that casts shadows, whether a ray from one pixel in 2×2 is unoccluded."""
 
     schedule = Schedule.FIRST
     inputs = *SURFACE, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
@@ -25,16 +25,16 @@ class ProbeVisibility(Pass):
         return frame.casts_shadows
 
     def execute(self, frame: Frame) -> None:
-        gl, casts = self.device.gl, frame.scene.lights.casts_shadow
+        gl, casts_shadow = self.device.gl, frame.scene.lights.casts_shadow
         influences = frame[LIGHT_INFLUENCE]
-        lights = [light for light, influence in influences.items() if casts[light] and influence.to_probe.any()]
+        lights = [light for light, influence in influences.items() if casts_shadow[light] and influence.to_probe.any()]
         probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
         gl.enable_only(moderngl.NOTHING)
         blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, draw(Dimension.PROBE_POINT, light=lights)))
         light_uv_steps = fixed_increments(Dimension.PROBE_POINT, "probe")
         for index, light in enumerate(lights):
-            into = gl.framebuffer([probes[light]])
-            into.clear()
-            grid = ProbeGrid(into.size, PROBE_SPACING, (0, 0), light_uv_steps)
-            trace_tiles(frame, into, tiles_where(influences[light].to_probe), light, blocks, index, grid)
+            target = gl.framebuffer([probes[light]])
+            target.clear()
+            grid = ProbeGrid(target.size, PROBE_SPACING, (0, 0), light_uv_steps)
+            trace_tiles(frame, target, tiles_where(influences[light].to_probe), light, blocks, index, grid)
         frame[PROBES] = probes

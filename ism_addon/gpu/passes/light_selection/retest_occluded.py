@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that all rays found occluded are tested again, now and then.
+"""Probes again pairs of a tile and a light that all rays found occluded.
 
-Each sample tests a few pairs of a tile and a light. The probability follows the light's bound, so many negligible
-lights cost no more than one. PredictVisibility and TraceShadows draw a light from the sample on in which it is found.
+Each sample tests a few pairs. The probability of a pair follows the light's bound, so many negligible lights cost no
+more than one. From the next doubling on, PredictVisibility and TraceShadows draw the lights that were found.
 """
 
 import math
@@ -30,19 +30,20 @@ from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, TILE
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
-#: Probability of a retest, in a sample and a tile, of a light that could be all the light there is.
+#: Probability that a sample retests a light in a tile, if its bound is all of the tile's light. See `dev.py bench
+#: constants` in docs/benchmarks.md.
 RETEST_PROBABILITY = 0.25
 
 
 @dataclass(frozen=True)
 class Retest:
-    """What the rays of one sample have found."""
+    """The retests of one sample."""
 
     tiles: np.ndarray  # rows of TILE: pairs of a tile and a light
     rays: moderngl.Texture  # PROBE, see RetestOccluded.trace
 
-    def arrived(self) -> np.ndarray:
-        """(N,) bool: whether any ray of a pair did. Once the GPU is done with them."""
+    def any_visible(self) -> np.ndarray:
+        """(N,) bool: whether any ray of a pair was unoccluded. Valid after Device.wait."""
         side, columns = PROBES_PER_TILE_SIDE, columns_of(self.tiles)
         rows = -(-len(self.tiles) // columns)
         rays = pixels(self.rays)[: rows * side, : columns * side, 0] == 1.0
@@ -50,7 +51,7 @@ class Retest:
 
 
 class RetestOccluded(Pass):
-    """Where lights arrive that had seemed occluded."""
+    """Where lights are visible that had been believed occluded."""
 
     inputs = *SURFACE, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
     feedback = (TILE_VISIBILITY,)
@@ -110,17 +111,17 @@ class RetestOccluded(Pass):
         return tiles
 
     def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
-        """Of each light that was found since the last doubling, in which tiles: (rows,columns) bool."""
+        """By light, the tiles (rows,columns) bool in which retests since the last doubling found it visible."""
         self.device.wait()
-        found: dict[int, np.ndarray] = {}
+        visible: dict[int, np.ndarray] = {}
         for retest in frame[RETESTS]:
-            arrived = retest.tiles[retest.arrived()]
-            for light in np.unique(arrived["light"]).astype(int):
-                column, row = arrived["tile"][arrived["light"] == light].astype(int).T
-                found.setdefault(int(light), np.zeros(frame.tiles[::-1], bool))[row, column] = True
-        return found
+            pairs = retest.tiles[retest.any_visible()]
+            for light in np.unique(pairs["light"]).astype(int):
+                column, row = pairs["tile"][pairs["light"] == light].astype(int).T
+                visible.setdefault(int(light), np.zeros(frame.tiles[::-1], bool))[row, column] = True
+        return visible
 
 
 def columns_of(tiles: np.ndarray) -> int:
-    """How many blocks of so many tiles lie side by side: about as many as one above the other."""
+    """Number of columns in which the blocks of these tiles are laid out, as a square."""
     return math.isqrt(len(tiles) - 1) + 1
