@@ -62,8 +62,8 @@ MUTATIONS = (
     ),
     Mutation(
         "lights are culled that bring as much as all others",
-        "left_out > MAX_CULLED_FRACTION * local",
-        "left_out > local",
+        "culled > MAX_CULLED_FRACTION * local",
+        "culled > local",
         ("test_cull_lights", "test_shortcuts"),
     ),
     Mutation(
