@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Darken what is close to other surfaces, in screen space at half resolution.
+"""Screen-space ambient occlusion at half resolution.
 
-Beck-Norén & Valter 2013, sections 2.2 and 3.3, after Mittring 2007: points within a radius and a cone about the
-normal are projected to the screen; one that lies behind what is seen there is occluded, the less the farther away
-the occluder is. A tiled 64×64 random texture turns the points from pixel to pixel. The points are spread by the
-cosine, so that without attenuation the open part is the part of the world's light that arrives.
+Beck-Norén & Valter 2013, sections 2.2 and 3.3, after Mittring 2007: points within a radius and a cone about the normal
+are projected to the screen. A point behind the visible surface there is occluded; attenuation reduces that by the
+occluder's distance. A tiled 64×64 random texture rotates the points from pixel to pixel. Points are distributed by the
+cosine, so that without attenuation the result is the visible fraction of a uniform world's irradiance.
 """
 
 from functools import cached_property
@@ -25,15 +25,15 @@ from ...gl.shader_compiler import bind
 #: Side of the random texture, as in the report.
 NOISE_SIZE = 64
 
-#: Points a pixel and sample. Chosen with the report's budget in mind; more samples add more.
+#: Points per pixel and sample, about as many as in the report.
 SAMPLES = 16
 
-#: Points less far than this from a pixel's middle, across and up, are in it. px; a little is left to float32.
+#: px. Points less far than this from a pixel's centre, in x and in y, are in the pixel, with a margin for rounding.
 SUBPIXEL_RADIUS = 0.49
 
 
 class AmbientOcclusion(Pass):
-    """The part of the world's light that reaches each pixel: 1 is open."""
+    """The fraction of the world's light that reaches each pixel: 1 is open."""
 
     inputs = DEPTH, POSITION, NORMAL, INSTANCE_BUFFERS, Change.VIEW, Change.SAMPLE, "ssao"
     outputs = outputs(RAW_OCCLUSION)
@@ -54,8 +54,9 @@ class AmbientOcclusion(Pass):
 
     def needed(self, frame: Frame) -> bool:
         ssao = frame.settings.ssao
-        asked = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and frame.scene.world.radiance.any()
-        return bool(asked and not (frame.settings.shortcuts and projected_radius(frame, ssao.radius) < SUBPIXEL_RADIUS))
+        if not (ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and frame.scene.world.radiance.any()):
+            return False
+        return not (frame.settings.shortcuts and projected_radius(frame, ssao.radius) < SUBPIXEL_RADIUS)
 
     def execute(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
@@ -76,7 +77,7 @@ class AmbientOcclusion(Pass):
 
 
 def projected_radius(frame: Frame, radius: float) -> float:
-    """How many pixels across or up, at most, anything visible is from points about it, `radius` m away or less."""
+    """Upper bound, px in x or y, of the projected distance of visible points to points within `radius` m of them."""
     instances, clip = frame[INSTANCE_BUFFERS], clip_from_anchor(frame.view, frame.anchor)
     across, up, ahead = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
     of_boxes = clip[3, :3] @ instances.matrices
@@ -84,5 +85,5 @@ def projected_radius(frame: Frame, radius: float) -> float:
     nearest = w.min(initial=np.inf) - radius * ahead
     if nearest <= 0.0:
         return float(np.inf)
-    # What is visible is within half a picture of its middle: so far it goes if only its depth changes.
+    # A visible point is at most half a picture from its centre, so a change of depth moves it by that at most.
     return float(radius / nearest * max((across + ahead) * frame.view.width, (up + ahead) * frame.view.height) / 2.0)

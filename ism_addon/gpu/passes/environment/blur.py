@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth the ambient occlusion's noise, along surfaces only.
+"""A bilateral blur of the ambient occlusion, along rows, then along columns.
 
-A bilateral filter in two steps, across and up: a neighbour counts as far as it lies in the pixel's plane and faces
-the same way (Beck-Norén & Valter 2013, section 3.3, blur their half-resolution result likewise).
+The weight of a neighbour is the similarity of its surface (Beck-Norén & Valter 2013, section 3.3, blur their result at
+half resolution likewise).
 """
 
 from functools import cached_property

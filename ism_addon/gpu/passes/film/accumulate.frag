@@ -1,24 +1,24 @@
-// The samples of one block, added by blending to all pixels that they count for.
+// The samples of one tile, added by blending to all pixels whose filter reaches them.
 #include "maths/blackman_harris.glsl"
 #include "maths/luminance.glsl"
 uniform sampler2D sample_color;
 uniform sampler2D sample_residual;
 uniform sampler2D sample_headroom; // see shade.frag
-uniform sampler2D tile_probabilities; // of blocks to take part, and with their own pixels: 0 for those that are settled
+uniform sampler2D tile_probabilities; // that a tile takes part; the same, or 0 for a tile that has converged
 uniform float filter_radius;        // px
 flat in vec2 tile;
 flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sum_color;
 layout(location = 1) out vec4 sum_residual; // in alpha, squares of weighted luminances
-layout(location = 2) out vec4 sum_weights;        // of squared luminances, samples, corrections without sign, luminances in doubt
+layout(location = 2) out vec4 sum_weights;  // of squared luminances, samples, absolute residuals, uncertain luminances
 layout(location = 3) out float sum_headroom;
 
-// Without a margin the samples themselves are spread like the filter.
+// Without a margin the samples themselves are distributed as the filter is.
 float weight_at(float x) { return MARGIN == 0 ? 1.0 : blackman_harris(x, filter_radius); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(tile) * TILE_SIZE, last = min(first + TILE_SIZE - 1, last_pixel());
-#if FIRST_SAMPLE // all other blocks have a sample at the same place, so no block needs others to add to its pixels
+#if FIRST_SAMPLE // all tiles have the same subpixel offset, so each can fetch the samples of its neighbours
     first = ivec2(0);
     last = last_pixel();
 #endif
@@ -31,14 +31,15 @@ void main() {
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
-            bool mine = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
-            float weight = mine ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
+            bool is_own = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
+            float weight = is_own ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
             from = clamp(from, first, last);
-            vec4 sampled = fetch(sample_color, from, texel), wrong = HAS_RESIDUAL == 1 ? fetch(sample_residual, from, texel) : vec4(0.0);
-            float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
-            sum_color += weight * sampled;
-            sum_residual += vec4(weight * wrong.rgb, amount * amount);
-            sum_weights += weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), wrong.a);
+            vec4 color = fetch(sample_color, from, texel);
+            vec4 residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, from, texel) : vec4(0.0);
+            float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
+            sum_color += weight * color;
+            sum_residual += vec4(weight * residual.rgb, weighted * weighted);
+            sum_weights += weight * vec4(corrected * corrected, 1.0, abs(luminance(residual.rgb)), residual.a);
             sum_headroom += weight * fetch(sample_headroom, from, texel).x;
         }
     }

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Average the samples of a picture: each has other places on the lights and another place in the pixels.
+"""Sums of the samples of a picture, filtered.
 
-A sample counts for all pixels whose Blackman-Harris filter reaches it, by that filter's weight there. Beyond its own
-block it counts more or less, as that block takes part less or more often than the pixel's own: or pixels between two
-blocks would look like the one drawn more often. For pixels of a block that is settled it counts nothing.
+A sample is added to all pixels whose Blackman-Harris filter reaches it, with the filter's weight. In other tiles than
+its own the weight is multiplied by the ratio of the tiles' probabilities: otherwise pixels near the border of two tiles
+would look like the tile that is drawn more often. In tiles that have converged the weight is 0.
 
-A wide filter would take its width squared for each pixel, and again for each that it reaches: it is drawn across, then
-along. Samples count as if they lay at the pixels' centres then, as each block's are elsewhere. That would blur the
-filter by a pixel, so it is narrower by as much.
+A wide filter is separable: it is drawn along rows, then along columns. Samples then count as if they lay at the pixels'
+centres, which widens the filter by a pixel, so its radius is reduced by as much.
 """
 
 import math
@@ -38,7 +37,7 @@ from ...gl.shader_compiler import bind
 #: Pixels of margin from which on a filter is wide.
 WIDE_MARGIN = 5
 
-#: Samples that are fetched and weighed in the time that it takes to add to a sum.
+#: Samples that are fetched and weighted in the time of one blend operation.
 SAMPLES_PER_BLEND = 4
 
 #: A pixel's variance, over that of a Blackman-Harris filter that reaches 1 px: 1 / 12 / 0.076736.
@@ -60,15 +59,15 @@ ROWS = _of_wide_filters("row", "The same, filtered in rows")
 
 
 def filter_margin(reach: float) -> int:
-    """Pixels away that a sample can count for, which is up to half a pixel off its own one's centre.
+    """Distance in pixels to which samples are filtered. They lie up to half a pixel off their pixel's centre.
 
-    Where that is none, samples are spread as the filter is, and all count alike.
+    If it is 0, the samples are distributed as the filter is, and have equal weights.
     """
     return max(math.ceil(reach - 0.5), 0)
 
 
 def rays_for(samples: int) -> float:
-    """In whose time so many samples are added to a pixel's sums."""
+    """Time to add this many samples to a pixel's sums, in rays."""
     return len(SUMS) * (samples + SAMPLES_PER_BLEND) / TEXELS_PER_RAY
 
 

@@ -1,6 +1,6 @@
-// A wide filter is a product of one across and one along: what was taken is added up in rows, and they in columns.
+// A separable wide filter: sums along rows, then along columns.
 #include "maths/blackman_harris.glsl"
-uniform sampler2D lines_color; // what accumulate_taken.frag writes, or in columns what this does in rows
+uniform sampler2D lines_color; // from accumulate_taken.frag; along columns, from this shader along rows
 uniform sampler2D lines_residual;
 uniform sampler2D lines_weights;
 uniform sampler2D lines_headroom;

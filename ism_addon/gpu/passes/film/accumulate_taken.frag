@@ -1,4 +1,4 @@
-// The samples of one block for a wide filter, as they count for a pixel of chance 1: see accumulate.frag.
+// The samples of one tile for a wide filter, weighted for pixels of a tile with probability 1: see accumulate.frag.
 #include "maths/luminance.glsl"
 uniform sampler2D sample_color;
 uniform sampler2D sample_residual;
@@ -13,10 +13,10 @@ layout(location = 3) out float sum_headroom;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     float weight = 1.0 / fetch(tile_probabilities, ivec2(tile)).x;
-    vec4 sampled = fetch(sample_color, at), wrong = HAS_RESIDUAL == 1 ? fetch(sample_residual, at) : vec4(0.0);
-    float bright = luminance(sampled.rgb + wrong.rgb), amount = weight * luminance(wrong.rgb);
-    sum_color = weight * sampled;
-    sum_residual = vec4(weight * wrong.rgb, amount * amount);
-    sum_weights = weight * vec4(bright * bright, 1.0, abs(luminance(wrong.rgb)), wrong.a);
+    vec4 color = fetch(sample_color, at), residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, at) : vec4(0.0);
+    float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
+    sum_color = weight * color;
+    sum_residual = vec4(weight * residual.rgb, weighted * weighted);
+    sum_weights = weight * vec4(corrected * corrected, 1.0, abs(luminance(residual.rgb)), residual.a);
     sum_headroom = weight * fetch(sample_headroom, at).x;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any target as an image: what settings.debug_view names, stretched to the picture's size."""
+"""A target as an image: the debug view of the settings, stretched to the picture's size."""
 
 from functools import cached_property
 
@@ -13,7 +13,7 @@ from ...gl.shader_compiler import bind, compile_program
 
 
 class DebugImage(Pass):
-    """The picture that is accumulated: the colour, or a target looked into."""
+    """The debug view."""
 
     inputs = *DEBUG_VIEWS, "debug_view"
     outputs = outputs(DEBUG_IMAGE)

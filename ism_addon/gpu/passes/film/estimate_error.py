@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture beside what it was at half as many samples: how far it moved says how far it is from its end.
+"""The error of each tile, from the difference of the image to the image of half as many samples.
 
-See convergence.py for why. Blocks that are near enough take part in no further sample.
+See convergence.py for the derivation. Tiles whose error is below the threshold have converged.
 """
 
 from functools import cached_property
@@ -23,15 +23,15 @@ from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
 from ...tiles import from_strips
 
-#: Samples before which no block is good enough: so many rays most things are met by, and as many a picture has by
-#: default.
+#: Samples before which no tile converges: features narrower than this many samples resolve would be missed. It is the
+#: default number of samples of a viewport.
 MIN_SAMPLES_TO_STOP = 16
 
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 
 def is_due(sample: int, samples: int) -> bool:
-    """Whether the number of samples has doubled with this one, since the last time that was worth a look.
+    """Whether the error is estimated after this sample: when the number of samples has doubled.
 
     After the first sample that is half of MIN_SAMPLES_TO_STOP, as no tile can be good enough before; or of `samples`,
     if all are fewer. Tiles that are drawn least often may have no sample in a doubling: they keep the first estimate.
@@ -41,7 +41,7 @@ def is_due(sample: int, samples: int) -> bool:
 
 
 class EstimateError(Pass):
-    """The error of each tile, whenever samples have doubled, and which tiles need no more."""
+    """The error of each tile, whenever samples have doubled, and which tiles have converged."""
 
     inputs = IMAGE, SAMPLES_PER_TILE, Change.SAMPLE, "quality.error_threshold", "shortcuts"
     outputs = outputs(CONVERGENCE, HALF_SAMPLES_IMAGE, DOUBLING_DIFFERENCE)

@@ -1,23 +1,23 @@
-// The mean of the samples, with their corrections as far as those stand out of their noise.
+// The mean of the predictions, plus the mean of the residuals, shrunk by their noise.
 #include "maths/luminance.glsl"
 uniform sampler2D sum_color;
 uniform sampler2D sum_residual;
 uniform sampler2D sum_weights;
 uniform sampler2D sum_headroom;
 uniform sampler2D tile_sample_counts;
-uniform float min_light;          // light that there can be
+uniform float min_light;          // least luminance
 uniform sampler2D neighbour_mean;      // see resolve_neighbours.frag
 uniform sampler2D signal_and_noise;
 out vec4 image;
 
-// What is left of squares when their noise is taken out.
+// Factor of shrinkage, from a mean square and the noise in it.
 float shrinkage(float square, float noise) { return square > 0.0 ? max(1.0 - noise / square, 0.0) : 1.0; }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
     image = fetch(sum_color, at) / fetch(sum_weights, at).y;
 #if HAS_RESIDUAL
-    // For those processors that walk through both sides of every "if", but skip empty loops.
+    // A loop of no rows instead of an "if": some drivers execute both branches, but skip empty loops.
     bool has_residual = fetch(tile_sample_counts, at / TILE_SIZE).x > 1.0;
     int last_row = has_residual ? 2 : -3;
     vec4 found = vec4(0.0);
@@ -29,7 +29,7 @@ void main() {
     vec4 mean = fetch(neighbour_mean, at);
     vec3 difference = fetch(sum_residual, at).rgb / mean.a - mean.rgb;
     vec3 change = shrinkage(found.z, found.w) * mean.rgb + shrinkage(found.x, found.y) * difference;
-    // No correction adds light beyond what would arrive if nothing hid it, takes more than is in doubt, or than there is.
+    // Residuals add at most the headroom, and remove at most the uncertain luminance and the pixel's own.
     float amount = luminance(change), all = fetch(sum_weights, at).y;
     float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(sum_weights, at).w / mean.a;
     change *= min(most / max(abs(amount), 1e-37), 1.0);

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of all samples so far: the mean of what was predicted, and of the corrections what stands out of noise.
+"""The image of all samples so far: the mean of the predictions, plus the mean of the residuals, shrunk.
 
-A correction is shrinkage by the part that is left when the noise of its neighbourhood is taken from their mean square
-(James & Stein 1961): nothing of one ray a pixel, all of it in the end, so nothing of the prediction's error remains.
+Residuals are multiplied by 1 - noise / mean square of their neighbourhood (James & Stein 1961). That is near 0 while
+noise dominates and tends to 1, so the prediction's error vanishes in the limit.
 """
 
 from functools import cached_property
@@ -30,8 +30,8 @@ from ...gl.shader_compiler import bind
 #: of the scenes objects, lamps, atrium and thin of `bench error` at 4 to 16 samples.
 STRATIFICATION_EXPONENT = 0.4
 
-#: How little neighbours count whose predicted luminances, averaged over the samples, differ; as measured. Where
-#: surfaces meet, that tells more than the newest sample's positions and normals do.
+#: Sharpness of the weight by which neighbours of another mean predicted luminance count less. At edges of surfaces, that
+#: distinguishes better than the last sample's positions and normals. See `dev.py bench constants`.
 SIMILARITY_SHARPNESS = 20.0
 
 
@@ -67,7 +67,7 @@ class Resolve(Pass):
             "tile_sample_counts": frame[TILE_SAMPLE_COUNTS],
         }
         if frame.sample > 0:  # the first one has no residual
-            # What the neighbours' residuals are, and how they and the differences from them stand to their noise.
+            # The neighbours' mean residual; it and the difference from it, with their noise.
             bind(self.neighbours.program, **sums)
             draw_pixels(frame, frame.framebuffer(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE), self.neighbours)
         shader = self.with_residual if frame.sample > 0 else self.without_residual
@@ -83,5 +83,5 @@ class Resolve(Pass):
 
 
 def min_light(lights: Lights) -> float:
-    """Nothing, unless lights are negative."""
+    """Least luminance of a pixel: 0, or no bound if there are negative lights."""
     return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0

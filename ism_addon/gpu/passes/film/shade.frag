@@ -6,10 +6,10 @@ uniform sampler2D ambient_occlusion;
 uniform vec3 world;
 uniform float background;
 layout(location = 0) out vec4 sample_color;
-layout(location = 1) out vec4 sample_residual; // in alpha, the luminance that is in doubt
-layout(location = 2) out float sample_headroom;        // and that by which the picture would rise without doubt
+layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
+layout(location = 2) out float sample_headroom; // most by which the luminance can rise
 
-// Of the world's light. Occlusion is at half resolution.
+// Visibility of the world. Occlusion is at half resolution.
 float ambient_visibility(ivec2 at, Surface surface) {
 #if OCCLUDED
     float sum = 0.0, weights = 0.0;
@@ -24,7 +24,7 @@ float ambient_visibility(ivec2 at, Surface surface) {
 #endif
 }
 
-// Of a target that is a few texels, all alike, where nobody draws it.
+// Of a target that is a few neutral texels where no pass draws it.
 vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {

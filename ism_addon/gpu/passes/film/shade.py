@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Put together what a pixel sends to the camera, in linear light.
+"""The radiance of a pixel towards the camera, in linear light.
 
 The radiance by the lights, plus base color times the world's radiance as far as the ambient occlusion leaves it open;
 behind everything, the world itself. The occlusion is brought to full resolution here,
@@ -28,7 +28,7 @@ from ...gl.shader_compiler import bind
 
 
 class Shade(Pass):
-    """The picture of one sample, alpha premultiplied, and what corrects it."""
+    """The image of one sample, alpha premultiplied; its residual and its headroom."""
 
     inputs = (
         *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),

@@ -1,4 +1,4 @@
-// From a triangle's number to all that the other passes ask about a pixel.
+// The surface of a pixel, from its triangle's index.
 #include "trace/triangle_fetch.glsl"
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"
@@ -37,8 +37,8 @@ vec3 barycentric(Ray ray, vec3 a, vec3 u, vec3 v, vec3 n) {
     return vec3(1.0 - s - t, s, t);
 }
 
-// Those of the point on the triangle's edges that is the nearest to a ray which passes it by: of a long and thin one, any
-// other that is in the triangle may be far away.
+// Barycentric coordinates of the point on the triangle's edges that is nearest to a ray which misses the triangle. Clamping
+// would move it far along a long and thin triangle.
 vec3 nearest_edge_barycentric(Ray ray, vec3 a, vec3 u, vec3 v) {
     vec3 corners[3] = vec3[3](a, a + u, a + v), way = normalize(ray.direction), found = vec3(1.0, 0.0, 0.0);
     float nearest = 1e38;
@@ -81,7 +81,7 @@ void main() {
     vec3 exact = barycentric(ray, a, u, v, geometric_normal);
     vec3 b = all(greaterThanEqual(exact, vec3(0.0))) ? exact : nearest_edge_barycentric(ray, a, u, v);
     vec3 p = a + u * b.y + v * b.z, way = p - ray.origin;
-    // Of a vast triangle the coordinates are too coarse to say where on it a pixel looks; how high it is, they say.
+    // Barycentric coordinates of a vast triangle are too coarse. Its plane is precise.
     if (max(dot(u, u), dot(v, v)) > MAX_RELATIVE_SIZE * MAX_RELATIVE_SIZE * dot(way, way))
         p = ray.origin + ray.direction * (dot(way, geometric_normal) / dot(ray.direction, geometric_normal));
     depth = -(view_from_anchor * vec4(p, 1.0)).z;

@@ -1,4 +1,4 @@
-// Of a block's pixels, the mean of their samples' variances, and of their luminances.
+// Means over a tile's pixels: of the variance of their samples, and of their luminance.
 #include "textures/tile_index.glsl"
 #include "maths/luminance.glsl"
 uniform sampler2D sum_color;

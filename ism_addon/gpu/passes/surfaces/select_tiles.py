@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts of the picture a sample is spent on: those that samples still change, and as much as they do.
+"""Adaptive sampling: which tiles take part in a sample.
 
-After the first few samples, blocks of pixels take part with a chance by the standard deviation of their samples, so
-that for a given number of pixels drawn the least error is left (Neyman 1934). A block is averaged over the samples that
-it took part in. One whose error is below the threshold takes part only for the pixels of those beside it.
+After the first samples, the probability of a tile follows the standard deviation of its samples: for a given number of
+pixels that leaves the least error (Neyman allocation, Neyman 1934). A tile is the mean of the samples in which it took
+part. A tile that has converged takes part only for the pixels of its neighbours, which its samples are filtered to.
 """
 
 from dataclasses import dataclass
@@ -32,26 +32,26 @@ from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
 from ...tiles import from_strips, tiles_where
 
-#: Samples that every block takes part in.
+#: Samples in which every tile takes part.
 UNIFORM_SAMPLES = 2
 
-#: The least chance of a block after them, and the part of the blocks that still take part for sure.
+#: Least probability of a tile after them, and the fraction of the tiles whose probability is 1. See `dev.py bench
+#: constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
 
-#: The variance of a mean of n samples falls like this power of 1 / n: they are spread evenly, and edges are the more of
-#: it (Mitchell 1996).
+#: The variance of the mean of n samples falls as this power of 1 / n: samples are stratified, and most of the variance
+#: is at edges (Mitchell 1996).
 VARIANCE_EXPONENT = 1.5
 
-#: The sum of noise² / n^VARIANCE_EXPONENT is least, for a given sum of n, where n is in proportion to this power of the
-#: noise.
+#: For a given sum of n, the sum of deviation² / n^VARIANCE_EXPONENT is least if n follows this power of the deviation.
 ALLOCATION_EXPONENT = 2.0 / (1.0 + VARIANCE_EXPONENT)
 
-#: The least chance of a block beside another, as a part of the other's: its samples count for that one's pixels too, by
-#: as much more as it takes part less often, and a few that count for many make borders that show.
+#: Least ratio of a tile's probability to its neighbours'. Its samples are filtered to their pixels, with the inverse of
+#: the ratio as weight, and large weights would make visible seams. See `dev.py bench constants`.
 MIN_NEIGHBOUR_RATIO = 0.25
 
-#: What sums of float32 leave of no noise at all, as a part of the mean luminance.
+#: Standard deviation that rounding of float32 sums leaves where there is no noise, as a fraction of the mean luminance.
 SUM_ROUNDING = 5e-4
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
@@ -65,7 +65,7 @@ class TileSelection:
 
 
 class SelectTiles(Pass):
-    """The tiles that take part in this sample, and in how many each did so far."""
+    """The tiles that take part in this sample, and in how many samples each took part so far."""
 
     inputs = Change.VIEW, Change.SAMPLE, "shadow.method", "shortcuts"
     feedback = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, CONVERGENCE
@@ -89,8 +89,8 @@ class SelectTiles(Pass):
             adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
             if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged)
-        turns = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows)).reshape(rows, columns)
-        takes_part = turns < selection.probabilities
+        numbers = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
+        takes_part = numbers.reshape(rows, columns) < selection.probabilities
         takes_part &= neighbourhood_max(~converged)
         frame[TILES] = self.tiles(frame, takes_part)
         frame.counts["pixels_drawn"] += len(frame[TILES]) * TILE_SIZE**2
@@ -110,7 +110,7 @@ class SelectTiles(Pass):
 
     @staticmethod
     def tiles(frame: Frame, takes_part: np.ndarray) -> np.ndarray:
-        """Rows of TILE. Each tile goes through the places in a pixel at its own pace."""
+        """Rows of TILE. The subpixel offset of a tile follows from the number of its own samples."""
         tiles = tiles_where(takes_part)
         tiles["sample_index"] = frame[TILE_SELECTION].sample_counts[takes_part]
         index = tiles["sample_index"].astype(np.int64) % len(frame.grid.places)
@@ -128,7 +128,7 @@ class SelectTiles(Pass):
 
 
 def allocate(deviation: np.ndarray, mean_luminance: float, unfinished: np.ndarray) -> np.ndarray:
-    """Probabilities (rows,columns) of tiles by their deviation, if they, or others beside them, are unfinished."""
+    """Probabilities (rows,columns) of tiles from their deviation, where they or neighbours are unfinished."""
     rounding = SUM_ROUNDING * mean_luminance / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
     always = max(float(np.quantile(deviation[unfinished], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
     probability = np.where(unfinished, deviation / always, 0.0) ** ALLOCATION_EXPONENT
@@ -137,6 +137,6 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unfinished: np.ndarra
 
 
 def neighbourhood_max(values: np.ndarray) -> np.ndarray:
-    """(H,W): the largest of each one and its eight neighbours."""
+    """(H,W): the maximum of each 3×3 neighbourhood."""
     padded = np.pad(values, 1, mode="edge")
     return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).max((2, 3))

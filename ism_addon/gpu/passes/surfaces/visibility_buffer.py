@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which triangle each pixel's samples show: a visibility buffer (Burns & Hunt 2013).
+"""The visible triangle at each sample position: a visibility buffer (Burns & Hunt 2013).
 
-Triangles are drawn with nothing but their positions and numbers; all else is fetched once a pixel by GBuffer. The grid
-is finer than the pixels', so that several samples share one drawing.
+Triangles are drawn with their positions and indices alone. GBuffer fetches the rest, once a pixel. The grid is finer
+than the pixels', so that several samples share one drawing.
 """
 
 import math
@@ -20,11 +20,11 @@ from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import INSTANCE
 
-#: OpenGL clips triangles so far beyond the picture, in its sizes: where it clips a vast one may be off by pixels.
+#: OpenGL clips triangles this far beyond the picture, as a fraction of its sides: it clips vast triangles imprecisely.
 GUARD_BAND = 0.125
 
-#: Triangles handed over at a time: processors draw them on all cores while one reads the next ones, and need not take
-#: memory for all of them.
+#: Triangles that are submitted at a time. A software driver shades them on all cores while it transforms the next ones,
+#: and needs no memory for all of them.
 TRIANGLES_AT_A_TIME = 1 << 16
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lights as shaders read them."""
+"""The lights as records of shaders."""
 
 import numpy as np
 
