@@ -30,7 +30,7 @@ from ...gl.shader_compiler import bind
 #: of the scenes objects, lamps, atrium and thin of `bench error` at 4 to 16 samples.
 STRATIFICATION_EXPONENT = 0.4
 
-#: Sharpness of the weight by which neighbours of another mean predicted luminance count less. At edges of surfaces, that
+#: Sharpness of the weight by which neighbours of another mean predicted luminance count less. At edges of surfaces it
 #: distinguishes better than the last sample's positions and normals. See `dev.py bench constants`.
 SIMILARITY_SHARPNESS = 20.0
 
