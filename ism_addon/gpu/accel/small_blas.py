@@ -18,7 +18,7 @@ from .bvh import BVH_NODE, EMPTY_BOX, MIN_MAX, QUANTA_PER_PLANE, leaves_for, pac
 
 
 def build_all_blas(meshes: Sequence[Mesh]) -> list[BLAS | DeferredBLAS]:
-    """mesh_tree of each mesh, on all cores."""
+    """build_blas of each mesh, on all cores."""
     counts = [len(mesh.triangles) for mesh in meshes]
     order = sorted(range(len(meshes)), key=counts.__getitem__)  # neighbours are alike
     groups = [order[group] for group in small_mesh_groups([counts[number] for number in order])]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tiles show, bounded: their surfaces by a box, and their normals by a cone."""
+"""Bounds of the surfaces in tiles: a box around positions, and a cone around normals."""
 
 from dataclasses import dataclass, fields
 from typing import Self
@@ -16,9 +16,9 @@ MIN_CONE_ANGLE = np.float32(0.01)  # rad
 
 @dataclass(frozen=True)
 class SurfaceBounds:
-    """What N blocks, or parts of their depth, show: float32, anchor space."""
+    """Bounds of the surfaces in N tiles, or in depth ranges of tiles: float32, anchor space."""
 
-    exists: np.ndarray  # (N,) bool: whether that is anything
+    exists: np.ndarray  # (N,) bool: whether there are any surfaces
     low: np.ndarray  # (3,N) m: the box around its surfaces
     high: np.ndarray  # (3,N) m
     axis: np.ndarray  # (3,N) unit: of the cone of normals
@@ -36,25 +36,25 @@ class SurfaceBounds:
 
     @classmethod
     def around(cls, points: np.ndarray, normals: np.ndarray) -> Self:
-        """Around each of N points (3,N) alone."""
+        """Bounds of N points (3,N), one each."""
         count = points.shape[1]
         return cls(np.ones(count, bool), points, points, normals, np.zeros(count, np.float32))
 
     def select(self, chosen: np.ndarray) -> Self:
-        """Those numbered, or chosen of (N,)."""
+        """The bounds at these indices, or chosen by (N,) bool."""
         return type(self)(*(getattr(self, member.name)[..., chosen] for member in fields(self)))
 
     def half_angle_around(self, other: Self) -> np.ndarray:
-        """(N,) rad: the half angle of a cone about our axes around the other's cones."""
+        """(N,) rad: half angles of cones about these axes that contain the other's cones."""
         return np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0)) + other.half_angle
 
     def contains(self, other: Self) -> np.ndarray:
-        """(N,) bool: whether all that the other shows is in these."""
+        """(N,) bool: whether these bounds contain the other's."""
         inside = (self.low <= other.low).all(0) & (self.high >= other.high).all(0)
         return ~other.exists | (self.exists & inside & (self.half_angle >= self.half_angle_around(other)))
 
     def joined(self, other: Self) -> Self:
-        """Around what either has."""
+        """Bounds that contain these and the other's."""
         widest = np.minimum(np.maximum(self.half_angle, self.half_angle_around(other)), np.float32(np.pi))
         half_angle = np.where(self.exists, np.where(other.exists, widest, self.half_angle), other.half_angle)
         return type(self)(
@@ -67,5 +67,5 @@ class SurfaceBounds:
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of vectors (3,…)."""
+    """Dot product of vectors (3,…)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -107,8 +107,8 @@ class MaterialReader:
             findings.warn("Materials without a surface are drawn black", material.name)
             return _Row({**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}, -1, None, (findings,))
         if shader.bl_idname not in MATERIAL_INPUTS[COLOR].sockets:
-            kind = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
-            findings.warn(kind, material.name)
+            issue = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
+            findings.warn(issue, material.name)
             return _Row(self._in_viewport(material), -1, None, (findings,))
         unsupported_features.note_shader(material, shader, findings)
         return self._shaded(material, shader, findings)
@@ -132,8 +132,8 @@ class MaterialReader:
                 image, of_image = self._image(material, node, findings)
                 layer = nodes.uv_layer(node.inputs["Vector"]) if image >= 0 else None
                 continue
-            kind = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
-            findings.warn(kind, material.name)
+            issue = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
+            findings.warn(issue, material.name)
         return _Row(values, image, layer, (findings, of_image))
 
     def _image(

@@ -41,10 +41,10 @@ def note_output(material: bpy.types.Material, output: bpy.types.Node | None, fin
 
 def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
     """Of all but the colour of a shader that is drawn."""
-    for name, (plain, kind) in PLAIN[shader.bl_idname].items():
+    for name, (plain, issue) in PLAIN[shader.bl_idname].items():
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
-            findings.warn(kind, material.name)
+            findings.warn(issue, material.name)
     normal = nodes.source(shader.inputs["Normal"])
     if normal is not None:
         findings.warn(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
@@ -83,8 +83,8 @@ def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexIm
     """Say where a texture will not lie as the artist meant it."""
     placed_by = nodes.source(node.inputs["Vector"])
     if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
-        kind = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
-        findings.warn(kind, material.name)
+        issue = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
+        findings.warn(issue, material.name)
     elif placed_by is not None and getattr(placed_by.node, "from_instancer", False):
         findings.warn("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
     mapping = node.texture_mapping
@@ -95,5 +95,5 @@ def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexIm
     if node.projection != "FLAT":
         findings.warn("Textures projected otherwise than flat lie on the active UV map", material.name)
     if node.extension not in ("REPEAT", "EXTEND"):
-        kind = "Textures that are clipped or mirrored at their border have the border's colour there"
-        findings.warn(kind, material.name)
+        issue = "Textures that are clipped or mirrored at their border have the border's colour there"
+        findings.warn(issue, material.name)

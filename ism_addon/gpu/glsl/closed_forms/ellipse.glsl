@@ -16,7 +16,7 @@ float positive_root(float x, float p, float q, float r) {
 // (atan(k x.y) - atan(k x.x)) / k.
 float atan_step(float k, vec2 x) {
     float step = x.y - x.x;
-    return k > 1e-4 ? sign(step) * arc(k * abs(step), 1.0 + k * k * x.x * x.y) / k : step;
+    return k > 1e-4 ? sign(step) * atan2_accurate(k * abs(step), 1.0 + k * k * x.x * x.y) / k : step;
 }
 
 // (atanh(k x.y) - atanh(k x.x)) / k for given roots = sqrt(1 - k^2 x^2).
@@ -33,7 +33,7 @@ float rim_integral(vec3 n, float wide, float narrow, vec3 from, vec3 to) {
     vec2 scale = vec2(inversesqrt(a), inversesqrt(b));
     vec2 cosines = vec2(from.x / from.z, to.x / to.z) / wide, sines = vec2(from.y / from.z, to.y / to.z) / narrow;
     vec2 p = vec2(cosines.x, sines.x) / scale, q = vec2(cosines.y, sines.y) / scale;
-    float turn = arc(abs(p.x * q.y - p.y * q.x), dot(p, q));
+    float turn = atan2_accurate(abs(p.x * q.y - p.y * q.x), dot(p, q));
     if (p.x * q.y < p.y * q.x) turn = 6.283185307179586 - turn;
     vec2 roots = vec2(length(from) / from.z, length(to) / to.z) * scale.x;
     return n.z * wide * narrow * turn * scale.x * scale.y
@@ -46,7 +46,7 @@ float small_clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec2 turn, float level,
     const vec3 PLACES = vec3(0.2386191861, 0.6612093865, 0.9324695142);
     const vec3 SHARES = vec3(0.4679139346, 0.3607615730, 0.1713244924);
     vec3 up = u * turn.x + v * turn.y, across = (v * turn.x - u * turn.y) * 0.5773502692;
-    float angle = arc(sqrt(1.0 - level * level), -level), sum = 0.0;
+    float angle = atan2_accurate(sqrt(1.0 - level * level), -level), sum = 0.0;
     for (int k = 0; k < points; ++k) { // Gauss's points of the angle at which a chord ends
         float t = 0.5 * angle * (1.0 + (k % 2 == 0 ? PLACES[k / 2] : -PLACES[k / 2])), sine = sin(t);
         vec3 middle = centre + cos(t) * up, one = middle - sine * across, other = middle + sine * across;
@@ -61,7 +61,7 @@ float clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, vec2 turn, float leve
     float across = sqrt(1.0 - level * level);
     vec2 x = -level * turn, y = across * vec2(-turn.y, turn.x);
     vec3 from = centre + u * (x.x - y.x) + v * (x.y - y.y), to = centre + u * (x.x + y.x) + v * (x.y + y.y);
-    float chord = arc(length(cross(from, to)), dot(from, to));
+    float chord = atan2_accurate(length(cross(from, to)), dot(from, to));
     return 0.5 * max(chord + rim_integral(n * frame, half_lengths.x, half_lengths.y, from * frame, to * frame), 0.0);
 }
 

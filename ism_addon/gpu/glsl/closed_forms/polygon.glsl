@@ -2,18 +2,18 @@
 #include "maths/atan2.glsl"
 
 // A parallelogram whose sides are u and v about `centre`, which is seen from the origin, cut by the horizon of n.
-struct Outline {
+struct ClippedParallelogram {
     vec3 centre, u, v, n;
     vec3 at, leaves, enters; // from the centre: the next corner, and where the rim crosses the horizon
     bool cut;
 };
 
-Outline outline(vec3 centre, vec3 u, vec3 v, vec3 n) {
-    return Outline(centre, u, v, n, -0.5 * (u + v), vec3(0.0), vec3(0.0), false);
+ClippedParallelogram clip_parallelogram(vec3 centre, vec3 u, vec3 v, vec3 n) {
+    return ClippedParallelogram(centre, u, v, n, -0.5 * (u + v), vec3(0.0), vec3(0.0), false);
 }
 
 // The next edge's part above the horizon, `from` and `part` on from there; the fifth edge is along the horizon.
-bool next_edge(inout Outline o, int k, out vec3 from, out vec3 part) {
+bool next_clipped_edge(inout ClippedParallelogram o, int k, out vec3 from, out vec3 part) {
     vec3 edge = (k & 1) == 0 ? o.u : o.v;
     if (k >= 2) edge = -edge;
     from = o.at;
@@ -57,15 +57,15 @@ float polygon_irradiance(vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
     bool small = max(width, height) < 2e-3 * square && (middle >= reach || width * height < 1e-12 * square * square);
     float sum = small_polygon(centre, u, v, n, normal, small ? 4 : 0);
     if (small) return sum;
-    Outline o = outline(centre, u, v, n);
+    ClippedParallelogram o = clip_parallelogram(centre, u, v, n);
     for (int k = 0; k < 4; ++k) {
         vec3 from, part;
-        if (!next_edge(o, k, from, part)) continue;
+        if (!next_clipped_edge(o, k, from, part)) continue;
         vec3 a = centre + from, c = cross(a, part); // cross(a, b) would lose the edge of a small light
         float sine = length(c);
-        sum += dot(n, c) * (arc(sine, dot(a, a + part)) / max(sine, 1e-30));
+        sum += dot(n, c) * (atan2_accurate(sine, dot(a, a + part)) / max(sine, 1e-30));
     }
     vec3 a = centre + o.leaves, b = centre + o.enters; // along the horizon n . (a x b) / |a x b| is 1
-    float along = o.cut ? arc(length(cross(a, o.enters - o.leaves)), dot(a, b)) : 0.0;
+    float along = o.cut ? atan2_accurate(length(cross(a, o.enters - o.leaves)), dot(a, b)) : 0.0;
     return 0.5 * max(along + (dot(normal, cross(u, v)) < 0.0 ? sum : -sum), 0.0);
 }

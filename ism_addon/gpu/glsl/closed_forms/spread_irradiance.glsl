@@ -4,9 +4,9 @@
 #include "closed_forms/polygon.glsl"
 
 // Integrals over the radius from 0 to r of (reach - r) r / (1 + r^2)^2 and of the same times r.
-vec2 radial(float r, float reach) {
+vec2 radial_integrals(float r, float reach) {
     float s = r * r, part = s / (1.0 + s);
-    vec2 b = 0.5 * vec2(arc(r, 1.0) - r / (1.0 + s), log(1.0 + s) - part);
+    vec2 b = 0.5 * vec2(atan2_accurate(r, 1.0) - r / (1.0 + s), log(1.0 + s) - part);
     if (s < 0.06) // these cancel
         b = s * vec2(r * (1.0 / 3.0 - s * (2.0 / 5.0 - s * (3.0 / 7.0 - s * (4.0 / 9.0 - s * (5.0 / 11.0))))),
                      s * (1.0 / 4.0 - s * (2.0 / 6.0 - s * (3.0 / 8.0 - s * (4.0 / 10.0 - s * (5.0 / 12.0))))));
@@ -20,7 +20,7 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     for (int k = -1; k <= 1; ++k) {
         float s = root * tan(0.5 * (first + last) + 0.3872983346207417 * float(k) * (last - first));
         float square = max(d * d + s * s, 1e-20), r = sqrt(square);
-        vec2 g = radial(r, reach);
+        vec2 g = radial_integrals(r, reach);
         float sent = n.z * g.x + dot(n.xy, base + s * along) / r * g.y;
         sum += (k == 0 ? 8.0 : 5.0) / 18.0 * sent * (1.0 + square) / square;
     }
@@ -46,28 +46,28 @@ float cone_edge_term(vec2 from, vec2 edge, vec3 n, float reach, inout bool aroun
     around = around && d > 0.0;
     if (start >= end) return 0.0;
     float root = sqrt(1.0 + d * d);
-    float first = sign(start) * arc(abs(start), root), last = sign(end) * arc(abs(end), root);
+    float first = sign(start) * atan2_accurate(abs(start), root), last = sign(end) * atan2_accurate(abs(end), root);
     float foot = clamp(0.0, first, last); // where r has its kink
     vec2 base = d * vec2(along.y, -along.x);
     float sum = 0.0;
     if (first < foot) sum += line_integral(base, along, d, first, foot, n, reach);
     if (foot < last) sum += line_integral(base, along, d, foot, last, n, reach);
-    vec2 turn = normalize(base + end * along) - normalize(base + start * along), rim = radial(reach, reach);
-    float angle = sign(d) * arc((end - start) * abs(d), d * d + start * end);
+    vec2 turn = normalize(base + end * along) - normalize(base + start * along), rim = radial_integrals(reach, reach);
+    float angle = sign(d) * atan2_accurate((end - start) * abs(d), d * d + start * end);
     return sum - n.z * rim.x * angle - rim.y * (n.x * turn.y - n.y * turn.x);
 }
 
 // Sides u, v, with u x v > 0. `edges`: 5, or 0 where it is not wanted; some drivers run both sides of an `if`.
 float spread_polygon(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int edges) {
-    Outline o = outline(vec3(centre, 1.0), vec3(u, 0.0), vec3(v, 0.0), n);
+    ClippedParallelogram o = clip_parallelogram(vec3(centre, 1.0), vec3(u, 0.0), vec3(v, 0.0), n);
     bool around = true;
     float sum = 0.0;
     for (int k = 0; k < edges; ++k) {
         vec3 from, part;
-        if (!next_edge(o, k, from, part)) continue;
+        if (!next_clipped_edge(o, k, from, part)) continue;
         sum += cone_edge_term(centre + from.xy, part.xy, n, reach, around);
     }
-    return (around ? 6.283185307179586 * n.z * radial(reach, reach).x : 0.0) + sum;
+    return (around ? 6.283185307179586 * n.z * radial_integrals(reach, reach).x : 0.0) + sum;
 }
 
 const float[6] GAUSS_PLACES = float[6](
@@ -83,10 +83,10 @@ vec2 seen_directions(vec2 u, vec2 v, vec2 f) {
     if (square == 0.0) aside = vec2(1.0, 0.0);
     vec2 first = (to.x + aside.x) * u + (to.y + aside.y) * v, last = (to.x - aside.x) * u + (to.y - aside.y) * v;
     float sine = max(first.x * last.y - first.y * last.x, 0.0);
-    return vec2(atan(first.y, first.x), square > 1.0 ? arc(sine, dot(first, last)) : 3.141592653589793);
+    return vec2(atan(first.y, first.x), square > 1.0 ? atan2_accurate(sine, dot(first, last)) : 3.141592653589793);
 }
 
-// Semi-axes u, v, with u x v > 0. Gauss's points in the directions from the foot; for `points` see cone_polygon.
+// Semi-axes u, v, with u x v > 0. Gauss's points in the directions from the foot; for `points` see spread_polygon.
 float spread_ellipse(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int points) {
     float area = u.x * v.y - u.y * v.x, sum = 0.0;
     vec2 f = vec2(centre.y * v.x - centre.x * v.y, u.y * centre.x - u.x * centre.y) / area;
@@ -111,7 +111,7 @@ float spread_ellipse(vec2 centre, vec2 u, vec2 v, vec3 n, float reach, int point
         if (slope < 0.0) far = n.z > 0.0 ? min(far, horizon) : 0.0;
         else if (n.z <= 0.0) near = max(near, slope > 0.0 ? horizon : reach);
         far = min(far, reach);
-        vec2 g = radial(far, reach) - radial(min(near, far), reach);
+        vec2 g = radial_integrals(far, reach) - radial_integrals(min(near, far), reach);
         sum += share * (n.z * g.x + slope * g.y);
     }
     return 0.5 * seen.y * sum;

@@ -1,6 +1,6 @@
 // The angle whose sine and cosine are as these two, sine >= 0, within 1e-7: atan(y, x) may be 2e-5 off, by the driver.
 // A minimax fit of atan(x)/x in x^2 on [0, 1].
-float arc(float sine, float cosine) {
+float atan2_accurate(float sine, float cosine) {
     float size = abs(cosine), x = min(sine, size) / max(max(sine, size), 1e-30), s = x * x;
     float angle = -0.00469326 * s + 0.02425234;
     angle = (angle * s - 0.05948632) * s + 0.09914289;

@@ -4,11 +4,13 @@ uniform sampler2D srgb_texels;
 uniform sampler2D linear_texels;
 uniform sampler2D float_texels;
 
-struct Level { int first; ivec2 size; }; // one of the copies: its first texel
+struct MipLevel { int first; ivec2 size; }; // one of the copies: its first texel
 
-Level halved(Level level) { return Level(level.first + level.size.x * level.size.y, max(level.size >> 1, ivec2(1))); }
+MipLevel halved(MipLevel level) {
+    return MipLevel(level.first + level.size.x * level.size.y, max(level.size >> 1, ivec2(1)));
+}
 
-vec3 texel(Material image, Level level, int x, int y) {
+vec3 texel(Material image, MipLevel level, int x, int y) {
     int index = level.first + y * level.size.x + x;
     ivec2 at = ivec2(index % WIDTH, image.first_line + index / WIDTH);
     vec3 color = vec3(0.0);
@@ -24,7 +26,7 @@ vec3 texel(Material image, Level level, int x, int y) {
     return color;
 }
 
-vec3 bilinear(Material image, Level level, vec2 uv) {
+vec3 bilinear(Material image, MipLevel level, vec2 uv) {
     bool repeat = image.repeat != 0;
     vec2 at = (repeat ? fract(uv) : clamp(uv, 0.0, 1.0)) * vec2(level.size) - 0.5, whole = floor(at), f = at - whole;
     ivec2 low = ivec2(whole), high = low + 1, last = level.size - 1; // beyond the border by one texel at most
@@ -36,7 +38,7 @@ vec3 bilinear(Material image, Level level, vec2 uv) {
 
 // dx, dy: how uv changes from pixel to pixel.
 vec3 image_color(Material image, vec2 uv, vec2 dx, vec2 dy) {
-    Level fine = Level(0, ivec2(image.width, image.height));
+    MipLevel fine = MipLevel(0, ivec2(image.width, image.height));
     // By the shorter side of the pixel's footprint: what it leaves unfiltered along the longer, the samples average.
     float footprint = min(length(dx * vec2(fine.size)), length(dy * vec2(fine.size)));
     float level = clamp(log2(max(footprint, 1e-6)), 0.0, float(image.levels - 1));

@@ -50,7 +50,7 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
 }
 
 bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
-    Corners corners = fetch_triangle(triangle);
+    TriangleVertices corners = fetch_triangle(triangle);
     vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
     float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;

@@ -8,7 +8,7 @@ void main() {
     Surface surface = surface_at(at);
     float sum = 0.0, weights = 0.0, uncertain = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, surface, PROBE_SPACING);
+        UpsampleTap other = upsample_tap(k, at, surface, PROBE_SPACING);
         vec2 predicted = fetch(probe_prediction, other.at).xy;
         sum += other.weight * predicted.x;
         weights += other.weight;

@@ -14,7 +14,7 @@ float ambient_visibility(ivec2 at, Surface surface) {
 #if OCCLUDED
     float sum = 0.0, weights = 0.0;
     for (int k = 0; k < 4; ++k) {
-        Neighbour other = neighbour(k, at, surface, 2);
+        UpsampleTap other = upsample_tap(k, at, surface, 2);
         sum += other.weight * fetch(ambient_occlusion, other.at).x;
         weights += other.weight;
     }

@@ -73,7 +73,7 @@ void main() {
     mat3 linear = transpose(mat3(here.row0.xyz, here.row1.xyz, here.row2.xyz));
     vec3 offset = vec3(here.row0.w, here.row1.w, here.row2.w);
 
-    Corners corner = fetch_triangle(triangle);
+    TriangleVertices corner = fetch_triangle(triangle);
     vec3 a = linear * corner.first + offset, u = linear * corner.u, v = linear * corner.v;
     vec3 geometric_normal = cross(u, v);
 

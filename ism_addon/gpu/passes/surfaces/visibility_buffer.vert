@@ -16,7 +16,7 @@ void main() {
     int instance = together ? int(texelFetch(owners, triangle).x) : first_instance + gl_InstanceID;
     Instance here = fetch_Instance(instances, instance);
     numbers = uvec2(triangle + 1, instance);
-    Corners corners_here = fetch_triangle(triangle);
+    TriangleVertices corners_here = fetch_triangle(triangle);
     vec4 p = vec4(corners_here.first + (corner == 0 ? vec3(0.0) : corner == 1 ? corners_here.u : corners_here.v), 1.0);
     gl_Position = clip_from_anchor * vec4(dot(here.row0, p), dot(here.row1, p), dot(here.row2, p), 1.0);
 #if REVERSED_DEPTH
