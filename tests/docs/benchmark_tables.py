@@ -153,6 +153,16 @@ def pass_table() -> str:
     return f"{error_report.table(rows)}\n\n{found['size'].replace('x', '×')} pixels. {record.sentence(found)}"
 
 
+def constants_table() -> str:
+    """What tuned constants cost at half and at twice their value."""
+    found = record.read("constants")
+    rows = [["constant", "value", "half", "double"]]
+    for name, each in found["constants"].items():
+        rows.append([f"`{name}`", f"{each['value']:g}", f"{each['half']:.2f}", f"{each['double']:.2f}"])
+    scenes, (width, height) = ", ".join(found["scenes"]), found["size"]
+    return f"{error_report.table(rows)}\n\n{scenes}; {width}×{height} pixels. {record.sentence(found)}"
+
+
 #: What stands between markers of this name, and files that are generated as a whole, from the root.
 PARTS: dict[str, Callable[[], str]] = {
     "race": race_table,
@@ -163,5 +173,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "atrium": atrium_table,
     "passes": pass_table,
     "small meshes": small_meshes_table,
+    "constants": constants_table,
 }
 PLOTS: dict[str, Callable[[], str]] = {"docs/pictures/error.svg": error_plot, "docs/pictures/scale.svg": scale_plot}

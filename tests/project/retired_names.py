@@ -181,3 +181,19 @@ RETIRED = {
     "pixels_refined pixels_checked": "pairs_traced retests",
     "bytes_of_targets ended_by": "render_target_bytes stopped_by",
 }
+
+#: Words of many meanings: those that have one of these names no more, and where.
+WORN = (
+    (
+        ("block", "blocks"),
+        "tile",
+        ("ism_addon/gpu/*",),
+        # A uniform block; an image's texels as lines of the texture; PROBE_BLOCK, texels whose rays go to one light.
+        ("*/frame_uniforms.py", "*/material_buffers.py", "*/light_selection/*"),
+    ),
+    (("seen",), "exists, visible", ("ism_addon/gpu/culling/*", "ism_addon/blender/*"), ()),
+    (("place", "_place"), "path, viewport_rect", ("ism_addon/snapshot.py", "ism_addon/blender/viewport/*"), ()),
+    (("kind", "kinds"), "issue, light_type", ("ism_addon/blender/sync/*",), ()),
+    (("kind", "kinds"), "pass_type", ("ism_addon/gpu/graph.py", "ism_addon/gpu/renderer.py"), ()),
+    (("arc", "Outline", "outline", "radial"), "see closed_forms", ("ism_addon/gpu/glsl/*",), ()),
+)

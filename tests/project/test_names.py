@@ -4,13 +4,14 @@
 import io
 import re
 import tokenize
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 
 from tests.tools import project
 
-from .retired_names import RETIRED
+from .retired_names import RETIRED, WORN
 
 #: They say what the old names were.
 EXEMPT = {"ism_addon/old_names.py", "CHANGELOG.md"}
@@ -38,6 +39,14 @@ def identifiers(name: str) -> list[tuple[int, str]]:
 @pytest.mark.parametrize("name", sorted({*PYTHON, *SHADERS} - EXEMPT))
 def test_code_has_no_retired_name(name):
     assert [f"{name}:{line}: {old} is {NAMES[old]} now" for line, old in identifiers(name) if old in NAMES] == []
+
+
+@pytest.mark.parametrize("name", sorted({*PYTHON, *SHADERS}))
+def test_a_word_of_many_meanings_has_one_where_it_was_replaced(name):
+    matches = lambda patterns: any(fnmatch(name, pattern) for pattern in patterns)  # noqa: E731
+    replaced = {word: new for words, new, files, but in WORN if matches(files) and not matches(but) for word in words}
+    found = identifiers(name) if replaced else []
+    assert [f"{name}:{line}: {old} is {replaced[old]} here" for line, old in found if old in replaced] == []
 
 
 @pytest.mark.parametrize("name", sorted(name for name in TEXTS if name.endswith((".md", ".yml"))))
