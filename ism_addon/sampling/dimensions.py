@@ -72,9 +72,9 @@ class Dimension(Enum):
 
     # Points on a mesh; which of the cloud's a light's maps show; those that lights are weighed by. The first two are
     # the evenest of their kinds: others raised the error of the benchmark's scenes lamps and corridor by 4 and 2 %
-    # (shadow maps, 4 samples).
+    # (shadow maps, 4 samples). All lights rank the points alike, so that equal lights have equal maps.
     MAP_POINT = {"point": powers_of_root(1, 0, 0, -1)}
-    POINT_CHOICE = {"point": continued_fraction(1), "light": continued_fraction(1, 1, 3)}
+    POINT_CHOICE = {"point": continued_fraction(1)}
     IMPORTANCE_POINT = {"point": continued_fraction(1, 1, 3, 1)}
     # Where on a light its virtual lights are: the lattice's shift, and its points' second coordinates, by which it is
     # as wide as by the golden ratio for 5 to 512 points before 60 random edges.

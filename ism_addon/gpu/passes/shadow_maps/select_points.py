@@ -70,7 +70,6 @@ def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
 def select(
     cloud: PointCloud,
     weights: np.ndarray,
-    light: int,
     count: int,
     splat_size: float,
     look: Callable[[], None] = lambda: None,
@@ -80,7 +79,7 @@ def select(
     Before each it calls `look`.
     """
     chance = selection_probabilities(weights, count)
-    luck = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)), light=light)[:, 0].astype(np.float32)
+    luck = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)))[:, 0].astype(np.float32)
     found = []
     for turn in range(SUBSETS_PER_LIGHT):
         look()
@@ -120,7 +119,7 @@ class SelectPoints(Pass):
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
-            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), light, count, size, look)
+            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         chosen = parallel_map(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
