@@ -51,7 +51,7 @@ class Dimension(Enum):
     # found by search among half-occluded lights, see tests/unit/direct/test_ray_sampling.py, and by the error of
     # penumbrae, see tests/stress/pictures/test_closed_forms.py.
     LIGHT_POINT = {
-        "light": powers_of_root(1, -2, 0),
+        "light": powers_of_root(1, -3, 1),
         "pixel": (0.56283799, 0.75252225),
         "ray": (0.72359394, 0.59242966),
     }
