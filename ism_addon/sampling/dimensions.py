@@ -64,7 +64,7 @@ class Dimension(Enum):
     # In which samples a tile tests a prediction that nothing speaks against.
     TEST_TURN = {
         "light": continued_fraction(1, 2),
-        "tile": continued_fraction(1, 1, 2, 1),
+        "tile": continued_fraction(1, 1, 3),
         "round": continued_fraction(2, 1, 1, 1),
     }
     # In which samples a faint light is drawn in a tile.
