@@ -120,7 +120,7 @@ MUTATIONS = (
         "normalize(linear * smooth_normal)",
         ("test_gbuffer",),
     ),
-    Mutation("sRGB texels are taken for linear ones", "0x8C43", "0x8058", ("test_gbuffer",)),
+    Mutation("sRGB texels are taken for linear ones", "0x8C43", "0x8058", ("test_images", "test_gbuffer")),
     Mutation(
         "a box that is partly out of the picture is culled",
         "planes[..., 3] + np.einsum",
