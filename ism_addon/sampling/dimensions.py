@@ -35,10 +35,10 @@ class Dimension(Enum):
         "probing": powers_of_root(1, -2, -1),
     }
     # The point on a light that one of four pixels probes before the first sample. From probe to probe, and of tiles and
-    # retests, pairs are the evenest of 2,500 random ones over 3×3 to 8×8 neighbors among half-occluded lights.
+    # retests, pairs are among the ten evenest of 2,500 random ones: over 3×3 to 8×8 neighbors, half-occluded lights.
     PROBE_POINT = {"light": powers_of_root(1, -1, -1), "probe": (0.577895, 0.236398)}
-    # Which lights believed occluded are probed again in which tiles, and at which point. The first by the light through
-    # a hole of tests/unit/light_selection/test_cull_lights.py, from four places: others find it later.
+    # Which lights believed occluded are probed again in which tiles, and at which point. RETEST is the better of two in
+    # how soon the lights behind a hole are found, see tests/unit/light_selection/test_cull_lights.py, from four places.
     RETEST = {"sample": continued_fraction(3)}
     RETEST_POINT = {
         "light": powers_of_root(2, -2, -1),
@@ -70,22 +70,22 @@ class Dimension(Enum):
     # In which samples a faint light is drawn in a tile.
     LIGHT_CHOICE = {"light": continued_fraction(3, 1, 1, 1), "tile": continued_fraction(1, 3, 1, 1)}
 
-    # Points on a mesh; which of the cloud's a light's maps show; those that lights are weighed by. The first two are
-    # the evenest of their kinds: others raised the error of the benchmark's scenes lamps and corridor by 4 and 2 %
-    # (shadow maps, 4 samples). All lights rank the points alike, so that equal lights have equal maps.
+    # Points on a mesh; which of the cloud's a light's maps show; those that lights are weighed by. Another MAP_POINT
+    # raised the error of shadow maps by 4 % in the benchmark's scene lamps, another POINT_CHOICE by 2 % in corridor. All
+    # lights rank the points alike, so that equal lights have equal maps.
     MAP_POINT = {"point": powers_of_root(1, 0, 0, -1)}
     POINT_CHOICE = {"point": continued_fraction(1)}
     IMPORTANCE_POINT = {"point": continued_fraction(1, 1, 3, 1)}
-    # Where on a light its virtual lights are: the lattice's shift, and its points' second coordinates, by which it is
-    # as wide as by the golden ratio for 5 to 512 points before 60 random edges.
+    # Where on a light its virtual lights are: the lattice's shift, and its points' second coordinates. By these it is
+    # as even as by the golden ratio, for 5 to 512 points before 60 random edges.
     VIRTUAL_LIGHT = {"light": powers_of_root(-1, 1, 3), "sample": powers_of_root(2, -3, 0)}
     VIRTUAL_LIGHT_ROW = {"virtual_light": continued_fraction(3, 2, 2)}
     # How a shadow map is turned about its axis: `map` counts all that were drawn.
     MAP_ROTATION = {"map": continued_fraction(1, 2, 2, 1)}
 
     # Where around a pixel occlusion is looked for: radius in the cone's cap, angle, distance; and what a sample adds to
-    # angle and distance. Of some 30 orders of powers those whose error for boxes on a floor, seen from two sides, is
-    # least in 8 to 32 samples, and who are right on average: see tests/unit/environment/test_ambient_occlusion.py.
+    # angle and distance. Of 30 orders of powers and eight pairs, those are right on average and have the least error in
+    # 8 to 32 samples, for boxes on a floor from two sides: see tests/unit/environment/test_ambient_occlusion.py.
     OCCLUSION = {"direction": tuple(powers_of_root(1, 0, 0, -2)[k] for k in (0, 2, 1))}
     OCCLUSION_ROTATION = {"sample": powers_of_root(1, 1, -3)[::-1]}
     # The color that stands for a triangle.
