@@ -37,8 +37,8 @@ class Dimension(Enum):
     # The point on a light that one of four pixels probes before the first sample. From probe to probe, and of tiles and
     # retests, pairs are among the ten evenest of 2,500 random ones: over 3×3 to 8×8 neighbors, half-occluded lights.
     PROBE_POINT = {"light": powers_of_root(1, -1, -1), "probe": (0.577895, 0.236398)}
-    # Which lights believed occluded are probed again in which tiles, and at which point. RETEST is the better of two in
-    # how soon the lights behind a hole are found, see tests/unit/light_selection/test_cull_lights.py, from four places.
+    # Which lights believed occluded are probed again in which tiles, and at which point. RETEST is the better of two
+    # in how soon lights behind a hole are found, from four places: see tests/unit/light_selection/test_cull_lights.py.
     RETEST = {"sample": continued_fraction(3)}
     RETEST_POINT = {
         "light": powers_of_root(2, -2, -1),
