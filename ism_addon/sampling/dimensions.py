@@ -71,8 +71,8 @@ class Dimension(Enum):
     LIGHT_CHOICE = {"light": continued_fraction(3, 1, 1, 1), "tile": continued_fraction(1, 3, 1, 1)}
 
     # Points on a mesh; which of the cloud's a light's maps show; those that lights are weighed by. Another MAP_POINT
-    # raised the error of shadow maps by 4 % in the benchmark's scene lamps, another POINT_CHOICE by 2 % in corridor. All
-    # lights rank the points alike, so that equal lights have equal maps.
+    # raised the error of shadow maps by 4 % in the benchmark's scene lamps, another POINT_CHOICE by 2 % in corridor.
+    # All lights rank the points alike, so that equal lights have equal maps.
     MAP_POINT = {"point": powers_of_root(1, 0, 0, -1)}
     POINT_CHOICE = {"point": continued_fraction(1)}
     IMPORTANCE_POINT = {"point": continued_fraction(1, 1, 3, 1)}
