@@ -179,7 +179,7 @@ class Frame:
                 (view.width, view.height, view.filter_width, view.transparent),
                 self.anchor.tobytes(),
             ),
-            Change.PIXEL_GRID: (self.sample // len(self.grid.places), len(self.grid.places)),
+            Change.PIXEL_GRID: (self.sample // len(self.grid.subpixel_offsets), len(self.grid.subpixel_offsets)),
             Change.SAMPLE: self.sample,
         }[change]
 

@@ -211,7 +211,7 @@ def draws_target(pass_type: type[Pass]) -> bool:
 def samples_per_visibility_buffer(view: View, samples: int, limit: int) -> int:
     """How many samples share one visibility buffer, which has as many times more pixels."""
     for count in sorted((count for count in PIXEL_GRIDS if count <= samples), reverse=True):
-        size = pixel_grid(0, count).room(view.width, view.height)
+        size = pixel_grid(0, count).max_size(view.width, view.height)
         if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:
             return count
     return 1

@@ -150,7 +150,7 @@ def test_the_profile_has_a_line_a_pass(call, scene_file, tmp_path, device):
     for name, row in drawn.profile.rows.items():
         assert lines[name][1:4] == [str(row.drawn), str(row.reused), str(row.skipped)]
     assert f"{drawn.profile.counts['triangles_drawn']:,} triangles drawn" in out
-    assert "light points" not in out  # rays need none
+    assert "virtual lights" not in out  # rays need none
     assert (
         "8 virtual lights"
         in call(scene_file, "-o", tmp_path / "out.png", "--profile", "--shadow-method", "shadow_maps")[1]

@@ -60,9 +60,9 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
 
 
 def sees(points: np.ndarray, light_point: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
-    """(N,) bool: whether nothing lies between points (N,3) and a light point (3,), but for `slack` of both ends.
+    """(N,) bool: whether nothing lies between points (N,3) and a virtual light (3,), but for `slack` of both ends.
 
-    By `crossings`, but for triangles that are narrow from the light point: of those it counts only in whose cone a
+    By `crossings`, but for triangles that are narrow from the virtual light: of those it counts only in whose cone a
     point lies, as all rays begin there.
     """
     towards, cosines = cones(triangles - light_point)

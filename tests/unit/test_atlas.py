@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every light point has a map of its own, whatever the limits."""
+"""Every virtual light has a map of its own, whatever the limits."""
 
 from dataclasses import replace
 

@@ -40,7 +40,7 @@ def errors(ray_steps, pixel_steps, samples: int) -> tuple[float, float]:
     """Of filtered pixels, of all rays but the first sample's; and of windows of 5×5 pixels, of the first three rays."""
     normals, offsets, seen = half_seen_lights(60)
     start = order_of_pixels()[..., None] * np.array(pixel_steps)
-    places = np.concatenate([pixel_grid(number, 16).places for number in range(samples // 16)])
+    places = np.concatenate([pixel_grid(number, 16).subpixel_offsets for number in range(samples // 16)])
     inner = SIZE - 4
     filtered, weights, window = 0.0, 0.0, 0.0
     for number, place in enumerate(places[1:], 1):

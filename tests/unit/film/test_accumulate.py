@@ -145,7 +145,7 @@ def test_the_widest_filter_is_drawn_soon(device):
 
 
 def test_every_sample_adds_to_the_penumbra(device):
-    """With few light points the error falls as samples are added, to what the shadow maps themselves leave."""
+    """With few virtual lights the error falls as samples are added, to what the shadow maps themselves leave."""
     scene, view = box_over_plane(36, 24)
     truth, _ = reference.picture(scene, view, 10)
     errors = []

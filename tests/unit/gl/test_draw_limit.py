@@ -29,7 +29,7 @@ from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, shadows
 #: Rays: so few that all passes of a small picture are drawn in portions.
 FEW = 100
 
-#: Rays of a pixel of GatherLight, with as many light points as a sample may have.
+#: Rays of a pixel of GatherLight, with as many virtual lights as a sample may have.
 MOST_POINTS = (1 + 1 + 4096) / VIRTUAL_LIGHTS_PER_RAY
 
 counts_draws = pytest.mark.skipif(
@@ -129,7 +129,7 @@ def test_draws_are_as_few_as_they_can_be():
     [((1280, 720), 1.0, 1), ((3840, 2160), 1.0, 8), ((3840, 2160), MOST_POINTS, 2160), ((16384, 1), MOST_POINTS, 3)],
 )
 def test_pixels_of_large_pictures(size, rays, draws):
-    """GatherLight's of most light points, too: a row each, or less where that is too much."""
+    """GatherLight's of most virtual lights, too: a row each, or less where that is too much."""
     found = list(rectangles(size, rays))
     assert len(found) == draws
     assert all(rays * width * height <= draw_limit.MAX_RAYS_PER_DRAW for _, _, width, height in found)

@@ -89,7 +89,7 @@ def test_lights_that_reach_nothing_have_no_points(device, why):
 
 
 def test_lights_that_reach_nothing_have_no_surface_points(device):
-    """Their light points would be all that looks at them."""
+    """Their virtual lights would be all that looks at them."""
     alone, among_others = (drawn_rooms(device, idle).renderer.graph[MAP_POINTS] for idle in ({}, {"turned away": 40}))
     assert among_others.buffer.size == alone.buffer.size > 0
 

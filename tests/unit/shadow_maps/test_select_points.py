@@ -10,7 +10,7 @@ from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.select_points import (
     MAP_POINT,
     SUBSETS_PER_LIGHT,
-    select,
+    select_subsets,
     selection_probabilities,
     solid_angles,
 )
@@ -50,7 +50,7 @@ def test_a_subset_is_as_large_as_asked_for_and_stands_for_the_whole_area(name):
     cloud = make_point_cloud(scene, ORIGIN, 64_000)
     weights = solid_angles(cloud, scene.lights, 0, ORIGIN)
     seen = weights > 0.0
-    subsets = select(cloud, weights, 4_000, 1.5)
+    subsets = select_subsets(cloud, weights, 4_000, 1.5)
     assert len(subsets) == SUBSETS_PER_LIGHT
     for points in subsets:
         assert len(points) == pytest.approx(4_000, rel=0.05)
@@ -70,7 +70,7 @@ def test_discs_look_about_equally_large_from_the_light():
         light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)),
     )
     cloud = make_point_cloud(scene, ORIGIN, 64_000)
-    (points, *_) = select(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
+    (points, *_) = select_subsets(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 4_000, 1.0)
     angle = points["radius"] / np.linalg.norm(points["position"] - (0.0, 0.0, 1.0), axis=1)
     assert np.quantile(angle, 0.99) / np.quantile(angle, 0.01) < 10.0
 
@@ -80,9 +80,9 @@ def test_subsets_stay_while_something_else_changes():
     scene = stage([rubble()], light(position=(0.0, 0.0, 2.0)))
     cloud, moved = make_point_cloud(scene, ORIGIN, 8_000), make_point_cloud(scene, np.array([64.0, 0.0, 0.0]), 8_000)
     other = both(scene.lights, light(position=(3.0, 0.0, 2.0)))
-    first = select(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
-    second = select(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
-    third = select(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
+    first = select_subsets(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
+    second = select_subsets(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
+    third = select_subsets(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
     for one, two, three in zip(first, second, third, strict=True):
         assert np.array_equal(one, two)
         here, there = (

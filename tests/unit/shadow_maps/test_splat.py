@@ -26,7 +26,7 @@ def maps(drawn, count: int, map_size: int, device) -> np.ndarray:
 
 
 def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
-    """(S,side,side) of the same points and the same light points, by numpy."""
+    """(S,side,side) of the same points and the same virtual lights, by numpy."""
     graph = drawn.renderer.graph
     anchor = drawn.renderer.frame(scene, view, settings, 0, drawn.profile).anchor
     _, _, points = virtual_light_tables(scene.lights, graph[VIRTUAL_LIGHT_COUNTS], 0, anchor)

@@ -178,13 +178,13 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
         count = samples_per_visibility_buffer(view, samples, device.texture_size)
-        place = pixel_grid(newest // count, count).places[newest % count]
+        offset = pixel_grid(newest // count, count).subpixel_offsets[newest % count]
         shift = np.eye(4)
-        shift[:2, 3] = -2.0 * place / (48, 36)
+        shift[:2, 3] = -2.0 * offset / (48, 36)
         moved = replace(view, clip_from_view=shift @ view.clip_from_view)
         truth = reference.surfaces(objects(), moved)
         off = np.abs(drawn.target("depth").reshape(-1) - np.where(truth.seen, truth.depth, np.float32(1e10)))
-        assert place.any()
+        assert offset.any()
         assert (off > 1e-3).mean() <= EDGE
 
 

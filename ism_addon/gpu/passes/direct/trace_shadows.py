@@ -117,7 +117,7 @@ class TraceShadows(Pass):
                 sequences = {"light_uv_shift": light_shift(light), **ray_sequence()}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
         for light, variant, uniforms, traced in traced_draws:
-            constants = shader_constants(variant, 1, len(frame.grid.places), MIN_RAY_PROBABILITY)
+            constants = shader_constants(variant, 1, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, **constants)
             bind(program, **uniforms, ray_threshold=ray_threshold(frame), **frame[TLAS])
             draw_tiles(frame, self.framebuffer(frame, light), program, traced)
@@ -162,7 +162,7 @@ class TraceShadows(Pass):
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
         # The phase changes after each round of subpixel offsets: otherwise rays would start at the same ones only.
-        rounds = tiles["sample_index"] // len(frame.grid.places)
+        rounds = tiles["sample_index"] // len(frame.grid.subpixel_offsets)
         phase = draw(Dimension.TEST_TURN, light=light, tile=row * frame.tiles[0] + column, round=rounds)[:, 0]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean[row, column]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
@@ -179,7 +179,7 @@ class TraceShadows(Pass):
         variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
         for variant in {tuple(own.items()): own for own in variants.values()}.values():
-            constants = shader_constants(variant, rays, len(frame.grid.places), MIN_FAINT_RAY_PROBABILITY)
+            constants = shader_constants(variant, rays, len(frame.grid.subpixel_offsets), MIN_FAINT_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, suffix="faint", **constants)
             bind(
                 program,

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the shadow maps of many light points share one texture, or several one after the other."""
+"""How the shadow maps of many virtual lights share one texture, or several one after the other."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-#: Sides of maps are multiples of this, so that pull_push can halve them.
+#: Sides of maps are multiples of this, so that pull-push can halve them (see fill_holes).
 MAP_SIZE_MULTIPLE = 8
 
 #: Most texels of an atlas; more maps are drawn in further batches.
@@ -14,7 +14,7 @@ ATLAS_TEXELS = 1 << 24
 
 @dataclass(frozen=True)
 class Batch:
-    """Light points first … first + count - 1, whose maps of `side` texels lie in an atlas row by row."""
+    """Virtual lights first … first + count - 1, whose maps of `side` texels lie in an atlas row by row."""
 
     first: int
     count: int
@@ -31,15 +31,15 @@ class Batch:
         return index % self.columns * self.side, index // self.columns * self.side
 
 
-def batches(points: int, map_size: int, texture_size: int) -> list[Batch]:
-    """As few atlases as hold a map for each of `points` light points, within the GL's limit; at least one."""
+def batches(virtual_lights: int, map_size: int, texture_size: int) -> list[Batch]:
+    """As few atlases as hold a map for each of so many virtual lights, within the GL's limit; at least one."""
     side = min(
         -(-map_size // MAP_SIZE_MULTIPLE) * MAP_SIZE_MULTIPLE, texture_size // MAP_SIZE_MULTIPLE * MAP_SIZE_MULTIPLE
     )
     most_columns = max(1, min(texture_size, int(ATLAS_TEXELS**0.5)) // side)
     most = most_columns * most_columns
     found = []
-    for first in range(0, max(points, 1), most):
-        count = min(most, points - first)
+    for first in range(0, max(virtual_lights, 1), most):
+        count = min(most, virtual_lights - first)
         found.append(Batch(first, count, side, max(1, min(most_columns, int(np.ceil(np.sqrt(count)))))))
     return found

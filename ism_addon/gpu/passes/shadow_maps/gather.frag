@@ -1,5 +1,5 @@
-// Radiance towards the camera: a light's unshadowed one times the part of its virtual lights that see the pixel, weighted by
-// what they send.
+// Radiance towards the camera: a light's unshadowed radiance times the part of its virtual lights that the pixel sees,
+// weighted by their irradiance.
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 
@@ -15,8 +15,8 @@ uniform bool shadows;
 uniform float bias;
 out vec4 direct_prediction;
 
-// 1 where the virtual light whose map is number `index` sees the receiver: v from the virtual light, n its plane's normal,
-// both in the light's space.
+// 1 where the virtual light whose map is number `index` sees the receiver, else 0. v goes from the virtual light to the
+// receiver, whose geometric normal is n, both in the light's space.
 float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
     mat2 map_from_light = mat2(rotation.x, -rotation.y, rotation.y, rotation.x);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
@@ -26,40 +26,40 @@ float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
     vec3 centre = hemisphere_from_square((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0);
     float plane = dot(n, v) / dot(vec3(map_from_light * n.xy, n.z), centre);
     float distance = length(v);
-    // A plane seen edge-on reaches from here to nowhere within a texel: there its own distance must do.
+    // Seen edge-on, the plane's depth varies without bound within a texel: the receiver's own distance is used instead.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
     int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
     ivec2 corner = ivec2(index - row * columns, row) * side;
     return fetch(shadow_maps, corner + texel).x >= receiver ? 1.0 : 0.0;
 }
 
-vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange points) {
+vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool masked = shadows && light.casts_shadow != 0;
     vec3 unshadowed = bsdf_unshadowed(surface, light);
     if (!masked) return batch.x == 0 ? unshadowed : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
-    // Where no point of its own can light a receiver, those closest to where its light comes from say what is hidden.
-    vec3 from = light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
+    // Where none of its virtual lights is above a receiver's horizon, those closest to the part that is stand for it.
+    vec3 middle = light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
     vec3 p = light_from_anchor * (surface.position - light.position), n = light_from_anchor * surface.normal;
     vec3 geometric_normal = light_from_anchor * surface.geometric_normal;
-    float sent = 0.0, arrived = 0.0, close = 0.0, arrived_close = 0.0;
-    int last = unshadowed == vec3(0.0) ? 0 : points.first + points.count;
-    for (int k = points.first; k < last; ++k) {
-        VirtualLight point = fetch_VirtualLight(virtual_lights, k);
-        vec3 v = p - point.offset;
+    float sum = 0.0, visible_sum = 0.0, close_sum = 0.0, visible_close_sum = 0.0;
+    int last = unshadowed == vec3(0.0) ? 0 : range.first + range.count;
+    for (int k = range.first; k < last; ++k) {
+        VirtualLight virtual_light = fetch_VirtualLight(virtual_lights, k);
+        vec3 v = p - virtual_light.offset;
         float weight = light_virtual_weight(light, v, n);
-        vec3 off = point.offset - from;
+        vec3 off = virtual_light.offset - middle;
         float closeness = 1.0 / max(dot(off, off) * dot(off, off), 1e-30);
-        sent += weight;
-        close += closeness;
+        sum += weight;
+        close_sum += closeness;
         int index = k - batch.x;
         if (index < 0 || index >= batch.y) continue;
-        float unoccluded = visibility(point.rotation, index, v, geometric_normal);
-        arrived += weight * unoccluded;
-        arrived_close += closeness * unoccluded;
+        float unoccluded = visibility(virtual_light.rotation, index, v, geometric_normal);
+        visible_sum += weight * unoccluded;
+        visible_close_sum += closeness * unoccluded;
     }
-    if (close == 0.0) return vec3(0.0);
-    return unshadowed * (sent > 0.0 ? arrived / sent : arrived_close / close);
+    if (close_sum == 0.0) return vec3(0.0);
+    return unshadowed * (sum > 0.0 ? visible_sum / sum : visible_close_sum / close_sum);
 }
 
 void main() {
@@ -67,9 +67,9 @@ void main() {
     Surface surface = surface_at(ivec2(gl_FragCoord.xy));
     if (!surface.exists) return;
     for (int k = 0; k < light_count; ++k) {
-        VirtualLightRange points = fetch_VirtualLightRange(virtual_light_ranges, k);
-        Light light = fetch_Light(lights, points.light);
+        VirtualLightRange range = fetch_VirtualLightRange(virtual_light_ranges, k);
+        Light light = fetch_Light(lights, range.light);
         if (!is_lit_by(surface, light)) continue;
-        direct_prediction.rgb += shadowed_radiance(surface, light, points);
+        direct_prediction.rgb += shadowed_radiance(surface, light, range);
     }
 }

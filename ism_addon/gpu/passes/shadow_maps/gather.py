@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow from all light points at each pixel.
+"""Light and shadow from all virtual lights at each pixel.
 
-Beck-Norén & Valter 2013, section 3.2. What differs: a light's unshadowed radiance is exact (Lambert's edge
-sum, see radiometry), and the virtual lights only weigh how much of it arrives, as a ratio (Heitz, Hill & McGuire 2018):
-where nothing is in the way there is no error. The receiver is compared as the plane that it is, in the direction of
-the texel's centre, where the disc was measured too. Matrices come from a table, so their number has no limit.
+Beck-Norén & Valter 2013, section 3.2. What differs: a light's unshadowed radiance is in closed form (see
+gpu/lights), and virtual lights say which part of it is visible, a ratio (Heitz, Hill & McGuire 2018): without occluders
+there is no error. The depth of the receiver is its plane's in the direction of the texel's centre, where the disc's was
+taken too, so a plane does not shadow itself. Matrices come from a table, so their number has no limit.
 """
 
 from functools import cached_property

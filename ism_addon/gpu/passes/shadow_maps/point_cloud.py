@@ -35,12 +35,12 @@ def similarity(linear: np.ndarray) -> np.ndarray:
 
 
 def make_point_cloud(
-    scene: Scene, anchor: np.ndarray, count: int, look: Callable[[], None] = lambda: None
+    scene: Scene, anchor: np.ndarray, count: int, check_cancelled: Callable[[], None] = lambda: None
 ) -> PointCloud:
-    """Points on all instances that cast shadows, in proportion to their world area. Between portions it calls `look`.
+    """Points on all instances that cast shadows, in proportion to their world area.
 
-    An instance's points are the first of its mesh's endless sequence: they stay where they are on it
-    while it, or anything else, moves.
+    Between batches it calls `check_cancelled`. An instance's points are the first of its mesh's infinite
+    sequence: they keep their positions on it while it, or anything else, moves.
     """
     instances = scene.instances
     rows = np.flatnonzero(instances.casts_shadow)
@@ -54,14 +54,14 @@ def make_point_cloud(
     total = areas.sum()
     if total <= 0.0:
         return PointCloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
-    due = proportional_counts(areas, count)
-    positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(due)
+    counts = proportional_counts(areas, count)
+    positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(counts)
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
-            fill(positions, normals, mesh_corners, matrices[group], due[group], ends[group], look)
+            fill(positions, normals, mesh_corners, matrices[group], counts[group], ends[group], check_cancelled)
     positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
-    return PointCloud(positions, normals, np.repeat(instances.groups[rows], due), float(total) / count)
+    return PointCloud(positions, normals, np.repeat(instances.groups[rows], counts), float(total) / count)
 
 
 def fill(
@@ -69,30 +69,30 @@ def fill(
     normals: np.ndarray,
     corners: np.ndarray,
     matrices: np.ndarray,
-    due: np.ndarray,
+    counts: np.ndarray,
     ends: np.ndarray,
-    look: Callable[[], None],
+    check_cancelled: Callable[[], None],
 ) -> None:
-    """Write the first `due` (I,) points of a mesh with `corners` (T,3,3) for each instance, before `ends` (I,)."""
-    if not due.sum():
+    """Write the first `counts` (I,) points of a mesh with `corners` (T,3,3) for each instance, before `ends` (I,)."""
+    if not counts.sum():
         return
     linear = matrices[:, :3, :3]
-    # Instances that keep angles share one sequence; one that does not weighs its triangles anew.
-    seen = corners if len(matrices) > 1 or similarity(linear)[0] > 0.0 else corners @ linear[0].T
-    chosen, on_mesh = points_on_triangles(seen, int(due.max()))
-    if seen is not corners:
+    # Similarity transforms keep the proportions of areas, so such instances share one sequence. Others have their own.
+    scaled = corners if len(matrices) > 1 or similarity(linear)[0] > 0.0 else corners @ linear[0].T
+    chosen, on_mesh = points_on_triangles(scaled, int(counts.max()))
+    if scaled is not corners:
         linear = np.eye(3)[None]
-    facets = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])[chosen]
-    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
-    all_of = np.repeat(np.arange(len(due)), due)
-    all_index = np.arange(len(all_of)) - np.repeat(np.cumsum(due) - due, due)
-    for first in range(0, len(all_of), POINTS_AT_A_TIME):
-        look()
-        of, index = (numbers[first : first + POINTS_AT_A_TIME] for numbers in (all_of, all_index))
-        to = (ends - due)[of] + index
-        positions[to] = np.einsum("nij,nj->ni", linear[of], on_mesh[index]) + matrices[of, :3, 3]
-        turned = np.einsum("nij,nj->ni", linear[of], facets[index])
-        normals[to] = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
+    face_normals = np.cross(scaled[:, 1] - scaled[:, 0], scaled[:, 2] - scaled[:, 0])[chosen]
+    face_normals /= np.maximum(np.linalg.norm(face_normals, axis=1, keepdims=True), 1e-300)
+    all_rows = np.repeat(np.arange(len(counts)), counts)
+    all_index = np.arange(len(all_rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    for first in range(0, len(all_rows), POINTS_AT_A_TIME):
+        check_cancelled()
+        row, index = (numbers[first : first + POINTS_AT_A_TIME] for numbers in (all_rows, all_index))
+        to = (ends - counts)[row] + index
+        positions[to] = np.einsum("nij,nj->ni", linear[row], on_mesh[index]) + matrices[row, :3, 3]
+        rotated = np.einsum("nij,nj->ni", linear[row], face_normals[index])
+        normals[to] = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-300)
 
 
 def object_corners(mesh: Mesh) -> np.ndarray:

@@ -2,7 +2,7 @@
 """The scene as random points on its triangles, each standing for the same share of its area.
 
 Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008: a triangle is chosen with probability in
-proportion to its area, a point uniformly on it. Which of the points a shadow map sees, subsets decides.
+proportion to its area, a point uniformly on it. Which of the points are drawn into a shadow map, see select_points.
 """
 
 from ....resources import POINT_CLOUD
@@ -10,13 +10,13 @@ from ....scene import Change
 from ...frame import Frame, Pass, outputs
 from .point_cloud import make_point_cloud
 
-#: Points in the cloud for each that a map sees, and the most points in the cloud, whatever a map sees.
+#: Points in the cloud for each point of a map, and the most in the cloud, unless a map has more.
 POINTS_PER_MAP_POINT = 16
 MAX_POINTS = 1 << 20
 
 
 class SamplePoints(Pass):
-    """The cloud that stands for the scene."""
+    """Sample points on all surfaces that cast shadows."""
 
     inputs = Change.MESHES, Change.INSTANCES, "quality.map_points"
     outputs = outputs(POINT_CLOUD)
@@ -25,6 +25,6 @@ class SamplePoints(Pass):
         return frame.casts_shadows
 
     def execute(self, frame: Frame) -> None:
-        seen = frame.settings.quality.map_points
-        count = max(seen, min(POINTS_PER_MAP_POINT * seen, MAX_POINTS))
+        per_map = frame.settings.quality.map_points
+        count = max(per_map, min(POINTS_PER_MAP_POINT * per_map, MAX_POINTS))
         frame[POINT_CLOUD] = make_point_cloud(frame.scene, frame.anchor, count, frame.submission.check_cancelled)

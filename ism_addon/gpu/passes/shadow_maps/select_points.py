@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which surface points stand for the scene in the shadow maps of a light.
 
-Ritschel et al. 2008 give each map a random subset of the points. We choose those by what a map can show of them: a
-point is taken with a probability in proportion to the solid angle that its share of area fills as seen from the
-light, and then stands for as many times more area. So all discs of a map are about as large, one covers about one
-texel where there are as many points as texels, and what is near the light is drawn finely (compare the
-view-adaptive maps of Ritschel et al. 2011). A point's chance is its own and fixed: subsets change only where
-the light's view of them does. Light points take turns with several such subsets.
+Ritschel et al. 2008 give each map a random subset of the points. Ours is importance sampled: the probability of a point
+is in proportion to the solid angle of its area as seen from the light, and its disc has the area divided by the
+probability. So all discs of a map have about the same solid angle, one covers about a texel where there are as many
+points as texels, and surfaces near the light are drawn in detail (compare the view-adaptive maps of Ritschel et al.
+2011). A point keeps its random number, so that subsets change only where solid angles do. The virtual lights of a light
+use several such subsets in turn.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ from ...frame import Frame, Pass, outputs
 from ...lights import type_of
 from .point_cloud import PointCloud
 
-#: Subsets a light; its light points share them out.
+#: Subsets of points for each light, which its virtual lights use in turn.
 SUBSETS_PER_LIGHT = 4
 
 MAP_POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])
@@ -35,7 +35,7 @@ class PointRange:
 
     first: int
     count: int
-    maps: float  # that all discs would fill if none hid another, at most
+    maps: float  # upper bound of the area of all discs, in maps, overlaps counted each
 
 
 @dataclass(frozen=True)
@@ -58,43 +58,44 @@ def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarr
 def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
     """(P,) probabilities in proportion to weights (P,), no more than 1, that sum to `count` if they can."""
     scale = count / max(float(weights.sum()), 1e-30)
-    for _ in range(8):  # what is cut off at 1 is given to the others
+    for _ in range(8):  # what is clamped at 1 is given to the others
         full = weights * scale >= 1.0
-        rest = float(weights[~full].sum())
-        if rest <= 0.0:
+        remaining = float(weights[~full].sum())
+        if remaining <= 0.0:
             break
-        scale = (count - int(full.sum())) / rest
+        scale = (count - int(full.sum())) / remaining
     return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
 
 
-def select(
+def select_subsets(
     cloud: PointCloud,
     weights: np.ndarray,
     count: int,
     splat_size: float,
-    look: Callable[[], None] = lambda: None,
+    check_cancelled: Callable[[], None] = lambda: None,
 ) -> list[np.ndarray]:
     """SUBSETS_PER_LIGHT subsets of about `count` points for a light of weights (P,), as arrays of MAP_POINT.
 
-    Before each it calls `look`.
+    Before each it calls `check_cancelled`.
     """
-    chance = selection_probabilities(weights, count)
-    luck = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)))[:, 0].astype(np.float32)
+    probabilities = selection_probabilities(weights, count)
+    uniform = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)))[:, 0].astype(np.float32)
     found = []
-    for turn in range(SUBSETS_PER_LIGHT):
-        look()
-        taken = np.flatnonzero(np.modf(luck + np.float32(turn / SUBSETS_PER_LIGHT))[0] < chance)
+    for subset in range(SUBSETS_PER_LIGHT):
+        check_cancelled()
+        taken = np.flatnonzero(np.modf(uniform + np.float32(subset / SUBSETS_PER_LIGHT))[0] < probabilities)
         points = np.zeros(len(taken), MAP_POINT)
         points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
-        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / chance[taken])
+        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / probabilities[taken])
         found.append(points)
     return found
 
 
 def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
-    """How many maps the discs of MAP_POINTs (P,) would fill if none hid another, seen from a light's middle (3,).
+    """Area of the discs of MAP_POINTs (P,) in maps, overlaps counted each, as seen from a light's centre (3,).
 
-    That is what splat.vert draws: squares, where maps stretch them most, and all of the map for a disc close by.
+    An upper bound of the texels that splat.vert draws: squares where the mapping has the largest derivative, and all of
+    the map for a disc close by.
     """
     to: np.ndarray = points["position"] - light.astype(np.float32)
     distance = np.sqrt(np.einsum("nk,nk->n", to, to))
@@ -103,7 +104,7 @@ def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
 
 
 class SelectPoints(Pass):
-    """A vertex buffer of all subsets, and where each light's lie in it."""
+    """Select the points of each light's shadow maps: a vertex buffer, and the range of each subset in it."""
 
     inputs = POINT_CLOUD, CONTRIBUTING_LIGHTS, Change.LIGHTS, "quality.map_points", "shadow.splat_size"
     outputs = outputs(MAP_POINTS)
@@ -114,16 +115,17 @@ class SelectPoints(Pass):
     def execute(self, frame: Frame) -> None:
         cloud, lights = frame[POINT_CLOUD], frame.scene.lights
         count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
-        look, contributing = frame.submission.check_cancelled, frame[CONTRIBUTING_LIGHTS]
+        check_cancelled, contributing = frame.submission.check_cancelled, frame[CONTRIBUTING_LIGHTS]
 
         def of_light(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
-            subsets = select(cloud, solid_angles(cloud, lights, light, frame.anchor), count, size, look)
+            weights = solid_angles(cloud, lights, light, frame.anchor)
+            subsets = select_subsets(cloud, weights, count, size, check_cancelled)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         chosen = parallel_map(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
-        look()
+        check_cancelled()
         points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
         ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, SUBSETS_PER_LIGHT)
         table = [
@@ -133,7 +135,7 @@ class SelectPoints(Pass):
             ]
             for row, subsets in zip(ends, chosen, strict=True)
         ]
-        look()
+        check_cancelled()
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None
         frame[MAP_POINTS] = MapPoints(table, buffer)
         frame.counts["bytes_uploaded"] += points.nbytes

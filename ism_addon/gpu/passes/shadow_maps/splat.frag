@@ -1,4 +1,4 @@
-// Where the texel's direction meets the disc: its plane's distance, not its centre's. m
+// The distance at which the ray through the texel's centre meets the disc, in metres.
 #include "maths/octahedron.glsl"
 uniform int side;
 uniform ivec2 corner;

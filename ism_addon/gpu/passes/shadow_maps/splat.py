@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An imperfect shadow map for each light point: surface points as oriented discs, nearest first.
+"""An imperfect shadow map for each virtual light: the depth of surface points, drawn as oriented discs.
 
 Beck-Norén & Valter 2013, sections 2.1 and 3.2: a surface point is drawn as a square in which the fragment shader
-cuts out a disc with the triangle's normal. Their squares come from a geometry shader; ours are OpenGL's points, 1.6
-to 2 times as fast on llvmpipe. A map covers its light point's whole hemisphere, here by the upper half of an
-octahedron, which wastes no texel. As that bends planes, each fragment meets the disc's plane itself. All maps lie in
-one atlas; the nearest distance wins by blending with the minimum, which keeps metres. A disc wider than the driver's
-largest point (llvmpipe: 255 texels) is cut to that. Maps of half as many texels are spared; in larger ones it meets
-the discs close to the light.
+discards what is outside a disc with the triangle's normal. Their squares come from a geometry shader; ours are OpenGL's
+points, 1.6 to 2 times as fast on llvmpipe. A map covers its virtual light's hemisphere, by the upper half of an
+octahedron, which wastes no texel. As that mapping bends planes, each fragment intersects the disc's plane itself. All
+maps lie in one atlas; blending with the minimum keeps the nearest distance, in metres. A disc wider than the driver's
+largest point (llvmpipe: 255 texels) is clipped to that. It cannot happen in maps of half as many texels a side; in
+larger ones it happens to discs close to the light.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class SplatMaps(Pass):
     def draw_map(
         self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: PointRange
     ) -> None:
-        """That of one of the batch's light points, of one subset of the discs."""
+        """The map of one of the batch's virtual lights, from one subset of the points."""
         batch = frame[ATLAS_BATCH]
         view, corner = frame[SHADOW_MAP_VIEWS][batch.first + index], batch.corner(index)
         atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)

@@ -1,4 +1,4 @@
-// A surface point becomes the square of the map that its disc can touch. Map space: z along the light's normal. m
+// A surface point becomes a square of the map that holds its disc. Map space: z along the light's normal, in metres.
 #include "maths/octahedron.glsl"
 uniform vec3 virtual_light;
 uniform mat3 map_from_anchor;
@@ -10,9 +10,9 @@ flat out vec3 disc_centre;
 flat out vec3 disc_normal;
 flat out float disc_radius;
 
-// How far the map's coordinate can move, at most, when a direction moves by a unit of angle. Two octants meet where
-// x or y is 0: within `angle` of there the steeper one counts.
-float stretch(vec3 d, float angle) {
+// The largest derivative of the map's coordinates by the angle of a direction d. It jumps between octants, where x or y
+// is 0: within `angle` of there the larger one counts.
+float largest_derivative(vec3 d, float angle) {
     float sum = abs(d.x) + abs(d.y) + abs(d.z);
     vec2 q = vec2(d.x + d.y, d.x - d.y) / sum; // square_from_hemisphere
     bvec2 meet = lessThan(abs(d.xy), vec2(angle));
@@ -35,7 +35,7 @@ void main() {
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
         gl_Position.xy = square_from_hemisphere(d);
-        // The second term is what the map bends within the disc.
-        gl_PointSize = stretch(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
+        // The second term bounds how much the derivative changes within the disc.
+        gl_PointSize = largest_derivative(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
     }
 }

@@ -113,8 +113,9 @@ class SelectTiles(Pass):
         """Rows of TILE. The subpixel offset of a tile follows from the number of its own samples."""
         tiles = tiles_where(takes_part)
         tiles["sample_index"] = frame[TILE_SELECTION].sample_counts[takes_part]
-        index = tiles["sample_index"].astype(np.int64) % len(frame.grid.places)
-        tiles["visibility_texel"], tiles["subpixel_offset"] = frame.grid.texels[index], frame.grid.places[index]
+        grid = frame.grid
+        index = tiles["sample_index"].astype(np.int64) % len(grid.subpixel_offsets)
+        tiles["visibility_texel"], tiles["subpixel_offset"] = grid.texels[index], grid.subpixel_offsets[index]
         return tiles
 
     def tile_statistics(self, frame: Frame) -> tuple[np.ndarray, float]:

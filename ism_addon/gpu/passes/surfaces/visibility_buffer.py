@@ -43,7 +43,7 @@ class VisibilityBuffer(Pass):
         gl = frame.device.gl
         width, height = map(int, frame.grid.bounds(*frame.size)[1])
         size = width, height
-        most_columns, most_rows = map(int, np.minimum(frame.grid.room(*frame.size), self.device.texture_size))
+        most_columns, most_rows = map(int, np.minimum(frame.grid.max_size(*frame.size), self.device.texture_size))
         for target in (VISIBILITY_BUFFER, VISIBILITY_DEPTH):
             frame.reserve(target, (most_columns, most_rows))
         framebuffer = frame.framebuffer(VISIBILITY_BUFFER, VISIBILITY_DEPTH)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Acceleration structures for shadow rays: a tree over each mesh's triangles, one over instances that cast shadows.
+"""Acceleration structures for shadow rays: a BVH over each mesh's triangles, and one over instances that cast shadows.
 
-Two levels, as in every ray tracer that moves things: a mesh keeps its tree wherever its instances go.
+Two levels, so that a mesh keeps its BVH when its instances move.
 """
 
 from typing import ClassVar
@@ -22,16 +22,16 @@ from ...gl.shader_records import CASTER
 
 
 class BuildBLAS(Pass):
-    """A tree for each resident mesh, or one that is under way; a mesh that did not change keeps its own."""
+    """A BVH for each resident mesh, finished or being built; a mesh that did not change keeps its own."""
 
     inputs = Change.MESHES, RESIDENT_MESHES
     outputs = outputs(BLAS)
 
-    #: The trees of all meshes that still are, for all renderers.
+    #: The BVHs of all meshes that exist, for all renderers.
     kept: ClassVar[WeakKeyDictionary[Mesh, blas.BLAS | blas.DeferredBLAS]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
-        """Once triangles lie in the order of their trees, they are left so."""
+        """Once triangles are in the order of BVH leaves, they stay so, even where no rays are traced."""
         before = frame.get(BLAS)
         return frame.traces_shadows or (before is not None and before.meshes == frame.scene.meshes)
 
@@ -44,7 +44,7 @@ class BuildBLAS(Pass):
 
 
 class UploadBLAS(Pass):
-    """The trees of the resident meshes, when all are finished."""
+    """Upload the BVHs of the resident meshes, when all are finished."""
 
     inputs = (BLAS,)
     outputs = outputs(BLAS_BUFFERS)
@@ -59,7 +59,7 @@ class UploadBLAS(Pass):
 
 
 class BuildTLAS(Pass):
-    """The tree over the instances that cast shadows; to move one uploads no mesh."""
+    """Build the BVH over the instances that cast shadows; to move one uploads no mesh."""
 
     inputs = BLAS, BLAS_BUFFERS, MESH_BUFFERS, INSTANCE_BUFFERS, Change.INSTANCES
     outputs = outputs(TLAS)
@@ -77,7 +77,7 @@ class BuildTLAS(Pass):
         for which, middles, halves in table.boxes:
             own = np.flatnonzero(which[row] >= 0)
             low[own], high[own] = instance_bounds(linear[own], offsets[own], which[row[own]], middles, halves)
-        middle, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), EMPTY_BOX)
+        centre, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), EMPTY_BOX)
         tree = build(boxes, 1)
         nodes = rows_of(packed(tree.nodes))
         casters = np.zeros(len(chosen), CASTER.dtype)
@@ -98,7 +98,7 @@ class BuildTLAS(Pass):
             "tlas_nodes": self.device.buffer_from(nodes),
             "casters": CASTER.upload(self.device, np.append(casters, np.zeros(1, CASTER.dtype))[tree.order]),
             "tlas_leaves": tree.leaves,
-            "tlas_centre": tuple(middle),
+            "tlas_centre": tuple(centre),
             "tlas_scale": tuple(scale),
         }
         frame.counts["bytes_uploaded"] += casters.nbytes + nodes.nbytes

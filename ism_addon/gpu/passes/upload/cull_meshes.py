@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes a picture needs: those in it, and those that can stand between what is in it and a light.
+"""Which meshes a picture needs: those in it, and those that may occlude a light from what is in it.
 
-The others are not uploaded, and have no trees. A mesh that was needed once stays, as long as the scene has it.
+The others are not uploaded, and have no BVH. A mesh that was needed once stays resident as long as the scene has it.
 """
 
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ from ...frame import Frame, Pass, outputs
 from ...gl.frame_uniforms import clip_from_anchor
 from ...lights import by_type
 
-#: What positions on the GPU may be off by, as a part of their coordinates.
+#: Relative rounding error of positions on the GPU.
 POSITION_ROUNDING = 1e-6
 
-#: Pairs of a box and a shaft that are looked at at a time: as many as processors keep close at hand.
+#: Pairs of a box and a shaft that are tested at a time, so that they stay in the processor's cache.
 PAIRS_AT_A_TIME = 1 << 14
 
 
@@ -33,7 +33,7 @@ class ResidentMeshes:
 
 
 class CullMeshes(Pass):
-    """The meshes that are needed."""
+    """Find the meshes that this picture needs, and keep those that an earlier one did."""
 
     inputs = (
         *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW),
@@ -49,20 +49,20 @@ class CullMeshes(Pass):
         if not frame.settings.shortcuts:
             resident[mesh] = True
         elif not resident[mesh].all():
-            resident[mesh[self.chosen(frame, ~resident[mesh])]] = True
+            resident[mesh[self.needed_instances(frame, ~resident[mesh])]] = True
         frame[RESIDENT_MESHES] = ResidentMeshes(meshes, tuple(np.flatnonzero(resident).tolist()))
 
     @staticmethod
-    def chosen(frame: Frame, others: np.ndarray) -> np.ndarray:
-        """(I,) bool: the instances that the picture needs, of those whose mesh is not there yet, (I,) bool."""
+    def needed_instances(frame: Frame, candidates: np.ndarray) -> np.ndarray:
+        """(I,) bool: which of the candidates, (I,) bool, the picture needs."""
         scene = frame.scene
         boxes = instance_boxes(scene, frame.anchor)
         seen = scene.instances.visible & boxes_in_view(frame, boxes)
-        chosen, blockers = others & seen, np.flatnonzero(others & scene.instances.casts_shadow & ~seen)
-        if frame.traces_shadows and len(blockers) and seen.any():
-            parts = visible_slices(boxes[..., seen], frame.view, frame.anchor)
-            chosen[blockers] = occluders(scene, frame.anchor, boxes, parts, blockers)
-        return chosen
+        needed, unseen = candidates & seen, np.flatnonzero(candidates & scene.instances.casts_shadow & ~seen)
+        if frame.traces_shadows and len(unseen) and seen.any():
+            slices = visible_slices(boxes[..., seen], frame.view, frame.anchor)
+            needed[unseen] = are_occluders(scene, frame.anchor, boxes, slices, unseen)
+        return needed
 
 
 def instance_boxes(scene: Scene, anchor: np.ndarray) -> np.ndarray:
@@ -84,37 +84,39 @@ def boxes_in_view(frame: Frame, boxes: np.ndarray) -> np.ndarray:
     return in_view(half.T, clip, 2.0 * BORDER / min(view.width, view.height))
 
 
-def occluders(scene: Scene, anchor: np.ndarray, boxes: np.ndarray, parts: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """(B,) bool: the instances, of those numbered (B,), in the way of a light to parts (2,3,K) of what is seen.
+def are_occluders(
+    scene: Scene, anchor: np.ndarray, boxes: np.ndarray, slices: np.ndarray, instances: np.ndarray
+) -> np.ndarray:
+    """(B,) bool: which of these instances (B,) may occlude a light from visible slices (2,3,K).
 
-    Where to find out would take as long as to upload the mesh, it is taken to be.
+    Where the test would take as long as to upload the mesh, it is taken to be an occluder.
     """
-    ones, others, of_light = shadow_shafts(scene.lights, anchor, parts)
-    mesh = scene.instances.mesh[which]
+    light_boxes, slice_boxes, light = shadow_shafts(scene.lights, anchor, slices)
+    mesh = scene.instances.mesh[instances]
     triangles = np.array([len(mesh.triangles) for mesh in scene.meshes])
-    found = np.bincount(mesh, minlength=len(triangles))[mesh] * len(of_light) > triangles[mesh]
-    unsure = np.flatnonzero(~found)
-    step = max(PAIRS_AT_A_TIME // max(len(of_light), 1), 1)
-    for first in range(0, len(unsure), step):
-        part = unsure[first : first + step]
-        own = boxes[..., which[part]]
-        may = may_occlude(scene.lights, anchor, own, scene.instances.groups[which[part]])
-        found[part] = (may[:, of_light] & meets_shaft(own, ones, others)).any(1)
+    found = np.bincount(mesh, minlength=len(triangles))[mesh] * len(light) > triangles[mesh]
+    untested = np.flatnonzero(~found)
+    step = max(PAIRS_AT_A_TIME // max(len(light), 1), 1)
+    for first in range(0, len(untested), step):
+        batch = untested[first : first + step]
+        own = boxes[..., instances[batch]]
+        may = may_occlude(scene.lights, anchor, own, scene.instances.groups[instances[batch]])
+        found[batch] = (may[:, light] & meets_shaft(own, light_boxes, slice_boxes)).any(1)
     return found
 
 
-def shadow_shafts(lights: Lights, anchor: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """From lights (2,3,S) to the parts (2,3,S) of the picture that they may shine on, and the lights' numbers (S,)."""
+def shadow_shafts(lights: Lights, anchor: np.ndarray, slices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Shafts from boxes of lights (2,3,S) to the slices (2,3,S) that they may light, and the lights (S,)."""
     ends = np.zeros((2, 3, len(lights.shape)))
     for light_type, rows, own in by_type(lights):
         ends[..., rows] = light_type.shadow_ends(own, anchor)
     shining = lights.casts_shadow & lights.radiance.any(1)
-    light, part = np.nonzero(shining[:, None] & (heights(lights, anchor, parts) > 0.0).T)
-    return ends[..., light], parts[..., part], light
+    light, which = np.nonzero(shining[:, None] & (heights(lights, anchor, slices) > 0.0).T)
+    return ends[..., light], slices[..., which], light
 
 
 def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """(B,L) bool: whether instances of these groups (B,) cast a light's shadows, and some of the box is ahead of it."""
+    """(B,L) bool: if instances of link groups (B,) cast a light's shadows, and their boxes reach in front of it."""
     group = np.maximum(lights.blockers, 0).astype(np.uint32)
     linked = (lights.blockers < 0) | (groups[:, None] >> group & 1 == 1)
     return linked & (heights(lights, anchor, boxes) > 0.0)

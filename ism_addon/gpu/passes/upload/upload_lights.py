@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lights as records of shaders."""
+"""The lights as shader records."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def light_table(lights: Lights, anchor: np.ndarray) -> np.ndarray:
 
 
 class UploadLights(Pass):
-    """The table of lights."""
+    """Upload the table of lights."""
 
     inputs = (Change.LIGHTS,)
     outputs = outputs(LIGHT_BUFFER)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene's arrays to the GPU: meshes, where they stand, what they are made of. Each when it is new."""
+"""Upload meshes, instances and materials, each when it changed."""
 
 from ....resources import (
     BLAS,
@@ -17,7 +17,7 @@ from ...frame import Frame, Pass, outputs
 
 
 class UploadMeshes(Pass):
-    """Vertices and triangles of the resident meshes, in the order of their trees where rays have asked for those."""
+    """Upload vertices and triangles of the resident meshes, in the order of BVH leaves once rays are traced."""
 
     inputs = Change.MESHES, RESIDENT_MESHES, BLAS
     outputs = outputs(MESH_BUFFERS)
@@ -31,7 +31,7 @@ class UploadMeshes(Pass):
 
 
 class UploadUVs(Pass):
-    """Texture coordinates of the resident meshes."""
+    """Upload texture coordinates of the resident meshes."""
 
     inputs = (MESH_BUFFERS,)
     outputs = outputs(UV_BUFFERS)
@@ -46,7 +46,7 @@ class UploadUVs(Pass):
 
 
 class UploadInstances(Pass):
-    """The matrices and link groups of the instances."""
+    """Upload matrices and link groups of the instances."""
 
     inputs = Change.INSTANCES, MESH_BUFFERS
     outputs = outputs(INSTANCE_BUFFERS)
@@ -60,7 +60,7 @@ class UploadInstances(Pass):
 
 
 class UploadMaterials(Pass):
-    """Materials and images."""
+    """Upload materials and images."""
 
     inputs = (Change.MATERIALS,)
     outputs = outputs(MATERIAL_BUFFERS)
