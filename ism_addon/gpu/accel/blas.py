@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tree of one mesh, and the order in which its triangles lie on the GPU, so that those of a leaf are neighbours.
+"""The bottom-level BVH of one mesh, and the order of its triangles on the GPU: those of a leaf are consecutive.
 
-Triangles that follow one another in a mesh mostly lie together too. Where they do, a leaf is a run of them as they are,
-and what is sorted is runs. They are bounded while their triangles are made ready for the upload, when their corners are
-at hand, and sorted while the camera's pass draws them.
+Consecutive triangles of a mesh are mostly close together. Where they are, a leaf is a run of them in the mesh's order,
+and the BVH is built over runs. Their boxes are found during the upload of the triangles, which reads the corners
+anyway; the BVH is built while the visibility buffer is drawn.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -17,52 +17,52 @@ from ...scene import Mesh
 from .bvh import MIN_MAX, QUANTA_PER_PLANE, assign_leaves, build, leaves_for, packed, packed_nodes_over, quantize_boxes
 from .quantization import Quantization
 
-#: Most triangles in a leaf: fewer make larger trees, more are tested in vain. Leaves are a power of four, so they
-#: hold 1.5 on average at least. An even number, as quads are two.
+#: Most triangles in a leaf: with fewer, trees are larger; with more, rays test more triangles. The number of leaves is
+#: a power of four, so a leaf has 1.5 triangles on average at least. An even number, as a quad is two triangles.
 TRIANGLES_PER_LEAF = 6
 
-#: Meshes of so few triangles are sorted one by one: rays are quicker, by a tenth in the atrium's statue.
+#: Up to so many triangles the BVH is built over triangles, not runs: tracing is a tenth faster in the atrium's statue.
 SORT_ALL_BELOW = 1 << 17
 
-#: Triangles that are looked at to see whether neighbours in a mesh lie together.
+#: Triangles that are tested to see whether runs are compact.
 SAMPLED_TRIANGLES = 1 << 14
 
-#: Neighbours in a mesh lie together where the box around them has this many times the surface of their own boxes at
-#: most, and mostly is: grids' rows have ends. More, and rays take long; less, and sorting does.
+#: A run is compact if its box has at most this many times the surface of its triangles' boxes. Runs are used if this
+#: fraction of them is compact: where rows of a grid end, some are not. More triangles in loose runs make tracing
+#: slower, fewer meshes in runs make building slower.
 MAX_OVERLAP, COHERENT_FRACTION = 3.0, 0.9
 
-#: Most boxes of a mesh by which its instances are bounded; a power of two.
+#: Most boxes of a mesh from which the bounds of its instances are computed; a power of two.
 BOXES_PER_MESH = 32
 
-#: Triangles whose boxes are found at a time: so many stay in a processor's cache.
+#: Triangles whose boxes are computed at a time, so that they stay in the processor's cache.
 TRIANGLES_AT_A_TIME = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
 class BLAS:
-    """A mesh's tree in its quantization's quanta, and where its leaves' triangles are."""
+    """A mesh's BVH, in quanta of its quantization, and the triangles of its leaves."""
 
-    bounds: (
-        np.ndarray
-    )  # (P,2,3) quanta, P = min(BOXES_PER_MESH, leaves): boxes around all of the mesh, closer than one when turned
-    nodes: np.ndarray  # (leaves // 2,) NODE
-    starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
-    per_leaf: int  # triangles from there on that a leaf looks at
-    order: np.ndarray | None  # (T,) uint32: which triangle of the mesh is where; None: all are where they were
+    #: (P,2,3) quanta, P = min(BOXES_PER_MESH, leaves): boxes that contain the mesh, tighter than one when rotated.
+    bounds: np.ndarray
+    nodes: np.ndarray  # (leaves // 2,) BVH_NODE
+    leaf_starts: np.ndarray  # (leaves,) uint32: the first triangle of each leaf
+    triangles_per_leaf: int  # that rays test, from there on
+    order: np.ndarray | None  # (T,) uint32: the mesh's index of each triangle on the GPU; None: the mesh's order
 
     @property
     def leaves(self) -> int:
-        """How many there are."""
-        return len(self.starts)
+        """Their number."""
+        return len(self.leaf_starts)
 
     @property
     def blas(self) -> "BLAS":
-        """This one: see Runs."""
+        """Itself, as DeferredBLAS.blas."""
         return self
 
 
 class DeferredBLAS:
-    """A large mesh whose triangles stay where they are; its tree is begun when all runs of them have been bounded."""
+    """A BVH over runs of a large mesh, which is built once the boxes of all runs are known."""
 
     order = None
 
@@ -72,44 +72,44 @@ class DeferredBLAS:
         self.future: Future[BLAS] | None = None
 
     def end_of(self, triangle: int) -> int:
-        """Where the run ends that has the triangle before this one."""
+        """The end of the run to which the triangle before this one belongs."""
         return min(-(-triangle // self.run) * self.run, self.count)
 
     def bound(self, first: int, corners: list[np.ndarray]) -> None:
-        """Runs that begin in triangles from `first` to the end of one, by nine coordinates (N,) in quanta."""
+        """Find the boxes of runs from triangle `first` on, the last complete, by nine coordinates (N,) in quanta."""
         if self.future is not None:
             return
-        begun = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
-        found = np.empty((2, 3, begun.stop - begun.start), np.float32)
+        runs = slice(-(-first // self.run), -(-(first + len(corners[0])) // self.run))
+        found = np.empty((2, 3, runs.stop - runs.start), np.float32)
         for side, either in enumerate(MIN_MAX):
             for axis in range(3):
-                along = reduce(either, corners[axis::3])[begun.start * self.run - first :]
+                along = reduce(either, corners[axis::3])[runs.start * self.run - first :]
                 along = np.pad(along, (0, -len(along) % self.run), mode="edge").reshape(-1, self.run)
                 found[side, axis] = reduce(either, along.T)
-        self.boxes[:, :, begun] = quantize_boxes(found)
+        self.boxes[:, :, runs] = quantize_boxes(found)
 
     def build_async(self) -> "Future[BLAS]":
-        """Make the tree, beside whatever else is done."""
+        """Start to build the BVH on a thread of its own."""
         if self.future is None:
-            core = ThreadPoolExecutor(1)
-            self.future = core.submit(blas_of_runs, self.boxes, self.count)
-            core.shutdown(wait=False)
+            thread = ThreadPoolExecutor(1)
+            self.future = thread.submit(blas_of_runs, self.boxes, self.count)
+            thread.shutdown(wait=False)
         return self.future
 
     @property
     def blas(self) -> BLAS:
-        """When it is made. Raises whatever that fails in, such as MemoryError; then it is tried again the next time."""
+        """Wait for the BVH. Raises what building raises, such as MemoryError; the next call builds again."""
         try:
-            made = self.build_async().result()
+            built = self.build_async().result()
         except BaseException:
             self.future = None
             raise
         self.boxes = self.boxes[:, :, :0].copy()
-        return made
+        return built
 
 
 def build_blas(mesh: Mesh) -> BLAS | DeferredBLAS:
-    """The tree of a mesh that has triangles, or what will have it."""
+    """The BVH of a mesh, which has triangles: finished, or deferred until its triangles are uploaded."""
     quantization = Quantization.of(mesh)
     if len(mesh.triangles) > SORT_ALL_BELOW and is_coherent(mesh, quantization):
         return DeferredBLAS(quantization, len(mesh.triangles))
@@ -117,28 +117,28 @@ def build_blas(mesh: Mesh) -> BLAS | DeferredBLAS:
 
 
 def is_coherent(mesh: Mesh, quantization: Quantization) -> bool:
-    """Whether the triangles of some of a mesh's runs do."""
+    """Whether most of a mesh's runs are compact, by a sample of them."""
     run, count = run_of(len(mesh.triangles)), len(mesh.triangles)
-    some = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SAMPLED_TRIANGLES)]
-    corners = quantization.quantize(mesh.positions[some.ravel()], np.float32).reshape(3, -1, 3)
+    sampled = mesh.triangles[: count // run * run].reshape(-1, run, 3)[:: -(-count // SAMPLED_TRIANGLES)]
+    corners = quantization.quantize(mesh.positions[sampled.ravel()], np.float32).reshape(3, -1, 3)
     inside = surfaces(corners.min(2), corners.max(2)).reshape(-1, run).sum(1)
     of_runs = corners.reshape(3, -1, 3 * run)
     return bool(np.mean(surfaces(of_runs.min(2), of_runs.max(2)) <= MAX_OVERLAP * inside) >= COHERENT_FRACTION)
 
 
 def blas_of_triangles(quanta: np.ndarray, triangles: np.ndarray) -> BLAS:
-    """Sorted triangle by triangle; quanta are (3,V)."""
+    """The BVH over single triangles; quanta are (3,V)."""
     tree = build(boxes_of(quanta, triangles), TRIANGLES_PER_LEAF)
     real = tree.order < len(triangles)
     filled = np.count_nonzero(real.reshape(tree.leaves, -1), 1)
-    # A leaf that is not full looks at some of the next one's triangles too, or the last at its neighbour's.
-    starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.per_leaf)
+    # Rays test as many triangles in a leaf that is not full: some of the next leaf's, or of the last one's neighbour.
+    starts = np.minimum(np.cumsum(filled) - filled, len(triangles) - tree.boxes_per_leaf)
     order = tree.order[real].astype(np.uint32)
-    return BLAS(bounds_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.per_leaf, order)
+    return BLAS(bounds_of(tree.nodes), packed(tree.nodes), starts.astype(np.uint32), tree.boxes_per_leaf, order)
 
 
 def blas_of_runs(boxes: np.ndarray, count: int) -> BLAS:
-    """Over the boxes (2,3,R) of runs of `count` triangles that stay where they are."""
+    """The BVH over boxes (2,3,R) of runs of a mesh of `count` triangles."""
     run, members = run_of(count), assign_leaves(boxes, leaves_for(count, TRIANGLES_PER_LEAF))
     rows, nodes = packed_nodes_over(boxes, members)
     starts = np.minimum(members * run, count - run).astype(np.uint32)
@@ -146,7 +146,7 @@ def blas_of_runs(boxes: np.ndarray, count: int) -> BLAS:
 
 
 def run_of(count: int) -> int:
-    """Triangles in a run, of so many in all: no quad's two are in different ones."""
+    """Triangles in a run of a mesh of `count` triangles: an even number, which does not split quads."""
     return 2 * -(-count // (2 * leaves_for(count, TRIANGLES_PER_LEAF)))
 
 
@@ -156,15 +156,15 @@ def boxes_of(quanta: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
     def find(first: int) -> None:
         part = slice(first, first + TRIANGLES_AT_A_TIME)
-        places = quanta.take(np.ascontiguousarray(triangles[part].T), 1)
-        boxes[:, :, part] = quantize_boxes(np.stack([places.min(1), places.max(1)]))
+        corners = quanta.take(np.ascontiguousarray(triangles[part].T), 1)
+        boxes[:, :, part] = quantize_boxes(np.stack([corners.min(1), corners.max(1)]))
 
     parallel_map(find, range(0, len(triangles), TRIANGLES_AT_A_TIME), len(triangles))
     return boxes
 
 
 def surfaces(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(N,) half the surface of boxes from (3,N) to (3,N): in proportion to it rays meet them."""
+    """(N,) half the surface area of boxes from (3,N) to (3,N)."""
     x, y, z = high - low
     return x * y + y * z + z * x
 

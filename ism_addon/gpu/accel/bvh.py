@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree of boxes over boxes: what a shadow ray looks through instead of all triangles.
+"""Bounding volume hierarchies (BVH) over boxes.
 
-Complete, so that its shape needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and the leaves are
-as many as the next power of four asks for. Each node splits its boxes at the median of their centres along the longest
-axis (Kay & Kajiya 1986), all nodes of a level at once. Rays go two levels at a step, from k to 4k … 4k + 3: what they
-fetch for that is 32 bytes, corners in bytes within the box around all four (Ylitie, Karras & Laine 2017). Lengths are
-in quanta, see quantization.py; corners of boxes lie on planes, 512 quanta apart, whose indices take 16 bits.
+The tree is complete, so that it needs no pointers: node k has the children 2k and 2k + 1, the root is 1, and the number
+of leaves is a power of four. Each node splits its boxes at the median of their centres along the longest axis (Kay &
+Kajiya 1986), all nodes of a level at once. Traversal takes two levels at a step, from k to 4k … 4k + 3, and fetches 32
+bytes for it: four boxes with corners of a byte, relative to the box around all four (Ylitie, Karras & Laine 2017).
+Lengths are in quanta, see quantization.py. Corners of boxes lie on grid planes, 512 quanta apart, with 16-bit indices.
 """
 
 from dataclasses import dataclass
@@ -16,80 +16,80 @@ import numpy as np
 
 from ...parallel import MIN_PARALLEL_SIZE, parallel_map
 
-#: Rows of so many boxes are short: numpy is slow along them.
+#: Up to so many boxes a row is short: numpy's reductions are slow along it.
 SHORT_ROW = 1 << 8
 
-#: Rows of so few that to count their digits takes longer than to compare them.
+#: Up to so many a radix sort takes longer than a sort by comparison.
 TINY_ROW = 1 << 5
 
-#: Nodes that are packed at a time: so many stay in a processor's cache.
+#: Nodes that are packed at a time, so that they stay in the processor's cache.
 BOXES_AT_A_TIME = 1 << 13
 
-#: The box (2,3,1) around nothing: it begins after its end.
+#: The empty box (2,3,1): its low corner is above its high one.
 EMPTY_BOX = np.repeat(np.array([[[32767]], [[-32768]]], np.int16), 3, 1)
 
-#: What boxes around several have of the boxes' low ends, and of their high ends.
+#: What joins boxes: of their low corners, and of their high ones.
 MIN_MAX: tuple[np.ufunc, np.ufunc] = np.minimum, np.maximum
 
-#: Quanta between planes. A box's corners lie on planes: 16 bits say which; in a node, 8 bits.
+#: Quanta between grid planes.
 QUANTA_PER_PLANE = 512
 
-#: Quanta by which boxes are enlarged: more than the rounding error of rays that start as far away as the tree is large.
+#: Quanta by which boxes are enlarged: more than the rounding error of rays that start as far away as the BVH is large.
 BOX_SLACK = 32
 
-#: A tree's grid has so many quanta on either side of its origin: nearly all that float32 distinguishes. Enlarged boxes
-#: still end on its last planes.
+#: Quanta of a BVH's grid on either side of its origin: nearly the largest integer of float32. Enlarged boxes still end
+#: on the last planes.
 GRID_EXTENT = 255 * 128 * QUANTA_PER_PLANE - 2 * BOX_SLACK
 
-#: A node as shaders read it, two texels: the low corner of its box, in planes; the unit of the rest on each axis, a
-#: power of two of planes, four bits an axis; and in that unit, from the low corner, the four boxes two levels below.
+#: A node as shaders read it, two texels: the low corner of its box, in planes; the unit of its children on each axis,
+#: as an exponent of two, four bits an axis; and the four boxes two levels below, in that unit, relative to the low
+#: corner.
 BVH_NODE = np.dtype(
     [("origin", "<i2", 3), ("exponent", "<u2"), ("child_min", "u1", (3, 4)), ("child_max", "u1", (3, 4))]
 )
 
-
-#: The power of two of planes by which a byte reaches so many of them.
+#: The smallest exponent of two in whose units a byte holds so many planes.
 POWERS = np.ceil(np.log2(np.maximum(np.arange(1 << 16) / 255.0, 1.0))).astype(np.uint16)
 
 
 @dataclass(frozen=True)
 class BVH:
-    """Which boxes lie in which leaf, and around what."""
+    """The boxes of each leaf, and the bounds of each node."""
 
-    order: np.ndarray  # (leaves * per_leaf,) int64: boxes, leaf by leaf; their number where a leaf is not full
+    order: np.ndarray  # (leaves * boxes_per_leaf,) int64: boxes, leaf by leaf; their number where a leaf is not full
     leaves: int
-    nodes: np.ndarray  # (2,3,2 * leaves) int16: box around node k, in planes
+    nodes: np.ndarray  # (2,3,2 * leaves) int16: box of node k, in planes
 
     @property
-    def per_leaf(self) -> int:
-        """Boxes a leaf, at most."""
+    def boxes_per_leaf(self) -> int:
+        """The most of any leaf."""
         return len(self.order) // self.leaves
 
 
 def quantize_boxes(boxes: np.ndarray) -> np.ndarray:
-    """(2,3,N) int16: boxes (2,3,N) float32 in steps, with the slack around them."""
+    """(2,3,N) int16 planes: boxes (2,3,N) float32 quanta, enlarged."""
     found = np.empty(boxes.shape, np.int16)
     found[0] = np.floor((boxes[0] - np.float32(BOX_SLACK)) * np.float32(1.0 / QUANTA_PER_PLANE))
     found[1] = np.ceil((boxes[1] + np.float32(BOX_SLACK)) * np.float32(1.0 / QUANTA_PER_PLANE))
     return found
 
 
-def build(boxes: np.ndarray, most_per_leaf: int) -> BVH:
-    """A tree over N > 0 boxes (2,3,N) in planes."""
-    leaves = leaves_for(boxes.shape[2], most_per_leaf)
+def build(boxes: np.ndarray, max_per_leaf: int) -> BVH:
+    """The BVH over N > 0 boxes (2,3,N) in planes."""
+    leaves = leaves_for(boxes.shape[2], max_per_leaf)
     order = assign_leaves(boxes, leaves)
     boxes, in_leaf = np.append(boxes, EMPTY_BOX, 2), order.reshape(leaves, -1).T
     low, high = (reduce(f, map(boxes[k].take, in_leaf, repeat(1))) for k, f in enumerate(MIN_MAX))
     return BVH(order, leaves, node_boxes(np.stack([low, high]), np.arange(leaves)))
 
 
-def leaves_for(count: int, most_per_leaf: int) -> int:
-    """A power of four of leaves that hold `count` boxes."""
-    return 4 ** int(np.ceil(np.log2(max(count / most_per_leaf, 1.0)) / 2.0))
+def leaves_for(count: int, max_per_leaf: int) -> int:
+    """The smallest power of four of leaves that hold `count` boxes."""
+    return 4 ** int(np.ceil(np.log2(max(count / max_per_leaf, 1.0)) / 2.0))
 
 
 def assign_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
-    """(leaves * per_leaf,) int64: which of the boxes (2,3,N) is where, leaf by leaf; N where a leaf is not full."""
+    """(leaves * boxes_per_leaf,) int64: indices of boxes (2,3,N), leaf by leaf; N where a leaf is not full."""
     count = boxes.shape[2]
     per_leaf = -(-count // leaves)
     order = np.minimum(np.arange(leaves * per_leaf), count)
@@ -98,40 +98,40 @@ def assign_leaves(boxes: np.ndarray, leaves: int) -> np.ndarray:
     if leaves > 1 and count > MIN_PARALLEL_SIZE:
         centres, both = split(*halves[0])
         halves = [(centres[:, half : half + 1], both[half : half + 1]) for half in (0, 1)]
-    most = 4 if per_leaf == 1 else per_leaf  # rays look at four leaves at a step, in whatever order they are
-    return np.concatenate(parallel_map(lambda half: sort(*half, most), halves, count))
+    size = 4 if per_leaf == 1 else per_leaf  # traversal tests four leaves at a step, so their order does not matter
+    return np.concatenate(parallel_map(lambda half: sort(*half, size), halves, count))
 
 
 def node_boxes(boxes: np.ndarray, members: np.ndarray) -> np.ndarray:
-    """(2,3,2 * leaves): Tree.nodes above leaves that hold a box (2,3,N) each, by number; N where there is none."""
+    """(2,3,2 * leaves): BVH.nodes over leaves that hold a box (2,3,N) each, by index; N for none."""
     leaves, empty = len(members), members == boxes.shape[2]
     nodes = np.empty((2, 3, 2 * leaves), np.int16)
 
     def fill(side: int, axis: int) -> None:
-        along, either, nothing = nodes[side, axis], (np.minimum, np.maximum)[side], EMPTY_BOX[side, axis]
+        along, either, empty_side = nodes[side, axis], MIN_MAX[side], EMPTY_BOX[side, axis]
         boxes[side, axis].take(members, out=along[leaves:], mode="clip")
-        np.copyto(along[leaves:], nothing, where=empty)
+        np.copyto(along[leaves:], empty_side, where=empty)
         first = leaves // 2
         while first:
             children = along[2 * first : 4 * first]
             either(children[::2], children[1::2], out=along[first : 2 * first])
             first //= 2
-        along[0] = nothing[0]
+        along[0] = empty_side[0]
 
     parallel_map(lambda each: fill(*each), np.ndindex(2, 3), leaves)
     return nodes
 
 
 def scale_of(extent: np.ndarray) -> np.ndarray:
-    """(3,) float32: quanta per unit of length, for what reaches `extent` (3,) from the origin.
+    """(3,) float32: quanta per unit of length of a grid that extends `extent` (3,) to either side of its origin.
 
-    Flat extents count as thicker, so that products do not overflow.
+    Flat extents are enlarged, so that products do not overflow.
     """
     return np.float32(GRID_EXTENT) / np.maximum(extent, max(1e-3 * extent.max(), 1e-20)).astype(np.float32)
 
 
 def packed(nodes: np.ndarray) -> np.ndarray:
-    """(leaves // 2,) BVH_NODE of every other level, as rays go: rounded outwards, inside out where there is nothing."""
+    """(leaves // 2,) BVH_NODE of every other level, as traversal takes them: rounded outwards, empty boxes inverted."""
     rows = np.zeros(nodes.shape[2] // 4, BVH_NODE)
     levels = [4**k for k in range(15) if 4**k < len(rows)]
     parts = [
@@ -144,12 +144,12 @@ def packed(nodes: np.ndarray) -> np.ndarray:
 
 
 def packed_nodes_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What packed makes of node_boxes of these, 16 leaves or more; and the nodes, but the two lowest levels.
+    """packed(node_boxes(boxes, members)) for 16 leaves or more, and the nodes without the two lowest levels.
 
-    Those would be most of the memory: they are made and packed in portions.
+    Those would take most of the memory: they are computed and packed in portions.
     """
     leaves, above = len(members), len(members) // 4
-    rows, around = np.zeros(leaves // 2, BVH_NODE), np.empty((2, 3, above), np.int16)
+    rows, parents = np.zeros(leaves // 2, BVH_NODE), np.empty((2, 3, above), np.int16)
 
     def fill(first: int) -> None:
         part = slice(first, min(first + BOXES_AT_A_TIME, above))
@@ -157,46 +157,46 @@ def packed_nodes_over(boxes: np.ndarray, members: np.ndarray) -> tuple[np.ndarra
         inside = boxes.take(chosen, 2, mode="clip")
         np.copyto(inside, EMPTY_BOX, where=chosen == boxes.shape[2])
         for side, either in enumerate(MIN_MAX):
-            around[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
-        pack(inside, around[:, :, part], rows[above:][part])
+            parents[side, :, part] = reduce(either, (inside[side, :, k::4] for k in range(4)))
+        pack(inside, parents[:, :, part], rows[above:][part])
 
     parallel_map(fill, range(0, above, BOXES_AT_A_TIME), leaves)
-    nodes = node_boxes(around, np.arange(above))
+    nodes = node_boxes(parents, np.arange(above))
     rows[: above // 2] = packed(nodes)
     return rows, nodes
 
 
 def grandchildren(part: slice) -> slice:
-    """Where the boxes two levels below some nodes are."""
+    """The indices of the boxes two levels below some nodes."""
     return slice(4 * part.start, 4 * part.stop)
 
 
-def pack(inside: np.ndarray, around: np.ndarray, into: np.ndarray) -> None:
-    """Fill rows (N,) BVH_NODE, which look at the boxes (2,3,4 N) inside those (2,3,N)."""
-    origin = around[0]
-    # Differences that wrap around are right as 16 bits without a sign.
-    powers = POWERS.take((around[1] - origin).view(np.uint16))
+def pack(boxes: np.ndarray, parents: np.ndarray, into: np.ndarray) -> None:
+    """Fill rows (N,) BVH_NODE with boxes (2,3,4 N) of four children each of parents (2,3,N)."""
+    origin = parents[0]
+    # Differences of int16 wrap around, and are right as uint16.
+    powers = POWERS.take((parents[1] - origin).view(np.uint16))
     into["origin"], into["exponent"] = origin.T, powers[0] + 16 * powers[1] + 256 * powers[2]
-    low, high = (inside - np.repeat(origin, 4, 1)).view(np.uint16)
+    low, high = (boxes - np.repeat(origin, 4, 1)).view(np.uint16)
     powers = np.repeat(powers, 4, 1)
     low, high = low >> powers, high + ((np.uint16(1) << powers) - np.uint16(1)) >> powers
-    is_empty = inside[0, 0] > inside[1, 0]
+    is_empty = boxes[0, 0] > boxes[1, 0]
     low[:, is_empty], high[:, is_empty] = 255, 0
     words = into.view(np.uint32).reshape(-1, 8)  # four bytes at a time, as numpy is slow along short axes
     words[:, 2:5], words[:, 5:] = (corner.astype(np.uint8).view(np.uint32).T for corner in (low, high))
 
 
-def sort(centres: np.ndarray, groups: np.ndarray, most: int) -> np.ndarray:
-    """Split boxes (1,N), N a power of two times what a leaf holds, into rows of `most`; their centres are (3,1,N)."""
-    while groups.shape[1] > most:
+def sort(centres: np.ndarray, groups: np.ndarray, size: int) -> np.ndarray:
+    """Split boxes (1,N), N a power of two times `size`, into rows of `size`; their centres are (3,1,N)."""
+    while groups.shape[1] > size:
         centres, groups = split(centres, groups)
     return groups.ravel()
 
 
 def split(centres: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Each row of groups (G,N) as two, the lower half along its longest axis first; with centres (3,G,N).
+    """Split each row of groups (G,N) at the median along its longest axis, the lower half first; with centres (3,G,N).
 
-    Coordinates are rows of their own, and go where their boxes go: so all that is read lies side by side.
+    Coordinates are sorted with their boxes, so that memory is read in order.
     """
     count, size = groups.shape
     longest = (reduce_rows(np.maximum, centres) - reduce_rows(np.minimum, centres)).view(np.uint16).argmax(0)
@@ -207,9 +207,10 @@ def split(centres: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def ascending(values: np.ndarray) -> np.ndarray:
-    """(G,N) int64: where in its row of values (G,N) int16 the least is, the next one, and so on.
+    """(G,N) int64: np.argsort of values (G,N) int16 along rows.
 
-    To sort takes less than to part halves: 16 bits are sorted by their digits, or with their places as one number.
+    It takes less than np.argpartition: numpy sorts 16 bits by radix; short rows are sorted with their indices as one
+    key.
     """
     size = values.shape[1]
     if size > TINY_ROW:
@@ -220,7 +221,7 @@ def ascending(values: np.ndarray) -> np.ndarray:
 
 
 def reduce_rows(either: np.ufunc, centres: np.ndarray) -> np.ndarray:
-    """(3,G) the least or the greatest of each row of centres (3,G,N)."""
+    """(3,G): the minimum or maximum of each row of centres (3,G,N)."""
     rows, size = centres.shape[:2], centres.shape[2]
     while size <= SHORT_ROW and size % 2 == 0:
         centres, size = centres.reshape(-1), size // 2

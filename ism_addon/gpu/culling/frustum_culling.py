@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which instances can be in the picture: the box around each against the planes of the view (Clark 1976)."""
+"""View frustum culling of instances by their bounding boxes (Clark 1976)."""
 
 import numpy as np
 
 
 def in_view(half_sizes: np.ndarray, clip_from_centre: np.ndarray, margin: float) -> np.ndarray:
-    """(I,) bool: whether any of a box may be seen, by half its size (I,3) and matrices (I,4,4) about its centre.
+    """(I,) bool: whether a box may be in view, by half its size (I,3) and matrices (I,4,4) about its centre.
 
-    `margin` is beyond the picture, as a part of half of it.
+    The view is enlarged by `margin`, in clip space.
     """
-    aside, ahead = clip_from_centre[:, :3], (1.0 + margin) * clip_from_centre[:, 3:]
-    planes = np.concatenate([ahead - aside, ahead + aside], 1)
+    xyz, w = clip_from_centre[:, :3], (1.0 + margin) * clip_from_centre[:, 3:]
+    planes = np.concatenate([w - xyz, w + xyz], 1)
     farthest = planes[..., 3] + np.einsum("npj,nj->np", np.abs(planes[..., :3]), half_sizes)
     return (farthest >= 0.0).all(1)
 
 
 def runs(chosen: np.ndarray, kinds: np.ndarray) -> list[tuple[int, int]]:
-    """First and count of each row of neighbours of one kind (N,) int that are all chosen (N,) bool; -1 is no kind."""
+    """First and count of each run of neighbours of the same kind (N,) int, not -1, that are all chosen (N,) bool."""
     numbers = np.concatenate([[-1], np.where(chosen, kinds, -1), [-1]])
     edges = np.flatnonzero(np.diff(numbers))
     begins = numbers[edges[:-1] + 1] >= 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of some boxes is in a picture, slice by slice of its depth, as a box each. Boxes are (2,3,…): their corners."""
+"""Bounding boxes of what is in view, one for each slice of the frustum. Boxes are (2,3,…): low and high corners."""
 
 from itertools import pairwise
 
@@ -10,38 +10,38 @@ from ...spaces import view_from_anchor
 from ..gl.depth import planes
 from ..gl.frame_uniforms import rays
 
-#: Slices of the depth.
+#: Slices of the frustum, by depth.
 SLICES = 8
 
-#: How much larger the boxes are than what is in them: rays start a little above curved surfaces, see rise.glsl.
+#: Margin of the boxes, relative to their size: rays start above curved surfaces, see terminator_offset.glsl.
 MARGIN = 1.0 / 8.0
 
-#: Pixels beyond the picture's border that samples may lie in.
+#: Width of the border around the picture that samples may lie in. px
 BORDER = 1.0
 
 
 def visible_slices(boxes: np.ndarray, view: View, anchor: np.ndarray) -> np.ndarray:
-    """(2,3,K) float64, K ≤ SLICES: around all that is seen of boxes (2,3,N), anchor space."""
+    """(2,3,K) float64, K ≤ SLICES: bounding boxes of the visible parts of boxes (2,3,N), anchor space."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
-    ends = corners_of_slices(view, from_anchor, depths(boxes, view.clip_from_view, from_anchor))
+    corners = corners_of_slices(view, from_anchor, depths(boxes, view.clip_from_view, from_anchor))
     found = []
-    for near, far in pairwise(ends):
+    for near, far in pairwise(corners):
         both = np.concatenate([near, far])
         low = np.maximum(boxes[0], both.min(0)[:, None])
         high = np.minimum(boxes[1], both.max(0)[:, None])
-        there = (low <= high).all(0)
-        if there.any():
-            found.append((low[:, there].min(1), high[:, there].max(1)))
+        overlaps = (low <= high).all(0)
+        if overlaps.any():
+            found.append((low[:, overlaps].min(1), high[:, overlaps].max(1)))
     low, high = np.array(found).reshape(-1, 2, 3).transpose(1, 2, 0)
-    more = MARGIN * (high - low)
-    return np.stack([low - more, high + more])
+    margin = MARGIN * (high - low)
+    return np.stack([low - margin, high + margin])
 
 
 def depths(boxes: np.ndarray, clip_from_view: np.ndarray, from_anchor: np.ndarray) -> np.ndarray:
     """(SLICES + 1,) m along the view's axis: from the nearest of the boxes to the farthest."""
-    middle, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
-    depth, reach = -(from_anchor[2, :3] @ middle + from_anchor[2, 3]), np.abs(from_anchor[2, :3]) @ half
-    nearest, farthest = (depth - reach).min(), (depth + reach).max()
+    centre, half = boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
+    depth, extent = -(from_anchor[2, :3] @ centre + from_anchor[2, 3]), np.abs(from_anchor[2, :3]) @ half
+    nearest, farthest = (depth - extent).min(), (depth + extent).max()
     near_and_far = planes(clip_from_view)
     if near_and_far is None:
         return np.linspace(nearest, farthest, SLICES + 1)

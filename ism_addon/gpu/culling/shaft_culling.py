@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can stand between two boxes: whatever meets a box that moves and grows from the one to the other.
+"""Shaft culling: which boxes may occlude a line from one box to another.
 
-At time t, from 0 to 1, each of its six sides is that part of the way. So it meets a box while six numbers that change
-evenly are not positive: from when to when is found as a ray finds how it passes through a box (compare Haines & Wallace
-1994, whose shafts have the same sides). Boxes lie along the axes and are (2,3,…): lowest and highest corners.
+The shaft between two boxes is swept by their linear interpolation, t from 0 to 1. It overlaps a box while six linear
+functions of t are not positive; their interval of t is found as in the slab test of rays against boxes (compare Haines
+& Wallace 1994, whose shafts have the same sides). Boxes are aligned to the axes and are (2,3,…): low and high corners.
 """
 
 import numpy as np
 
 
-def meets_shaft(boxes: np.ndarray, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(N,K) bool: which boxes (2,3,N) a line from one of ones (2,3,K) to its own of others (2,3,K) can meet."""
-    enter, leave = np.zeros((boxes.shape[2], ones.shape[2])), np.ones((boxes.shape[2], ones.shape[2]))
+def meets_shaft(boxes: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """(N,K) bool: whether boxes (2,3,N) overlap shafts from boxes `starts` (2,3,K) to boxes `ends` (2,3,K)."""
+    enter, leave = np.zeros((boxes.shape[2], starts.shape[2])), np.ones((boxes.shape[2], starts.shape[2]))
     for axis in range(3):
         low, high = boxes[:, axis, :, None]
         for first, last in (
-            (ones[0, axis] - high, others[0, axis] - high),
-            (low - ones[1, axis], low - others[1, axis]),
+            (starts[0, axis] - high, ends[0, axis] - high),
+            (low - starts[1, axis], low - ends[1, axis]),
         ):
             with np.errstate(divide="ignore", invalid="ignore"):
                 crossing = first / (first - last)

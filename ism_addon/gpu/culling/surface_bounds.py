@@ -6,10 +6,10 @@ from typing import Self
 
 import numpy as np
 
-#: What float32 positions may be off by, as a part of their distances from the origin.
+#: Relative rounding error of float32 positions.
 POSITION_ROUNDING = np.float32(1e-6)
 
-#: How much farther bounds reach than the visible points of a surface, which continues between and beyond the pixels.
+#: Margin of the bounds, relative to their size: surfaces continue between and beyond the visible points.
 MARGIN = np.float32(1.0 / 8.0)
 MIN_CONE_ANGLE = np.float32(0.01)  # rad
 

@@ -38,7 +38,7 @@ def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
     compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
     tree = BuildBLAS.kept[sheet].blas
     assert tree.order is None
-    assert tree.per_leaf * len(np.unique(tree.starts)) >= len(sheet.triangles)
+    assert tree.triangles_per_leaf * len(np.unique(tree.leaf_starts)) >= len(sheet.triangles)
 
 
 def test_a_large_mesh_in_no_order_is_sorted(device):
@@ -97,8 +97,8 @@ def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
 
 
 def same_tree(one: BLAS, other: BLAS) -> bool:
-    return one.per_leaf == other.per_leaf and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("bounds", "nodes", "starts", "order")
+    return one.triangles_per_leaf == other.triangles_per_leaf and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("bounds", "nodes", "leaf_starts", "order")
     )
 
 
@@ -133,5 +133,5 @@ def test_small_meshes_with_a_large_one_cast_their_shadows(device):
 def test_leaves_are_filled(count):
     """Also of meshes of a few triangles more than a power of four, times four: leaves would hold hardly one each."""
     tree = build_blas(rubble(count))
-    assert tree.per_leaf <= 6
+    assert tree.triangles_per_leaf <= 6
     assert tree.leaves == 1 or 1.5 * tree.leaves <= count

@@ -35,13 +35,13 @@ def on_grid(found: np.ndarray) -> np.ndarray:
     return quantize_boxes(found * scale_of(np.abs(found).max((0, 2)))[:, None])
 
 
-def check(tree: BVH, given: np.ndarray, most_per_leaf: int) -> None:
+def check(tree: BVH, given: np.ndarray, max_per_leaf: int) -> None:
     """All that a ray relies on, of a tree over boxes (2,3,N)."""
     (low, high), leaves = given.transpose(0, 2, 1), tree.leaves
     count, nodes = len(low), tree.nodes.transpose(2, 0, 1)
     assert leaves == 4 ** round(np.log(leaves) / np.log(4))
-    assert tree.per_leaf * leaves == len(tree.order)
-    assert 1 <= tree.per_leaf <= most_per_leaf
+    assert tree.boxes_per_leaf * leaves == len(tree.order)
+    assert 1 <= tree.boxes_per_leaf <= max_per_leaf
     assert (np.bincount(tree.order, minlength=count)[:count] == 1).all(), "every box is in one leaf once"
     nothing = np.tile(EMPTY_BOX[..., 0], (len(nodes), 1, 1))
     nowhere = (nodes == nothing).all((1, 2))
@@ -91,13 +91,13 @@ def test_planes_leave_slack_around_a_box(size):
         assert (distance <= BOX_SLACK + QUANTA_PER_PLANE + 2.0).all()
 
 
-@pytest.mark.parametrize("most_per_leaf", [1, 4])
+@pytest.mark.parametrize("max_per_leaf", [1, 4])
 @pytest.mark.parametrize(
     "count", [1, 2, 3, 4, 5, 1000, MIN_PARALLEL_SIZE - 1, MIN_PARALLEL_SIZE + 1, 3 * MIN_PARALLEL_SIZE]
 )
-def test_trees_of_all_sizes(count, most_per_leaf):
+def test_trees_of_all_sizes(count, max_per_leaf):
     given = on_grid(boxes(count))
-    check(build(given, most_per_leaf), given, most_per_leaf)
+    check(build(given, max_per_leaf), given, max_per_leaf)
 
 
 @pytest.mark.parametrize("leaves", [16, 4**8])
@@ -121,10 +121,10 @@ def test_rows_in_portions_are_those_of_all_nodes_at_once(leaves):
     st.sampled_from([0.0, 1e-6, 1.0, 1e6]),
     st.lists(st.sampled_from([0.0, 1e-20, 1.0, 1e12]), min_size=3, max_size=3),
 )
-def test_any_boxes(count, most_per_leaf, seed, size, scale):
+def test_any_boxes(count, max_per_leaf, seed, size, scale):
     """Points, huge ones, all in one plane, on one line, or in one place."""
     given = on_grid(boxes(count, seed, size) * np.array(scale, np.float32)[:, None])
-    check(build(given, most_per_leaf), given, most_per_leaf)
+    check(build(given, max_per_leaf), given, max_per_leaf)
 
 
 def test_the_slack_is_more_than_rays_err():
