@@ -65,8 +65,8 @@ float clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, vec2 direction, float
     vec2 x = -level * direction, y = across * vec2(-direction.y, direction.x);
     vec3 from = centre + u * (x.x - y.x) + v * (x.y - y.y), to = centre + u * (x.x + y.x) + v * (x.y + y.y);
     float chord = atan2_accurate(length(cross(from, to)), dot(from, to));
-    float arc = boundary_integral(n * frame, half_lengths.x, half_lengths.y, from * frame, to * frame);
-    return 0.5 * max(chord + arc, 0.0);
+    float boundary = boundary_integral(n * frame, half_lengths.x, half_lengths.y, from * frame, to * frame);
+    return 0.5 * max(chord + boundary, 0.0);
 }
 
 // The cone's wide, narrow and given axis. The former are eigenvectors of S (see radiometry.py) restricted to the plane
