@@ -10,10 +10,8 @@ import numpy as np
 from ism_addon.scene import Lights, LightShape, Scene, View
 from ism_addon.spaces import orthonormal
 
-#: Rows of a product of rays and triangles that are in memory at once.
-CHUNK = 256
-#: Triangles are narrow whose cones' half angles have a larger cosine: what is between the corners lies in the cone too.
-NARROW = 0.95
+#: Pairs of a ray and a triangle that are tested at a time, so that they stay in the processor's cache.
+PRODUCTS = 1 << 16
 
 
 # --- rays and triangles
@@ -51,46 +49,37 @@ def crossings(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray
 def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first triangle (N,) that each ray meets, -1: none; and how many directions away (N,), inf: none."""
     index, along = np.full(len(origins), -1), np.full(len(origins), np.inf)
-    for first in range(0, len(origins) if len(triangles) else 0, CHUNK):
-        rows = slice(first, first + CHUNK)
+    step = max(PRODUCTS // max(len(triangles), 1), 1)
+    for first in range(0, len(origins) if len(triangles) else 0, step):
+        rows = slice(first, first + step)
         found = crossings(origins[rows], directions[rows], triangles)
         index[rows] = found.argmin(1)
         along[rows] = found.min(1)
     return np.where(np.isfinite(along), index, -1), along
 
 
-def sees(points: np.ndarray, light_point: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
-    """(N,) bool: whether nothing lies between points (N,3) and a virtual light (3,), but for `slack` of both ends.
-
-    By `crossings`, but for triangles that are narrow from the virtual light: of those it counts only in whose cone a
-    point lies, as all rays begin there.
-    """
-    towards, cosines = cones(triangles - light_point)
-    narrow = cosines > NARROW
-    seen = np.ones(len(points), bool)
-    for first in range(0, len(points) if len(triangles) else 0, CHUNK):
-        rows = slice(first, first + CHUNK)
-        way = light_point - points[rows]
-        found = crossings(points[rows] + slack * way, way, triangles[~narrow])
-        seen[rows] = (found > 1.0 - 2.0 * slack).all(1)
-        unit = -way / np.linalg.norm(way, axis=1, keepdims=True)
-        row, triangle = np.nonzero(unit @ towards[narrow].T >= cosines[narrow])
-        corners = triangles[narrow][triangle] - light_point
-        sides = [(np.cross(corners[:, a], corners[:, b]) * -way[row]).sum(1) for a, b in ((0, 1), (1, 2), (2, 0))]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            along = (normal * corners[:, 0]).sum(1) / (normal * -way[row]).sum(1)
-        inside = (np.min(sides, axis=0) >= 0.0) | (np.max(sides, axis=0) <= 0.0)
-        seen[first + row[inside & (along > slack) & (along < 1.0 - slack)]] = False
-    return seen
-
-
-def cones(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors (T,3) and cosines (T,) of cones about triangles (T,3,3) from the origin; NaN at a corner."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ways = corners / np.linalg.norm(corners, axis=2, keepdims=True)
-        towards = ways.sum(1) / np.linalg.norm(ways.sum(1), axis=1, keepdims=True)
-    return towards, (ways * towards[:, None]).sum(2).min(1) - 1e-9
+def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
+    """(E,N) bool: whether no triangle is between emitters (E,3) and points (N,3), but for `slack` of both ends."""
+    found = np.ones((len(emitters), len(points)), bool)
+    columns = max(PRODUCTS // max(len(triangles), 1), 1)
+    rows = max(PRODUCTS // max(len(triangles) * min(columns, len(points)), 1), 1)
+    for row in range(0, len(emitters), rows):
+        origins = emitters[row : row + rows]
+        a, b, c = np.moveaxis(triangles - origins[:, None, None], 2, 0)
+        edges = [np.cross(*pair).swapaxes(1, 2) for pair in ((a, b), (b, c), (c, a))]
+        normals = np.cross(b - a, c - a)
+        heights = (normals * a).sum(2)[:, None]
+        for column in range(0, len(points), columns):
+            rays = points[column : column + columns] - origins[:, None]
+            first, second, third = (rays @ edge for edge in edges)
+            inside = (np.minimum(np.minimum(first, second), third) >= 0.0) | (
+                np.maximum(np.maximum(first, second), third) <= 0.0
+            )
+            with np.errstate(divide="ignore", invalid="ignore"):
+                along = heights / (rays @ normals.swapaxes(1, 2))
+            hidden = (inside & (along > slack) & (along < 1.0 - slack)).any(2)
+            found[row : row + rows, column : column + columns] = ~hidden
+    return found
 
 
 # --- lights
@@ -233,14 +222,12 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
     arriving = np.zeros((len(normals), 3))
     for light in range(len(scene.lights.shape)):
         emitters, share = grid_on_light(scene.lights, light, side)
-        total = np.zeros(len(normals))
-        for emitter in emitters:
-            part = sent(surface.position, normals, emitter, scene.lights, light)
-            lit = np.flatnonzero(surface.seen & (part > 0.0))
-            if scene.lights.casts_shadow[light]:
-                lit = lit[sees(surface.position[lit] + 1e-4 * surface.facet[lit], emitter, blockers)]
-            total[lit] += part[lit]
-        arriving += np.outer(total * share, scene.lights.radiance[light])
+        parts = sent(surface.position, normals, emitters[:, None], scene.lights, light)
+        lit = np.flatnonzero(surface.seen & (parts > 0.0).any(0))
+        parts = parts[:, lit]
+        if scene.lights.casts_shadow[light]:
+            parts = parts * visible(surface.position[lit] + 1e-4 * surface.facet[lit], emitters, blockers)
+        arriving[lit] += np.outer(parts.sum(0) * share, scene.lights.radiance[light])
     albedo = scene.materials.base_color[0].astype(np.float64)
     color = albedo * (arriving / np.pi + scene.world.radiance)
     return np.where(surface.seen[:, None], color, scene.world.radiance), surface

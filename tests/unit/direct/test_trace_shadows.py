@@ -86,31 +86,32 @@ def test_what_is_predicted_wrongly_and_without_doubt_is_found_out(device, make, 
     assert reference.nrmse(sum(predicting(device, scene, view, part, 0.0, 256, until=4)), truth) < 0.05
 
 
-@pytest.mark.parametrize(("chance", "a_round"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
-def test_a_block_without_doubt_has_rays_by_its_brightness_and_in_time_at_every_place(device, chance, a_round):
+@pytest.mark.parametrize(("probability", "rays"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
+def test_a_certain_tile_has_rays_by_its_brightness_and_in_time_at_every_subpixel_offset(device, probability, rays):
+    """So many in each of the 16 samples that share a grid."""
     renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
     scene, view = box_over_plane(24, 16)
     for sample in range(2):
         list(renderer.sample(scene, replace(view, filter_width=1.5), settings, sample, Profile()))
     frame, _ = renderer.last
-    blocks, places = frame[TILES], len(frame.grid.places)
+    tiles, count = frame[TILES], len(frame.grid.subpixel_offsets)
     frame[TILE_VISIBILITY][0][:] = True, False
     influence = frame[LIGHT_INFLUENCE][0]
     for array, value in (
         (influence.contributes, True),
         (influence.is_faint, False),
-        (influence.bound_over_mean, chance / CERTAIN_PROBABILITY),
+        (influence.bound_over_mean, probability / CERTAIN_PROBABILITY),
     ):
         array[:] = value
-    turns = np.zeros((64 * places, len(blocks)), int)
-    for number, turn in enumerate(turns):
-        blocks["sample_index"] = number
+    has_rays = np.zeros((64 * count, len(tiles)), int)
+    for number, row in enumerate(has_rays):
+        tiles["sample_index"] = number
         traced, _ = renderer.graph.instance(TraceShadows).tiles_to_draw(frame, 0)
-        turn += (blocks["tile"][:, None] == traced["tile"]).all(2).any(1)
-    rounds = turns.reshape(64, places, len(blocks))
-    assert places == 16
-    assert (rounds.sum(1) == a_round).all()
-    assert rounds.any(0).all()
+        row += (tiles["tile"][:, None] == traced["tile"]).all(2).any(1)
+    has_rays = has_rays.reshape(64, count, len(tiles))
+    assert count == 16
+    assert (has_rays.sum(1) == rays).all()
+    assert has_rays.any(0).all()
 
 
 def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):

@@ -40,7 +40,7 @@ def test_a_ray_from_every_fourth_pixel(device, make, size):
     blockers = reference.world_triangles(scene, scene.instances.casts_shadow)
     reached = reference.sent(surface.position, normals, scene.lights.position[0], scene.lights, 0) > 0.0
     asked = surface.seen & reached
-    seen = asked & reference.sees(surface.position + 1e-4 * surface.facet, scene.lights.position[0], blockers)
+    seen = asked & reference.visible(surface.position + 1e-4 * surface.facet, scene.lights.position, blockers)[0]
     rows = [grid.reshape(size[::-1])[::2, ::2] for grid in (seen, asked)]
     assert found.shape == (*rows[0].shape, 2)
     for channel, expected in enumerate(rows):

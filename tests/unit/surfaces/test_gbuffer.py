@@ -172,7 +172,7 @@ def test_no_triangles_at_all(device):
 
 @pytest.mark.parametrize("samples", [3, 4, 16], ids=["a grid each", "four share one", "sixteen share one"])
 def test_the_sample_moves_the_pixels_centres(device, samples):
-    """The second and the last sample see what rays through their own places meet, however fine the grid."""
+    """The second and the last sample see what rays through their own subpixel offsets meet, however fine the grid."""
     view = replace(look((3.0, -3.0, 2.0), size=(48, 36)), filter_width=1.5)
     settings = with_quality(MAPS, samples=samples)
     for newest in {1, samples - 1}:
