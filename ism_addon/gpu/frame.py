@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 import moderngl
@@ -164,8 +165,9 @@ class Frame:
             self.counts["bytes_uploaded"] += resource.bytes
         return resource
 
-    def value_of(self, change: Change) -> object:
-        """A value that identifies the current state of a part of the scene or view: equal while it is unchanged."""
+    @cached_property
+    def states(self) -> Mapping[Change, object]:
+        """Values that identify the current state of parts of the scene and view: equal while these are unchanged."""
         view = self.view
         return {
             Change.MESHES: self.scene.meshes,
@@ -181,7 +183,7 @@ class Frame:
             ),
             Change.PIXEL_GRID: (self.sample // len(self.grid.subpixel_offsets), len(self.grid.subpixel_offsets)),
             Change.SAMPLE: self.sample,
-        }[change]
+        }
 
 
 class Pass:
@@ -196,10 +198,17 @@ class Pass:
     feedback: ClassVar[tuple[Resource[Any], ...]] = ()
     outputs: ClassVar[Mapping[Resource[Any], tuple[Input, ...]]] = {}
     readable: ClassVar[frozenset[Resource[Any]]] = frozenset()
+    #: Of each output, the inputs that only other outputs depend on, by index.
+    unrelated: ClassVar[Mapping[Resource[Any], frozenset[int]]] = {}
 
     def __init_subclass__(cls) -> None:
         resources = (each for each in cls.inputs if isinstance(each, Resource))
         cls.readable = frozenset((*resources, *cls.feedback, *cls.outputs))
+        exclusive = {each for inputs in cls.outputs.values() for each in inputs}
+        cls.unrelated = {
+            output: frozenset(index for index, each in enumerate(cls.inputs) if each in exclusive - set(own))
+            for output, own in cls.outputs.items()
+        }
 
     def __init__(self, device: Device):
         self.device = device

@@ -8,11 +8,11 @@ again. The identity of a resource is a number, the same for the same contents.
 import itertools
 import time
 from collections.abc import Iterable, Iterator
+from operator import attrgetter
 from typing import Any, TypeVar
 
 from ..resource_types import Channel, Resource, Target
 from ..scene import Change
-from ..settings import Settings
 from .frame import Frame, Input, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
@@ -21,7 +21,7 @@ from .gl.render_targets import RenderTargets, size_of
 from .profile import Profile
 
 T = TypeVar("T")
-Recipe = dict[Any, object]
+Recipe = tuple[object, ...]
 
 
 class Graph:
@@ -85,7 +85,7 @@ class Graph:
         step, row = self.instance(pass_type), profile.rows[pass_type.__name__]
         own = frame.for_pass(step)
         needed = step.needed(own)
-        recipe = self.recipe(pass_type, frame) if needed else {}
+        recipe = self.recipe(pass_type, frame) if needed else ()
         # Outputs of a first sample are kept: the next image may reuse them.
         due = pass_type.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
         may_reuse = frame.settings.shortcuts or frame.sample > 0 or not needed
@@ -107,9 +107,11 @@ class Graph:
             self.drop(pass_type.outputs)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
         self.recipes[pass_type] = recipe
-        for output, exclusive in pass_type.outputs.items():
-            others = {each for inputs in pass_type.outputs.values() for each in inputs} - set(exclusive)
-            self.identify(output, {key: value for key, value in recipe.items() if key not in others}, frame.sample)
+        for output, unrelated in pass_type.unrelated.items():
+            related = recipe
+            if unrelated:
+                related = tuple(value for index, value in enumerate(recipe) if index not in unrelated)
+            self.identify(output, related, frame.sample)
 
     def prepare(self, pass_type: type[Pass], frame: Frame) -> None:
         """Allocate a pass's targets, and neutral textures for those that it reads and no pass has made."""
@@ -124,22 +126,22 @@ class Graph:
     def recipe(self, pass_type: type[Pass], frame: Frame) -> Recipe:
         """The identities of all inputs of a pass: equal while its outputs are still valid."""
         sized = any(isinstance(output, Target) and output.divisor for output in pass_type.outputs)
-        return {each: self.identity(each, frame) for each in pass_type.inputs} | ({"size": frame.size} if sized else {})
+        return (*(self.identity(each, frame) for each in pass_type.inputs), frame.size if sized else None)
 
     def identity(self, each: Input, frame: Frame) -> object:
         """A value that identifies the contents of an input."""
         if isinstance(each, Change):
-            return frame.value_of(each)
+            return frame.states[each]
         if isinstance(each, Resource):
             return self.contents.get(each) if each.by_value else self.identities.get(each, 0)
-        return setting(frame.settings, each)
+        return attrgetter(each)(frame.settings)
 
     def identify(self, output: Resource[Any], recipe: Recipe, sample: int) -> None:
         """Give an output its identity. In a first sample, the same recipe gives the same identity."""
         if sample > 0:
             self.identities[output] = next(self.new_identities)
             return
-        if self.first_samples.get(output, (None, 0))[0] != recipe:
+        if output not in self.first_samples or self.first_samples[output][0] != recipe:
             self.first_samples[output] = recipe, next(self.new_identities)
         self.identities[output] = self.first_samples[output][1]
 
@@ -163,11 +165,3 @@ class Graph:
         """Free all."""
         self.targets.release()
         self.contents.clear()
-
-
-def setting(settings: Settings, path: str) -> object:
-    """The setting, or section of settings, at a path such as "shadow.bias"."""
-    value: object = settings
-    for name in path.split("."):
-        value = getattr(value, name)
-    return value
