@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from copy import copy
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -73,13 +72,7 @@ class Frame:
     grid: PixelGrid  # positions of samples in pixels
     submission: Submission
     uniforms: moderngl.Buffer
-    step: Pass | None = None  # the current pass; None may read and make any resource
-
-    def for_pass(self, step: Pass) -> Frame:
-        """The same frame, restricted to the resources that this pass has declared."""
-        own = copy(self)
-        own.step = step
-        return own
+    step: Pass | None = None  # the current pass, whose declared resources alone are accessible; None: all are
 
     def __getitem__(self, resource: Resource[T]) -> T:
         """Raises UndeclaredResourceError, and KeyError if no pass has made the resource."""

@@ -18,7 +18,7 @@ from .gl import frame_uniforms
 from .gl.context import Device
 from .gl.errors import Cancelled
 from .gl.render_targets import RenderTargets, size_of
-from .profile import Profile
+from .profile import PassProfile, Profile
 
 T = TypeVar("T")
 Recipe = tuple[object, ...]
@@ -82,14 +82,19 @@ class Graph:
 
     def step(self, pass_type: type[Pass], frame: Frame, profile: Profile) -> None:
         """Execute a pass, reuse its outputs, or skip it. Raises Cancelled."""
-        step, row = self.instance(pass_type), profile.rows[pass_type.__name__]
-        own = frame.for_pass(step)
-        needed = step.needed(own)
-        recipe = self.recipe(pass_type, frame) if needed else ()
+        frame.step = self.instance(pass_type)
+        try:
+            self._step(frame.step, frame, profile.rows[pass_type.__name__])
+        finally:
+            frame.step = None
+
+    def _step(self, step: Pass, frame: Frame, row: PassProfile) -> None:
+        pass_type, needed = type(step), step.needed(frame)
         # Outputs of a first sample are kept: the next image may reuse them.
-        due = pass_type.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
-        may_reuse = frame.settings.shortcuts or frame.sample > 0 or not needed
-        if may_reuse and pass_type in self.recipes and (not due or self.recipes[pass_type] == recipe):
+        due = step.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
+        may_reuse = pass_type in self.recipes and (frame.settings.shortcuts or frame.sample > 0 or not needed)
+        recipe = self.recipe(pass_type, frame) if needed and (due or not may_reuse) else ()
+        if may_reuse and (not due or self.recipes[pass_type] == recipe):
             row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
             return
         start = time.perf_counter()
@@ -98,16 +103,16 @@ class Graph:
             # Another renderer may have bound its own uniforms since the last pass.
             frame.uniforms.bind_to_uniform_block(frame_uniforms.BINDING)
             try:
-                step.execute(own)
+                step.execute(frame)
             except Cancelled:
                 self.abandon()
                 raise
             frame.submission.end_pass(row, start)
         else:
-            self.drop(pass_type.outputs)
+            self.drop(step.outputs)
         row.drawn, row.skipped = row.drawn + needed, row.skipped + (not needed)
         self.recipes[pass_type] = recipe
-        for output, unrelated in pass_type.unrelated.items():
+        for output, unrelated in step.unrelated.items():
             related = recipe
             if unrelated:
                 related = tuple(value for index, value in enumerate(recipe) if index not in unrelated)
