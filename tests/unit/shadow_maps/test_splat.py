@@ -33,11 +33,10 @@ def true_maps(drawn, scene, view, settings, side: int) -> np.ndarray:
     subsets, discs = graph[MAP_POINTS].ranges, np.frombuffer(graph[MAP_POINTS].buffer.read(), MAP_POINT)
     found = []
     for index, point in enumerate(points):
-        turns = subsets[point["light"]]
-        subset = turns[index % len(turns)]
+        of_light = subsets[point["light"]]
+        subset = of_light[index % len(of_light)]
         seen = discs[subset.first : subset.first + subset.count]
-        normal, tangent = point["normal"].astype(float), point["tangent"].astype(float)
-        to_map = np.stack([tangent, np.cross(normal, tangent), normal])
+        to_map = point["map_from_anchor"].astype(float)
         centres = (seen["position"].astype(float) - point["position"]) @ to_map.T
         normals = seen["normal"].astype(float) @ to_map.T
         found.append(disc_map(centres, normals, seen["radius"].astype(float), side, NO_OCCLUDER))
@@ -67,6 +66,15 @@ def test_the_splat_size_is_the_discs_radius(device, size):
     settings = with_quality(shadows(splat_size=size), virtual_lights=2, map_size=64, map_points=300)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 2, 64, device), true_maps(drawn, scene, view, settings, 64)) <= RIM
+
+
+def test_discs_whose_centres_are_below_the_horizon_are_whole(device):
+    """Rounding must not take a point's centre out of the map: OpenGL would drop the point."""
+    inside = light(position=(0.1, 0.2, 0.0), axis_u=(0.5, 0.1, 0.0), axis_v=(0.1, -0.5, 0.1))
+    scene, view = stage([rubble()], inside), look((3.0, -3.0, 2.0))
+    settings = with_quality(shadows(), virtual_lights=64, map_size=48, map_points=60)
+    drawn = draw(device, scene, view, settings)
+    assert wrong_part(maps(drawn, 64, 48, device), true_maps(drawn, scene, view, settings, 48)) < 1e-4
 
 
 @pytest.mark.parametrize("height", [0.03, 1e-3, 0.0, -1e-3, -0.03])

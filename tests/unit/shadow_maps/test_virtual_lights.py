@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light points: as many as each light is given, on it, others each sample."""
+"""Virtual lights: as many as each light is given, on it, others each sample."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def lamps():
     return both(both(light(radiance=np.pi / 2.0), large), bright)
 
 
-def test_the_rows_of_a_light_lead_to_its_points():
+def test_the_range_of_a_light_holds_its_virtual_lights():
     lights = lamps()
     counts = {0: 7, 2: 93}
     table, _, points = virtual_light_tables(lights, counts, 3, ORIGIN)
@@ -34,15 +34,15 @@ def test_the_rows_of_a_light_lead_to_its_points():
         across = off @ axes.T / (axes**2).sum(1)
         assert np.abs(off @ lights.normal[index]).max() < 1e-6
         assert np.abs(across).max() <= 0.5 + 1e-6
-        assert points["normal"][rows] == pytest.approx(np.tile(lights.normal[index], (len(off), 1)))
+        assert points["map_from_anchor"][rows, 2] == pytest.approx(np.tile(lights.normal[index], (len(off), 1)))
 
 
-def test_the_axes_of_a_map_are_orthonormal_and_turned_differently():
+def test_each_map_has_a_rotation_of_its_own():
     _, _, points = virtual_light_tables(lamps(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
-    tangent, normal = points["tangent"].astype(float), points["normal"].astype(float)
-    assert np.linalg.norm(tangent, axis=1) == pytest.approx(1.0, abs=1e-6)
-    assert np.abs((tangent * normal).sum(1)).max() < 1e-6
-    assert len(np.unique(np.round(tangent, 4), axis=0)) == 60
+    rotations = points["map_from_anchor"].astype(float)
+    assert rotations @ rotations.swapaxes(1, 2) == pytest.approx(np.tile(np.eye(3), (60, 1, 1)), abs=1e-6)
+    assert (np.linalg.det(rotations) > 0.0).all()
+    assert len(np.unique(np.round(rotations[:, 0], 4), axis=0)) == 60
 
 
 def test_each_sample_has_other_points_and_together_they_fill_the_light():
@@ -59,7 +59,7 @@ def test_two_equal_lights_have_different_points():
     assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
-def test_light_points_are_exact_far_away():
+def test_virtual_lights_are_exact_far_away():
     far = np.array([1e7, 0.0, -1e7])
     here = virtual_light_tables(light(), {0: 10}, 0, ORIGIN)
     there = virtual_light_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)
@@ -67,7 +67,7 @@ def test_light_points_are_exact_far_away():
     assert there[1]["offset"] == pytest.approx(here[1]["offset"], abs=1e-6)
 
 
-def test_more_lights_than_light_points(device):
+def test_more_lights_than_virtual_lights(device):
     lights = light()
     for k in range(9):
         lights = both(lights, light(position=(0.3 * k, 0.0, 2.0)))

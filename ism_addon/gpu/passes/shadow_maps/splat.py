@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import moderngl
-import numpy as np
 
 from ....resources import ATLAS_BATCH, MAP_POINTS, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAP_VIEWS
 from ....scene import Change
@@ -79,9 +78,8 @@ class SplatMaps(Pass):
         batch = frame[ATLAS_BATCH]
         view, corner = frame[SHADOW_MAP_VIEWS][batch.first + index], batch.corner(index)
         atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
-        tangent, normal = view["tangent"], view["normal"]
-        axes = np.stack([tangent, np.cross(normal, tangent), normal], 1)  # row by row: GLSL's columns
-        bind(self.discs, virtual_light=view["position"], map_from_anchor=axes.ravel(), corner=corner)
+        rotation = view["map_from_anchor"].T.ravel()  # column by column, as GLSL has it
+        bind(self.discs, virtual_light=view["position"], map_from_anchor=rotation, corner=corner)
         rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
         for part in portions(subset.count, rays):
             count = part.stop - part.start

@@ -34,7 +34,7 @@ void main() {
         gl_Position.x = 2.0;
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
-        gl_Position.xy = square_from_hemisphere(d);
+        gl_Position.xy = clamp(square_from_hemisphere(d), -1.0, 1.0); // OpenGL drops points whose centre is outside
         // The second term bounds how much the derivative changes within the disc.
         gl_PointSize = largest_derivative(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
     }

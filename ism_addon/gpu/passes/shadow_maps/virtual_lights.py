@@ -23,8 +23,8 @@ from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import by_type, type_of
 
-#: What a shadow map is drawn from: its virtual light's position, and the axes x and z of its map space. Anchor space.
-SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("tangent", "f4", 3), ("normal", "f4", 3), ("light", "i4")])
+#: What a shadow map is drawn from: its virtual light's position in anchor space, and a rotation to map space.
+SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("map_from_anchor", "f4", (3, 3)), ("light", "i4")])
 
 
 def allocate_virtual_lights(lights: list[int], importance: np.ndarray, count: int) -> dict[int, int]:
@@ -47,7 +47,7 @@ def virtual_light_tables(
     tangents, normals = np.zeros((2, len(lights.shape), 3))
     for light_type, rows, own in by_type(lights):
         tangents[rows], normals[rows] = light_type.axes(own)
-    bitangents = np.cross(normals, tangents)
+    axes = np.stack([tangents, np.cross(normals, tangents), normals])
     shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(normals)), sample=sample)
     squares = {light: lattice(count, shifts[light]) for light, count in counts_of_lights.items()}
     offsets = np.concatenate(
@@ -55,12 +55,15 @@ def virtual_light_tables(
     )
     angle = 2.0 * np.pi * draw(Dimension.MAP_ROTATION, map=sample * len(light_of) + np.arange(len(light_of)))
     virtual_lights = np.zeros(len(light_of), VIRTUAL_LIGHT.dtype)
-    virtual_lights["offset"] = np.einsum("nk,ank->na", offsets, np.stack([tangents, bitangents, normals])[:, light_of])
+    virtual_lights["offset"] = np.einsum("nk,ank->na", offsets, axes[:, light_of])
     virtual_lights["rotation"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
     views = np.zeros(len(light_of), SHADOW_MAP_VIEW)
     views["position"] = offsets + (lights.position - anchor)[light_of]
-    views["tangent"] = np.cos(angle) * tangents[light_of] + np.sin(angle) * bitangents[light_of]
-    views["normal"], views["light"] = normals[light_of], light_of
+    x, y, z = axes[:, light_of]
+    views["map_from_anchor"][:, 0] = np.cos(angle) * x + np.sin(angle) * y
+    views["map_from_anchor"][:, 1] = np.cos(angle) * y - np.sin(angle) * x
+    views["map_from_anchor"][:, 2] = z
+    views["light"] = light_of
     return ranges, virtual_lights, views
 
 
