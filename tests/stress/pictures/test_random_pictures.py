@@ -85,7 +85,7 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
         return None
     meshes = tuple(mesh(each.positions, each.triangles) for each in scene.meshes)
     scene, view = replace(scene, meshes=meshes), replace(view, filter_width=0.01, transparent=False)
-    plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=256), shortcuts=how.shortcuts)
+    plain = Settings(ssao=SSAO(enabled=False), quality=replace(how.quality, samples=64), shortcuts=how.shortcuts)
     moved = view.clip_from_view.copy()
     moved[:2] += 0.01 * 2.0 / np.array([[view.width], [view.height]]) * view.clip_from_view[3]  # of clip space
     few, beside, truth = (
