@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Memory that numpy has done with, back to the system.
+"""Returns freed memory to the operating system.
 
-The GNU C library keeps what threads have freed, each thread's for itself: a tenth of all, after a large scene.
+The GNU C library keeps what each thread has freed for later use of that thread: a tenth of all memory, after a large
+scene.
 """
 
 import ctypes
@@ -9,6 +10,6 @@ import sys
 
 
 def trim_heap() -> None:
-    """Let go of what is free, where the C library is one that has to be asked."""
+    """Return freed memory, if the C library can be asked to."""
     if sys.platform == "linux" and hasattr(library := ctypes.CDLL(None), "malloc_trim"):
         library.malloc_trim(0)

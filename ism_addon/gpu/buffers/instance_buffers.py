@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the scene's meshes stand, on the GPU, and what is to be drawn of them."""
+"""Instances on the GPU, and their draw calls."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from ..gl.shader_records import INSTANCE, MEMBERSHIP
 from .mesh_buffers import MeshBuffers
 from .small_meshes import SMALL_MESH
 
-#: The array that says who owns a triangle is made if it has no more rows than the triangles that are drawn by it, times
-#: this: where small meshes are that few, their draws are few beside what is drawn of the others.
+#: Small meshes are drawn together if the table of their triangles' instances has at most this many rows a triangle.
+#: With fewer small meshes their draw calls do not matter.
 MAX_OWNERS_RATIO = 16
 
 
@@ -31,17 +31,17 @@ class DrawCall:
 
 @dataclass(frozen=True)
 class MultiDrawCall:
-    """Small meshes that stand once each: one draw call for all, as their triangles say whose they are."""
+    """Small meshes of one instance each, drawn together. Shaders find the instance of a triangle in Owners."""
 
     first_triangle: np.ndarray  # (R,) int64
     triangles: np.ndarray  # (R,) int64
 
 
 class Owners:
-    """By triangle, the instance whose it is: of meshes that stand once."""
+    """The instance of each triangle, for meshes of one instance."""
 
     def __init__(self, device: Device, mesh_buffers: MeshBuffers, pairs: bytes):
-        """`pairs` (N,2) int64 are the meshes' numbers and their instances' rows; there may be none."""
+        """`pairs` (N,2) int64: indices of meshes, and rows of their instances."""
         numbers, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
         first, counts = mesh_buffers.first_triangle[numbers], mesh_buffers.counts[numbers]
         owners = np.zeros((int((first + counts).max(initial=0)), 1), np.uint32)
@@ -52,12 +52,12 @@ class Owners:
 
 
 class InstanceBuffers:
-    """Where the instances stand in anchor space, those of a mesh one behind the other."""
+    """Transforms and link groups of visible instances, sorted by mesh."""
 
     def __init__(self, device: Device, mesh_buffers: MeshBuffers, instances: Instances, anchor: np.ndarray):
         shown = np.flatnonzero(instances.visible)
         order = shown[np.argsort(instances.mesh[shown], kind="stable")]
-        #: Where in the table an instance is; -1 for one that is not seen.
+        #: The row of each instance of the scene; -1 for one that is not visible.
         self.rows = np.full(len(instances.mesh), -1)
         self.rows[order] = np.arange(len(order))
         mesh = instances.mesh[order]
@@ -72,8 +72,7 @@ class InstanceBuffers:
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
         self.mesh_buffers = mesh_buffers
-        #: Each instance's mesh, -1 if that is not there; and whether that is drawn together with others: of small ones,
-        #: if they are some, those that stand once.
+        #: Of each row, the mesh, -1 if it is not resident; and whether it is drawn by a MultiDrawCall.
         self.mesh = np.where(mesh_buffers.first_triangle[mesh] >= 0, mesh, -1)
         alone = np.bincount(mesh, minlength=len(mesh_buffers.meshes))[mesh] == 1
         self.is_single = (self.mesh >= 0) & alone & (mesh_buffers.counts[mesh] <= SMALL_MESH)
@@ -84,18 +83,18 @@ class InstanceBuffers:
         self.half_sizes = mesh_buffers.half_sizes[mesh]
 
     def set_owners(self, share: Callable[[bytes], Owners]) -> None:
-        """Note whose the triangles are that are drawn together; `share` makes Owners, or has made them."""
+        """Set the table of instances for MultiDrawCall; `share` makes Owners, or returns those of another renderer."""
         rows = np.flatnonzero(self.is_single)
         self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
     def visible_draw_calls(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
-        """The instances that can be in the picture, or as far beyond it as cull.py says."""
+        """Draw calls of the instances that may be in view, enlarged by `margin`, see frustum_culling.in_view."""
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
         return self.draw_calls(in_view(self.half_sizes, clip_from_centre, margin))
 
     def draw_calls(self, which: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
-        """Those instances (I,) bool."""
+        """Draw calls of the rows chosen (I,) bool."""
         found = runs(which, self.mesh)
         rows, instances = np.array(found, np.int64).reshape(-1, 2).T
         numbers = self.mesh[rows]
@@ -112,7 +111,7 @@ class InstanceBuffers:
 
 
 def portions(draws: Iterator[DrawCall | MultiDrawCall], most: int) -> Iterator[DrawCall | MultiDrawCall]:
-    """The same in draws of about `most` triangles at most, or of one an instance."""
+    """Split draw calls into ones of about `most` triangles at most, or of one an instance."""
     for draw in draws:
         if isinstance(draw, MultiDrawCall):
             of_portion = np.cumsum(draw.triangles) // most
@@ -127,7 +126,7 @@ def portions(draws: Iterator[DrawCall | MultiDrawCall], most: int) -> Iterator[D
 
 
 def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
-    """The ranges of so many triangles from `first` on: those that follow one another are one."""
+    """Ranges of so many triangles from `first` on, adjacent ones joined."""
     begins = np.flatnonzero(np.append(True, first[1:] != (first + triangles)[:-1]))
     return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
 
@@ -135,7 +134,7 @@ def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
 def anchor_from_quanta(
     mesh_buffers: MeshBuffers, instances: Instances, rows: np.ndarray, anchor: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Matrices (N,3,3) and offsets (N,3) float64 of some instances, from the quanta of their meshes."""
+    """Transforms (N,3,3) and (N,3) float64 of instances (N,) from the quanta of their meshes to anchor space."""
     mesh, matrices = instances.mesh[rows], instances.world_from_object[rows]
     linear = matrices[:, :3, :3]
     offsets = np.einsum("nij,nj->ni", linear, mesh_buffers.centres[mesh]) + matrices[:, :3, 3] - anchor

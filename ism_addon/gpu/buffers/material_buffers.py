@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scene's meshes are made of, on the GPU."""
+"""Materials and their images on the GPU."""
 
 import moderngl
 import numpy as np
@@ -16,7 +16,7 @@ FORMATS = {Encoding.SRGB: (0x8C43, "f1"), Encoding.LINEAR: (0x8058, "f1"), Encod
 
 
 class TextureBuffer:
-    """All images with their mip levels, those of one encoding in one texture. Too many have smaller levels alone."""
+    """All images with their mip levels, those of one encoding in one texture; above a limit without the largest."""
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
@@ -26,12 +26,12 @@ class TextureBuffer:
         self.levels = [len(chain) for chain in chains]
         self.sizes = [level(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)]
         self.first_lines = [0] * len(images)
-        #: Of those encodings that images have.
+        #: By the encodings that images have.
         self.textures: dict[Encoding, moderngl.Texture] = {}
         for encoding in dict.fromkeys(image.encoding for image in images):
             own = [index for index, image in enumerate(images) if image.encoding is encoding]
             ends = np.cumsum([0] + [len(blocks[index]) // TEXTURE_WIDTH for index in own]).tolist()
-            # A texture, as buffer textures know no sRGB.
+            # A texture, as buffer textures do not decode sRGB.
             internal, dtype = FORMATS[encoding]
             size = TEXTURE_WIDTH, lines_for(ends[-1])
             texture = device.gl.texture(size, 4, dtype=dtype, internal_format=internal)
@@ -49,13 +49,12 @@ class TextureBuffer:
 
     @property
     def constants(self) -> dict[str, int]:
-        """Of shaders: which encodings there are. Without one a variant has no code for it, as some drivers execute both
-        branches."""
+        """Constants of shader variants: which encodings are present."""
         return {f"{encoding.lower()}_images": int(encoding in self.textures) for encoding in Encoding}
 
 
 class MaterialBuffers:
-    """Materials as a table that leads into the images' texels."""
+    """The table of materials, which refers to the texels of images."""
 
     def __init__(self, device: Device, materials: Materials, texels: TextureBuffer):
         table = np.zeros(materials.row_count, MATERIAL.dtype)
@@ -73,12 +72,12 @@ class MaterialBuffers:
 
 
 def lines_for(lines: int) -> int:
-    """As many or more: never a power of two, for which Mesa's software driver would compile every shader once more."""
+    """A number of lines, at least `lines`: no power of two, for which llvmpipe would compile other shader variants."""
     return max(3, lines | 1)
 
 
 def padded(texels: np.ndarray) -> np.ndarray:
-    """Texels (N,4) with empty ones behind, up to a whole line of the texture: floats count lines exactly."""
+    """Texels (N,4), zero-padded to whole lines of the texture, so that an image begins with a line."""
     return np.pad(texels, ((0, -len(texels) % TEXTURE_WIDTH), (0, 0)))
 
 

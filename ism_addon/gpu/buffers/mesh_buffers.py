@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The triangles of all meshes on the GPU, one mesh behind the other: one number names a triangle of the scene.
+"""The triangles of all resident meshes on the GPU, in one index space.
 
-Those of a leaf of the tree lie side by side, so the camera and shadow rays read the same arrays. All is made and
-uploaded in portions: what the processor holds of it at a time is small.
+Triangles are in the order of BVH leaves, so that the visibility buffer and shadow rays read the same arrays. They are
+prepared and uploaded in portions, so that little of them is in main memory at a time.
 """
 
 from collections import deque
@@ -23,63 +23,60 @@ from ..gl.shader_records import octahedron_from_directions
 from .heap_trim import trim_heap
 from .small_meshes import JoinedMeshes, small_mesh_groups
 
-#: Triangles that are prepared and uploaded at a time: few enough for a processor's cache.
+#: Triangles that are prepared and uploaded at a time, so that they stay in the processor's cache.
 TRIANGLES_AT_A_TIME = 1 << 15
 
 #: Portions that are prepared while one is uploaded.
 PORTIONS_AHEAD = 3
 
-#: OpenGL numbers the vertices of a draw by int32. Drivers whose buffer textures have fewer rows can draw fewer.
+#: OpenGL's vertex indices are int32. The size of a driver's buffer textures may be a lower limit.
 MAX_TRIANGLES = (2**31 - 1) // 3
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class QuantizedVertices:
-    """As they are uploaded."""
+    """Vertices of a source in the format of the upload."""
 
     quanta: np.ndarray  # (3,V) int32
     octahedra: np.ndarray | None  # (V,2) int16 normals; None where corners have their own
 
 
-#: In place of those that nobody asks for.
+#: For portions whose vertices are not needed.
 NO_VERTICES = QuantizedVertices(np.empty((3, 0), np.int32), None)
 
 
 @dataclass(frozen=True)
 class Source:
-    """The triangles of a mesh, or of small ones together, as their trees want them if there are trees."""
+    """The triangles of a mesh or of joined small meshes, in the order of BVH leaves if they have a BVH."""
 
     arrays: Mesh | JoinedMeshes
-    quanta: Callable[[], np.ndarray]  # makes (3,V) int32
-    order: np.ndarray | None  # (T,): which triangle is where; None: all are where they were
+    quanta: Callable[[], np.ndarray]  # computes (3,V) int32
+    order: np.ndarray | None  # (T,): the mesh's index of each triangle; None: the mesh's order
     runs: DeferredBLAS | None
 
     @classmethod
     def of(cls, meshes: Sequence[Mesh], trees: Sequence[BLAS | DeferredBLAS | None]) -> "Source":
-        """That of one mesh, or of some small ones."""
+        """The source of one mesh, or of several small ones."""
         if len(meshes) == 1:
             (mesh,), (tree,) = meshes, trees
             quanta = partial(Quantization.of(mesh).quantize, mesh.positions)
             return cls(mesh, quanta, tree.order if tree else None, tree if isinstance(tree, DeferredBLAS) else None)
-        together = JoinedMeshes(meshes)
-        order = None
+        joined, order = JoinedMeshes(meshes), None
         if trees[0] is not None:
-            order = np.concatenate([tree.order for tree in trees if tree is not None]) + together.first.repeat(
-                together.counts
-            )
-        return cls(together, partial(together.quantize, np.int32), order, None)
+            order = np.concatenate([tree.order for tree in trees if tree]) + joined.first.repeat(joined.counts)
+        return cls(joined, partial(joined.quantize, np.int32), order, None)
 
     def vertices(self) -> QuantizedVertices:
-        """Its own."""
+        """Its vertices, quantized."""
         normals = self.arrays.normals
         return QuantizedVertices(self.quanta(), snorm16(normals) if normals.ndim == 2 else None)
 
 
 @dataclass(frozen=True)
 class TriangleRange:
-    """Some triangles of a source."""
+    """A range of a source's triangles."""
 
     source: Source
     chosen: np.ndarray | slice
@@ -87,11 +84,11 @@ class TriangleRange:
 
     @property
     def triangles(self) -> np.ndarray:
-        """(N,3) uint32 into the positions of its source."""
+        """(N,3) uint32, indices of the source's vertices."""
         return self.source.arrays.triangles[self.chosen]
 
     def positions(self) -> list[np.ndarray]:
-        """Nine coordinates (N,) of the corners, in quanta. Runs that begin there are bounded, which may end later."""
+        """Nine coordinates (N,) of the corners, in quanta. Also finds boxes of a DeferredBLAS' runs."""
         runs, triangles = self.source.runs, self.triangles
         if runs is None or not isinstance(self.chosen, slice):
             return vertex_positions(triangles, self.vertices)
@@ -102,7 +99,7 @@ class TriangleRange:
 
 
 class TriangleOrder:
-    """The triangles of some meshes one behind the other."""
+    """The triangles of several meshes, concatenated."""
 
     def __init__(self, meshes: Sequence[Mesh], trees: Sequence[BLAS | DeferredBLAS | None]):
         counts = [len(mesh.triangles) for mesh in meshes]
@@ -113,11 +110,11 @@ class TriangleOrder:
 
     @property
     def count(self) -> int:
-        """Triangles of all meshes."""
+        """Their number."""
         return int(self.first_triangle[-1])
 
     def portions(self, with_vertices: bool) -> Iterator[list[TriangleRange]]:
-        """All triangles, TRIANGLES_AT_A_TIME. Vertices are kept as long as ranges of their source are."""
+        """All triangles in portions of TRIANGLES_AT_A_TIME."""
         latest, source, vertices = -1, None, NO_VERTICES
         ends = self.first_triangle[[0, *(group.stop for group in self.groups)]]
         for ranges in portions(np.diff(ends), TRIANGLES_AT_A_TIME):
@@ -130,29 +127,29 @@ class TriangleOrder:
                 portion.append(TriangleRange(source, part if source.order is None else source.order[part], vertices))
             yield portion
 
-    def map_portions(self, make: Callable[[list[TriangleRange]], Made], with_vertices: bool) -> Iterator[Made]:
-        """What `make` makes of each portion, by all cores, in their order."""
-        waiting: deque[Future[Made]] = deque()
+    def map_portions(self, work: Callable[[list[TriangleRange]], Result], with_vertices: bool) -> Iterator[Result]:
+        """The results of `work` on each portion, on all cores, in order."""
+        waiting: deque[Future[Result]] = deque()
         with ThreadPoolExecutor() as cores:
             for ranges in self.portions(with_vertices):
-                waiting.append(cores.submit(make, ranges))
+                waiting.append(cores.submit(work, ranges))
                 if len(waiting) > PORTIONS_AHEAD:
                     yield waiting.popleft().result()
-            for ready in waiting:
-                yield ready.result()
+            for future in waiting:
+                yield future.result()
 
 
 class MeshBuffers:
-    """Meshes that have been wanted so far, as arrays that shaders read by triangle."""
+    """The resident meshes as buffers indexed by triangle."""
 
     def __init__(self, device: Device, meshes: tuple[Mesh, ...], in_blas_order: bool):
-        """Triangles lie as their trees want them, or as in their meshes."""
+        """`in_blas_order`: triangles are in the order of BVH leaves, else in the order of their meshes."""
         #: Triangles of each mesh.
         self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
         self.meshes, self.in_blas_order = meshes, in_blas_order
-        #: Of those that are there, in the order in which they came: their numbers, and their trees.
+        #: BVHs of resident meshes by the mesh's index, in the order of upload.
         self.trees: dict[int, BLAS | DeferredBLAS | None] = {}
-        #: Of each mesh; -1 before it is there.
+        #: Of each mesh; -1 if it is not resident.
         self.first_triangle = np.full(len(meshes), -1)
         self.count = self.bytes = 0
         self.centres, self.quanta_per_metre = quantizations(meshes)
@@ -163,13 +160,13 @@ class MeshBuffers:
 
     @property
     def samplers(self) -> dict[str, BufferTexture]:
-        """By the names of the shaders' samplers: two rows of corners a triangle, and three of normals."""
+        """By the name of the sampler. Two rows of corners a triangle, and three of normals."""
         return {"corners": self.corners.texture, "corner_normal_buffer": self.normals.texture}
 
     def add(self, wanted: Iterable[int], trees: Mapping[int, BLAS | DeferredBLAS]) -> int:
-        """Upload those of the wanted meshes that are not there yet, in the order of their trees: so many bytes.
+        """Upload those of the wanted meshes that are not resident: the number of bytes.
 
-        Raises ValueError if they are too many.
+        Raises ValueError for more triangles than OpenGL can draw.
         """
         new = [number for number in wanted if number not in self.trees]
         own = {number: trees[number] if self.in_blas_order else None for number in new}
@@ -179,8 +176,8 @@ class MeshBuffers:
                 f"the meshes have {count:,} triangles, of which this OpenGL can draw {self.most:,} "
                 "(instances of a mesh count once)"
             )
-        trim_heap()  # from reading and the trees: this is where most is in memory
-        self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # of what has failed, none is left
+        trim_heap()  # after reading and building BVHs: most memory is in use from here on
+        self.corners.count, self.normals.count = 2 * self.count, 3 * self.count  # without a failed upload
         self.corners.reserve(2 * order.count)
         self.normals.reserve(3 * order.count)
         for corners, normals in order.map_portions(buffers_of, with_vertices=True):
@@ -188,7 +185,7 @@ class MeshBuffers:
             self.normals.append(normals)
         for runs in order.runs:
             runs.build_async()
-        # Last: what has failed on the way is not there, and comes again for the next picture.
+        # Last: after a failure the meshes are not resident, and the next image uploads them again.
         self.first_triangle[new] = self.count + order.first_triangle[:-1]
         self.trees |= own
         self.count += order.count
@@ -196,7 +193,7 @@ class MeshBuffers:
         return (32 + 12) * order.count
 
     def order(self, numbers: Sequence[int]) -> TriangleOrder:
-        """Where the triangles of some meshes that are there lie."""
+        """The triangles of several resident meshes."""
         return TriangleOrder([self.meshes[number] for number in numbers], [self.trees[number] for number in numbers])
 
 
@@ -207,7 +204,7 @@ def buffers_of(ranges: list[TriangleRange]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def buffers_of_range(range_: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
-    """The same of one source's."""
+    """Likewise, of one range."""
     arrays, vertices = range_.source.arrays, range_.vertices
     corners = packed_corners(range_.positions(), arrays.materials[range_.chosen]).reshape(-1, 4)
     if vertices.octahedra is None:
@@ -216,7 +213,7 @@ def buffers_of_range(range_: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
 
 
 def vertex_positions(triangles: np.ndarray, vertices: QuantizedVertices) -> list[np.ndarray]:
-    """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first of each, and so on."""
+    """Nine coordinates (N,) int32 of the corners of triangles (N,3): x, y and z of the first corner, and so on."""
     return [along.take(corner) for corner in np.ascontiguousarray(triangles.T) for along in vertices.quanta]
 
 
@@ -228,9 +225,9 @@ class UVBuffers:
         self.uvs = device.growing_buffer(2, "f4")
 
     def upload_new(self) -> int:
-        """Upload those of the meshes that have come: bytes."""
+        """Upload those of meshes that became resident: the number of bytes."""
         order = self.mesh_buffers.order(list(self.mesh_buffers.trees)[self.meshes :])
-        self.uvs.count = self.bytes // self.uvs.texture.row  # of what has failed, none is left
+        self.uvs.count = self.bytes // self.uvs.texture.row  # without a failed upload
         self.uvs.reserve(3 * order.count)
         for uvs in order.map_portions(uvs_of, with_vertices=False):
             self.uvs.append(uvs)
@@ -248,26 +245,27 @@ def uvs_of(ranges: list[TriangleRange]) -> np.ndarray:
 
 
 def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
-    """Arrays of these lengths, one behind the other, in portions of `size`: the ranges of each, by array and slice."""
-    ranges, room = [], size
+    """Split concatenated arrays of these lengths into portions of `size`: of each, ranges as array index and slice."""
+    ranges, left = [], size
     for index, length in enumerate(lengths):
         first = 0
         while first < length:
-            end = min(first + room, length)
+            end = min(first + left, length)
             ranges.append((index, slice(first, end)))
-            room -= end - first
+            left -= end - first
             first = end
-            if not room:
+            if not left:
                 yield ranges
-                ranges, room = [], size
+                ranges, left = [], size
     if ranges:
         yield ranges
 
 
 def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarray:
-    """(T,8) uint32: corners, nine coordinates (T,) int32 of 25 bits, and materials (T,) of 28.
+    """(T,8) uint32: nine coordinates (T,) int32 of corners, 25 bits each, and material indices (T,), 28 bits.
 
-    The upper bits of the words are all coordinates but the last; the lower seven are that one, and the material.
+    The upper 25 bits of each word are one of eight coordinates. The lower seven bits of four words each are the ninth,
+    and the material index.
     """
     words = np.empty((len(materials), 8), np.uint32)
     for k, along in enumerate(corners[:8]):
@@ -277,5 +275,5 @@ def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarr
 
 
 def snorm16(directions: np.ndarray) -> np.ndarray:
-    """Unit vectors (…,3) as points (…,2) int16 of the octahedron's square."""
+    """Octahedral encoding (…,2) int16 of unit vectors (…,3)."""
     return np.rint(octahedron_from_directions(directions) * np.float32(32767.0)).astype(np.int16)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small meshes as one: what is done once for all of them costs by triangle, not by mesh."""
+"""Joins small meshes, so that work on them takes time by triangle, not by mesh."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -9,26 +9,26 @@ import numpy as np
 from ...scene import Mesh
 from ..accel.quantization import quantizations, quantize
 
-#: Meshes of at most so many triangles are small: what numpy does to one by itself takes longer to begin than to do.
+#: Most triangles of a small mesh: work on one takes less time than calling numpy for it.
 SMALL_MESH = 1 << 10
 
-#: Triangles of all meshes that are put together, at most: so many stay in a processor's cache.
+#: Most triangles of joined meshes, so that they stay in the processor's cache.
 TRIANGLES_AT_A_TIME = 1 << 14
 
 
 class JoinedMeshes:
-    """The arrays of some meshes, one mesh behind the other."""
+    """The arrays of several meshes, concatenated."""
 
     def __init__(self, meshes: Sequence[Mesh]):
         self.meshes = meshes
         self.vertices = np.array([len(mesh.positions) for mesh in meshes], np.int64)
         self.counts = np.array([len(mesh.triangles) for mesh in meshes], np.int64)
-        #: (M,): where the triangles of each begin.
+        #: (M,): the first triangle of each.
         self.first = np.cumsum(self.counts) - self.counts
 
     @cached_property
     def triangles(self) -> np.ndarray:
-        """(T,3) uint32, into the vertices of all."""
+        """(T,3) uint32, indices of the joined vertices."""
         first = (np.cumsum(self.vertices) - self.vertices).astype(np.uint32)
         return np.concatenate([mesh.triangles for mesh in self.meshes]) + first.repeat(self.counts)[:, None]
 
@@ -48,20 +48,20 @@ class JoinedMeshes:
 
     @cached_property
     def normals(self) -> np.ndarray:
-        """(T,3,3) of the corners, or (V,3) where all meshes have them by vertex."""
+        """(T,3,3) of corners, or (V,3) of vertices if all meshes have the latter."""
         by_vertex = np.array([mesh.normals.ndim == 2 for mesh in self.meshes], np.bool_)
         if by_vertex.all() or not by_vertex.any():
             return np.concatenate([mesh.normals for mesh in self.meshes])
         of_vertices = np.zeros((int(self.vertices.sum()), 3), np.float32)
-        those = [mesh.normals for mesh in self.meshes if mesh.normals.ndim == 2]
-        of_vertices[by_vertex.repeat(self.vertices)] = np.concatenate(those)
-        found = of_vertices[self.triangles]
-        others = [mesh.normals for mesh in self.meshes if mesh.normals.ndim == 3]
-        found[~by_vertex.repeat(self.counts)] = np.concatenate(others)
-        return found
+        by_vertices = [mesh.normals for mesh in self.meshes if mesh.normals.ndim == 2]
+        of_vertices[by_vertex.repeat(self.vertices)] = np.concatenate(by_vertices)
+        of_corners = of_vertices[self.triangles]
+        by_corners = [mesh.normals for mesh in self.meshes if mesh.normals.ndim == 3]
+        of_corners[~by_vertex.repeat(self.counts)] = np.concatenate(by_corners)
+        return of_corners
 
     def quantize(self, dtype: type) -> np.ndarray:
-        """(3,V) whole numbers: all vertices in the quanta of their meshes."""
+        """(3,V): the vertices in quanta of their own meshes."""
         centres, quanta_per_metre = quantizations(self.meshes)
         positions = np.concatenate([mesh.positions for mesh in self.meshes])
         found = quantize(positions, centres.repeat(self.vertices, 0), quanta_per_metre.repeat(self.vertices))
@@ -69,7 +69,7 @@ class JoinedMeshes:
 
 
 def small_mesh_groups(counts: Sequence[int]) -> list[slice]:
-    """Meshes of so many triangles in groups of neighbours: up to TRIANGLES_AT_A_TIME of small ones, any other alone."""
+    """Group consecutive meshes of so many triangles: small ones up to TRIANGLES_AT_A_TIME, others alone."""
     groups: list[slice] = []
     size = TRIANGLES_AT_A_TIME
     for number, count in enumerate(counts):
@@ -83,5 +83,5 @@ def small_mesh_groups(counts: Sequence[int]) -> list[slice]:
 
 
 def concatenated(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Arrays one behind the other; a single one, which may be large, is not copied."""
+    """np.concatenate, which does not copy a single array."""
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
