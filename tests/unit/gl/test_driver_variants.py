@@ -81,8 +81,7 @@ print(*said)
 """
 
 
-@pytest.mark.parametrize("order", ["forwards", "backwards"])
-@pytest.mark.parametrize("method", ["rays", "maps"])
+@pytest.mark.parametrize(("method", "order"), [("rays", "forwards"), ("maps", "backwards")])
 def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order):
     """The same scene again; meshes and tables small and large, other numbers of lights, other sizes of pictures.
 
