@@ -28,9 +28,9 @@ STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
 STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", "--check"), "mypy": ("mypy",)}
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
-#: As many tests at a time as there are cores, each with one thread for Mesa's pixels; further ones would want memory.
+#: As many tests at a time as there are cores; more would take much memory. Mesa then draws pixels in the calling thread.
 SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
-ONE_THREAD = {"LP_NUM_THREADS": "1"}
+NO_DRAWING_THREADS = {"LP_NUM_THREADS": "0"}
 #: Our exit status where something cannot be tried here, as others have it too.
 SKIPPED = 77
 ANY_PACE = "do not fail for what takes longer in the window than it must"
@@ -66,7 +66,7 @@ def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[
     if chosen or not environment.has_processes:
         return {environment.name: environment.run("pytest", *which, *chosen)}
     return {
-        environment.name: environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **ONE_THREAD),
+        environment.name: environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **NO_DRAWING_THREADS),
         f"{environment.name}, one by one": environment.run("pytest", *which, "-m=alone"),
     }
 

@@ -27,8 +27,6 @@ from tests.support.jobs import LONG, begun, ended, request
 from tests.support.small_scenes import MAPS
 from tests.tools import project
 
-pytestmark = pytest.mark.alone
-
 #: Asks twice, in an interpreter of its own, and prints both errors.
 ASK = """
 from ism_addon.gpu.jobs.job import Request
@@ -222,6 +220,7 @@ def test_a_picture_beyond_the_drivers_limit(worker, device):
     )
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_widest_picture(worker, device, turned):
     """Up to the limit, all are drawn."""
@@ -232,6 +231,7 @@ def test_the_widest_picture(worker, device, turned):
     assert np.isfinite(job.picture().color).all()
 
 
+@pytest.mark.alone
 def test_out_of_graphics_memory(worker, device, monkeypatch):
     """Of the software driver, no texture has more than 2 GB; a card's memory would have to be full.
 

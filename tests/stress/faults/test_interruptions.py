@@ -14,8 +14,6 @@ import pytest
 from tests.support import exr
 from tests.tools import project
 
-pytestmark = pytest.mark.alone
-
 #: Renders a small picture, in an interpreter of its own; what comes before, between and after is the test's.
 SCRIPT = """
 import bpy, signal, sys, threading, time
@@ -77,6 +75,7 @@ def test_exit_while_a_viewport_is_drawn(tmp_path):
     assert done(script(tmp_path, *lines)).endswith("drawing\n")
 
 
+@pytest.mark.alone
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal as it is done elsewhere")
 @pytest.mark.parametrize(
     ("number", "status", "said"),
@@ -117,6 +116,7 @@ def test_unregistered_while_rendering(tmp_path):
         "bpy.app.handlers.render_stats.clear()",
         "thread.join()",
         "addon.register()",  # as Blender does where the extension is enabled again
+        "scene.ism.render.samples = 4",
         "render('picture')",
         "unregister()",
         "unregister()",

@@ -14,9 +14,9 @@ from ism_addon.scene import LightShape, Scene, View
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.cycles import direct_light
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
-from tests.support.small_scenes import draw, from_above, light, look, placed, quad, stage
+from tests.support.small_scenes import draw, from_above, light, look, placed, quad, stage, with_quality
 
-RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0))
+RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=32, error_threshold=0.0))
 MAPS = replace(
     RAYS,
     shadow=Shadow(method=Method.SHADOW_MAPS),
@@ -93,7 +93,8 @@ def test_panels_that_look_over_a_floor(device, within, size, part):
 def test_something_stands_before_a_panel(device, within, part):
     scene, view = behind_a_floor(10.0, part)
     post = quad((-0.5, 0.0, 0.0), (1.0, 0, 0), (0, 0, 5.0 * part))
-    within(abs(ratio_to_cycles(device, *into_stage(scene, view, post), RAYS, 128) - 1.0), 0.005)
+    settings = with_quality(RAYS, samples=64)
+    within(abs(ratio_to_cycles(device, *into_stage(scene, view, post), settings, 128) - 1.0), 0.005)
 
 
 def into_stage(scene: Scene, view: View, mesh) -> tuple[Scene, View]:
