@@ -28,7 +28,7 @@ STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
 STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", "--check"), "mypy": ("mypy",)}
 #: pytest's exit status for it.
 NO_TEST_WAS_CHOSEN = 5
-#: As many tests at a time as there are cores; more would take much memory. Mesa then draws pixels in the calling thread.
+#: As many tests at a time as there are cores; more would take much memory. Mesa draws in the thread that calls it.
 SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
 NO_DRAWING_THREADS = {"LP_NUM_THREADS": "0"}
 #: Our exit status where something cannot be tried here, as others have it too.

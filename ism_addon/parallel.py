@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-#: Work on fewer items takes less time than starting threads.
+#: Work on fewer items takes less time than starting threads. See `dev.py bench constants` in docs/benchmarks.md.
 MIN_PARALLEL_SIZE = 1 << 14
 
 Portion = TypeVar("Portion")

@@ -15,7 +15,7 @@ from .gl.context import Device
 from .gl.errors import Cancelled
 from .profile import PassProfile
 
-#: Duration of a short sample. s
+#: Duration of a short sample, s. A render that is cancelled, or whose scene is edited, waits for two of them at most.
 SHORT_SAMPLE = 0.03
 
 

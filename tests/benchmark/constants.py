@@ -1,58 +1,134 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tuned constants at half and at twice their value: `dev.py bench constants`.
 
-Cost is squared error times processor time, after SAMPLES samples, over that with the constant as it is: above 1 is
-worse. It is the geometric mean over the tuning forms of some scenes of the error benchmark.
+The cost of an image is squared error times processor time, that of a new scene is the time to its first image. A number
+is the cost over that with the constant as it is: above 1 is worse. It is the geometric mean over some scenes of the
+error benchmark, in the form that parameters are tuned on.
 """
 
 import argparse
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from statistics import geometric_mean
+from statistics import geometric_mean, median
 
 from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.scene import View
+from ism_addon.scene import Scene, View
+from ism_addon.settings import Settings
 from tests.docs import record
 
-from .error.ism import ALL_SAMPLES
+from .error.ism import ALL_SAMPLES, VARIANTS
 from .error.metrics import rmse
 from .error.stage import Stage, set_up
 
 PASSES = "ism_addon.gpu.passes"
-#: By module.
-CONSTANTS = {
-    f"{PASSES}.light_selection.cull_lights": (
-        *("MAX_CULLED_FRACTION", "MIN_RELATIVE_IRRADIANCE", "FAINT_FRACTION"),
-        *("FEW_LIGHTS", "MANY_LIGHTS", "MAX_BOUND_OVER_MEAN"),
+SHADOW_MAPS = VARIANTS["ISM, shadow maps"]
+SIZE = 320, 180  # px
+TRUTH_SAMPLES = 128
+
+
+def seconds(
+    renderer: Renderer, scene: Scene, view: View, settings: Settings, samples: int, clock: Callable[[], float]
+) -> float:
+    """Time of so many samples of an image."""
+    start = clock()
+    for sample in range(samples):
+        for _ in renderer.sample(scene, view, settings, sample, Profile()):
+            pass
+    renderer.submission.finish()
+    return clock() - start
+
+
+def error_times_time(device: Device, stage: Stage, settings: Settings, samples: int) -> float:
+    """Squared error, over the squared mean, times seconds of the processor, without compiling and uploading."""
+    renderer, beside = Renderer(device), replace(stage.view, clip_from_view=(1.0 + 1e-6) * stage.view.clip_from_view)
+    seconds(renderer, stage.scene, beside, settings, samples, time.process_time)
+    spent = seconds(renderer, stage.scene, stage.view, settings, samples, time.process_time)
+    found = rmse(renderer.picture()[..., :3], stage.halves) ** 2 * spent
+    renderer.release()
+    return found
+
+
+def first_image(device: Device, stage: Stage) -> float:
+    """Seconds of four samples of a scene that has no BVH and no buffers yet: the median of three."""
+    times = []
+    for _ in range(3):
+        renderer = Renderer(device)
+        scene = replace(stage.scene, meshes=tuple(replace(mesh) for mesh in stage.scene.meshes))
+        times.append(seconds(renderer, scene, stage.view, ALL_SAMPLES, 4, time.perf_counter))
+        renderer.release()
+    return median(times)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Constants, by module, that are measured in the same way."""
+
+    cost: Callable[[Device, Stage], float]
+    scenes: tuple[str, ...]
+    constants: dict[str, tuple[str, ...]]
+
+
+GROUPS = {
+    "ray-traced images, 32 samples": Group(
+        lambda device, stage: error_times_time(device, stage, ALL_SAMPLES, 32),
+        ("objects", "thin", "lamps"),
+        {
+            f"{PASSES}.light_selection.cull_lights": (
+                *("MAX_CULLED_FRACTION", "MIN_RELATIVE_IRRADIANCE", "FAINT_FRACTION"),
+                *("FEW_LIGHTS", "MANY_LIGHTS", "MAX_BOUND_OVER_MEAN"),
+            ),
+            "ism_addon.gpu.culling.light_influence": ("STRONG_FRACTION", "UNKNOWN_VISIBILITY"),
+            f"{PASSES}.light_selection.retest_occluded": ("RETEST_PROBABILITY",),
+            f"{PASSES}.direct.select_faint_lights": ("MIN_LIGHT_PROBABILITY",),
+            f"{PASSES}.direct.ray_correction": ("RAY_THRESHOLD", "MIN_DOUBT"),
+            f"{PASSES}.direct.trace_shadows": (
+                *("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY", "CERTAIN_PROBABILITY"),
+                "MAX_CERTAIN_PROBABILITY",
+            ),
+            f"{PASSES}.surfaces.select_tiles": (
+                *("UNIFORM_SAMPLES", "MIN_TILE_PROBABILITY", "ALWAYS_SAMPLED_FRACTION", "MIN_NEIGHBOUR_RATIO"),
+            ),
+            f"{PASSES}.film.resolve": ("STRATIFICATION_EXPONENT", "SIMILARITY_SHARPNESS"),
+        },
     ),
-    "ism_addon.gpu.culling.light_influence": ("STRONG_FRACTION", "UNKNOWN_VISIBILITY"),
-    f"{PASSES}.light_selection.retest_occluded": ("RETEST_PROBABILITY",),
-    f"{PASSES}.direct.select_faint_lights": ("MIN_LIGHT_PROBABILITY",),
-    f"{PASSES}.direct.ray_correction": ("RAY_THRESHOLD", "MIN_DOUBT"),
-    f"{PASSES}.direct.trace_shadows": (
-        *("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY", "CERTAIN_PROBABILITY", "MAX_CERTAIN_PROBABILITY"),
+    "shadow-mapped images, 8 samples": Group(
+        lambda device, stage: error_times_time(device, stage, SHADOW_MAPS, 8),
+        ("objects", "lamps"),
+        {
+            f"{PASSES}.shadow_maps.light_importance": ("IMPORTANCE_POINTS",),
+            f"{PASSES}.shadow_maps.sample_points": ("POINTS_PER_MAP_POINT",),
+            f"{PASSES}.shadow_maps.select_points": ("SUBSETS_PER_LIGHT",),
+        },
     ),
-    f"{PASSES}.surfaces.select_tiles": ("MIN_TILE_PROBABILITY", "ALWAYS_SAMPLED_FRACTION", "MIN_NEIGHBOUR_RATIO"),
-    f"{PASSES}.film.resolve": ("STRATIFICATION_EXPONENT", "SIMILARITY_SHARPNESS"),
+    "first images of new scenes": Group(
+        first_image,
+        ("atrium", "dense", "objects"),
+        {
+            "ism_addon.parallel": ("MIN_PARALLEL_SIZE",),
+            "ism_addon.gpu.accel.blas": (
+                *("TRIANGLES_PER_LEAF", "SORT_ALL_BELOW", "SAMPLED_TRIANGLES", "MAX_OVERLAP", "COHERENT_FRACTION"),
+                "BOXES_PER_MESH",
+            ),
+            "ism_addon.gpu.buffers.small_meshes": ("SMALL_MESH",),
+            "ism_addon.gpu.buffers.instance_buffers": ("MAX_OWNERS_RATIO",),
+            "ism_addon.gpu.culling.frustum_slices": ("SLICES",),
+        },
+    ),
 }
 FACTORS = 0.5, 1.0, 2.0
-SCENES = "objects", "thin", "lamps"
-SIZE = 320, 180  # px
-SAMPLES = 32
-TRUTH_SAMPLES = 128
 
 
 @contextmanager
 def multiplied(module: str, name: str, factor: float) -> Iterator[None]:
-    """A constant of the package, for a while another one."""
+    """A constant of the package, temporarily with another value."""
     owner = import_module(module)
     value = getattr(owner, name)
     setattr(owner, name, type(value)(value * factor))
@@ -62,22 +138,26 @@ def multiplied(module: str, name: str, factor: float) -> Iterator[None]:
         setattr(owner, name, value)
 
 
-def cost(device: Device, stage: Stage) -> float:
-    """Squared error, over the squared mean, times seconds of the processor."""
-    renderer = Renderer(device)
-
-    def draw(view: View) -> float:
-        start = time.process_time()
-        for sample in range(SAMPLES):
-            for _ in renderer.sample(stage.scene, view, ALL_SAMPLES, sample, Profile()):
-                pass
-        return time.process_time() - start
-
-    draw(replace(stage.view, clip_from_view=(1.0 + 1e-6) * stage.view.clip_from_view))  # compiles and uploads
-    seconds = draw(stage.view)
-    found = rmse(renderer.picture()[..., :3], stage.halves) ** 2 * seconds
-    renderer.release()
-    return found
+def measure(device: Device, group: Group, folder: Path) -> dict[str, dict[str, float]]:
+    """Of each constant, its value and the relative costs."""
+    costs: dict[str, dict[float, list[float]]] = {}
+    values: dict[str, float] = {}
+    for scene in group.scenes:
+        stage = set_up(scene, 1, SIZE, TRUTH_SAMPLES, folder)
+        group.cost(device, stage)  # compiles
+        for module, names in group.constants.items():
+            for name in names:
+                values[name] = getattr(import_module(module), name)
+                for factor in FACTORS:
+                    with multiplied(module, name, factor):
+                        costs.setdefault(name, {}).setdefault(factor, []).append(group.cost(device, stage))
+    rows = {}
+    for name, own in costs.items():
+        half, _, double = (geometric_mean(a / b for a, b in zip(own[f], own[1.0], strict=True)) for f in FACTORS)
+        assert math.isfinite(half) and math.isfinite(double)
+        rows[name] = {"value": values[name], "half": half, "double": double}
+        print(f"{name:26} {values[name]:8g}   half {half:.3f}   double {double:.3f}", flush=True)
+    return rows
 
 
 def main() -> int:
@@ -86,24 +166,11 @@ def main() -> int:
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     device = open_device()
-    costs: dict[str, dict[float, list[float]]] = {}
-    values = {}
-    for scene in SCENES:
-        stage = set_up(scene, 1, SIZE, TRUTH_SAMPLES, options.output)
-        for module, names in CONSTANTS.items():
-            for name in names:
-                values[name] = getattr(import_module(module), name)
-                for factor in FACTORS:
-                    with multiplied(module, name, factor):
-                        costs.setdefault(name, {}).setdefault(factor, []).append(cost(device, stage))
-    rows = {}
-    for name, own in costs.items():
-        relative = {f: geometric_mean(a / b for a, b in zip(own[f], own[1.0], strict=True)) for f in FACTORS}
-        rows[name] = {"value": values[name], "half": relative[0.5], "double": relative[2.0]}
-        print(f"{name:26} {values[name]:8g}   half {relative[0.5]:.3f}   double {relative[2.0]:.3f}", flush=True)
-    assert all(math.isfinite(row[kind]) for row in rows.values() for kind in ("half", "double"))
-    measured = {"scenes": SCENES, "size": SIZE, "samples": SAMPLES, "constants": rows}
-    print(record.write(options.output, "constants", device.name, measured))
+    groups = {}
+    for name, group in GROUPS.items():
+        print(f"{name}: {', '.join(group.scenes)}", flush=True)
+        groups[name] = {"scenes": group.scenes, "constants": measure(device, group, options.output)}
+    print(record.write(options.output, "constants", device.name, {"size": SIZE, "groups": groups}))
     return 0
 
 

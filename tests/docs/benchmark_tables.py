@@ -156,11 +156,14 @@ def pass_table() -> str:
 def constants_table() -> str:
     """What tuned constants cost at half and at twice their value."""
     found = record.read("constants")
-    rows = [["constant", "value", "half", "double"]]
-    for name, each in found["constants"].items():
-        rows.append([f"`{name}`", f"{each['value']:g}", f"{each['half']:.2f}", f"{each['double']:.2f}"])
-    scenes, (width, height) = ", ".join(found["scenes"]), found["size"]
-    return f"{error_report.table(rows)}\n\n{scenes}; {width}×{height} pixels. {record.sentence(found)}"
+    tables = []
+    for about, group in found["groups"].items():
+        rows = [["constant", "value", "half", "double"]]
+        for name, each in group["constants"].items():
+            rows.append([f"`{name}`", f"{each['value']:g}", f"{each['half']:.2f}", f"{each['double']:.2f}"])
+        tables.append(f"Of {about} ({', '.join(group['scenes'])}):\n\n{error_report.table(rows)}")
+    width, height = found["size"]
+    return "\n\n".join([*tables, f"{width}×{height} pixels. {record.sentence(found)}"])
 
 
 #: What stands between markers of this name, and files that are generated as a whole, from the root.

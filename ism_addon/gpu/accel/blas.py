@@ -18,7 +18,8 @@ from .bvh import MIN_MAX, QUANTA_PER_PLANE, assign_leaves, build, leaves_for, pa
 from .quantization import Quantization
 
 #: Most triangles in a leaf: with fewer, trees are larger; with more, rays test more triangles. The number of leaves is
-#: a power of four, so a leaf has 1.5 triangles on average at least. An even number, as a quad is two triangles.
+#: a power of four, so a leaf has 1.5 triangles on average at least. An even number, as a quad is two triangles. This
+#: and the constants below: see `dev.py bench constants` in docs/benchmarks.md.
 TRIANGLES_PER_LEAF = 6
 
 #: Up to so many triangles the BVH is built over triangles, not runs: tracing is a tenth faster in the atrium's statue.

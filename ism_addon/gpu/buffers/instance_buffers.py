@@ -15,7 +15,7 @@ from .mesh_buffers import MeshBuffers
 from .small_meshes import SMALL_MESH
 
 #: Small meshes are drawn together if the table of their triangles' instances has at most this many rows a triangle.
-#: With fewer small meshes their draw calls do not matter.
+#: With fewer small meshes their draw calls do not matter. See `dev.py bench constants` in docs/benchmarks.md.
 MAX_OWNERS_RATIO = 16
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from ...scene import Mesh
 from ..accel.quantization import quantizations, quantize
 
-#: Most triangles of a small mesh: work on one takes less time than calling numpy for it.
+#: Most triangles of a small mesh: work on one takes less time than calling numpy for it. See `dev.py bench constants`
+#: in docs/benchmarks.md.
 SMALL_MESH = 1 << 10
 
 #: Most triangles of joined meshes, so that they stay in the processor's cache.

@@ -10,7 +10,7 @@ from ...spaces import view_from_anchor
 from ..gl.depth import planes
 from ..gl.frame_uniforms import rays
 
-#: Slices of the frustum, by depth.
+#: Slices of the frustum, by depth. See `dev.py bench constants` in docs/benchmarks.md.
 SLICES = 8
 
 #: Margin of the boxes, relative to their size: rays start above curved surfaces, see terminator_offset.glsl.

@@ -19,7 +19,7 @@ from .job import Job, Picture
 
 log = logging.getLogger(__name__)
 
-#: Fraction of the time for reading back intermediate pictures.
+#: Most of the render's time that reading back intermediate pictures may take. A choice: less time, fewer of them.
 DISPLAY_TIME_FRACTION = 0.1
 
 

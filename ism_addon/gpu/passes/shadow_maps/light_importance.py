@@ -19,7 +19,7 @@ from ...frame import Frame, Pass, outputs
 from ...lights import by_type
 from .point_cloud import PointCloud
 
-#: Points of the cloud that the lights are seen from.
+#: Points of the cloud that the lights are seen from. See `dev.py bench constants` in docs/benchmarks.md.
 IMPORTANCE_POINTS = 4096
 
 

@@ -10,7 +10,8 @@ from ....scene import Change
 from ...frame import Frame, Pass, outputs
 from .point_cloud import make_point_cloud
 
-#: Points in the cloud for each point of a map, and the most in the cloud, unless a map has more.
+#: Points in the cloud for each point of a map, and the most in the cloud, unless a map has more. See `dev.py bench
+#: constants` in docs/benchmarks.md.
 POINTS_PER_MAP_POINT = 16
 MAX_POINTS = 1 << 20
 

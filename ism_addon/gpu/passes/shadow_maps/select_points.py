@@ -23,7 +23,8 @@ from ...frame import Frame, Pass, outputs
 from ...lights import type_of
 from .point_cloud import PointCloud
 
-#: Subsets of points for each light, which its virtual lights use in turn.
+#: Subsets of points for each light, which its virtual lights use in turn. See `dev.py bench constants` in
+#: docs/benchmarks.md.
 SUBSETS_PER_LIGHT = 4
 
 MAP_POINT = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("radius", "f4")])

@@ -32,7 +32,7 @@ from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
 from ...tiles import from_strips, tiles_where
 
-#: Samples in which every tile takes part.
+#: Samples in which every tile takes part. See `dev.py bench constants` in docs/benchmarks.md.
 UNIFORM_SAMPLES = 2
 
 #: Least probability of a tile after them, and the fraction of the tiles whose probability is 1. See `dev.py bench
