@@ -135,7 +135,7 @@ class Frame:
         """Columns and rows of tiles that cover the image."""
         return -(-self.view.width // TILE_SIZE), -(-self.view.height // TILE_SIZE)
 
-    @property
+    @cached_property
     def casts_shadows(self) -> bool:
         """Whether any light and any instance cast shadows."""
         return bool(
@@ -144,7 +144,7 @@ class Frame:
             and self.scene.instances.casts_shadow.any()
         )
 
-    @property
+    @cached_property
     def traces_shadows(self) -> bool:
         """Whether shadow rays are traced that can hit anything."""
         return self.casts_shadows and any(estimator.traces_rays for estimator in self.estimators)

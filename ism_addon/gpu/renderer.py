@@ -72,6 +72,8 @@ class Renderer:
         self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
+        #: The scene and view that `uniforms` are of, and their anchor.
+        self.placed: tuple[Scene, View, np.ndarray] | None = None
 
     def sample(
         self,
@@ -119,19 +121,21 @@ class Renderer:
             raise ValueError(
                 f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
             )
-        anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
+        if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
+            anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
+            self.uniforms.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
+            self.placed = scene, view, anchor
         grid, chosen = self.grid(view, settings, sample, low_latency), estimators(settings)
         if sample == 0:
             self.estimate_memory(scene, view, settings, chosen, int(grid.bounds(view.width, view.height)[1].prod()))
             self.graph.begin(pass_types_of(chosen))
-        self.uniforms.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
         return Frame(
             device=self.device,
             scene=scene,
             view=view,
             settings=settings,
             sample=sample,
-            anchor=anchor,
+            anchor=self.placed[2],
             graph=self.graph,
             estimators=chosen,
             counts=profile.counts,

@@ -9,7 +9,7 @@ import numpy as np
 from .dimensions import Dimension, draw
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PixelGrid:
     """A grid of texels finer than the pixels and rotated against theirs, and the subpixel offsets of samples on it."""
 
@@ -18,6 +18,7 @@ class PixelGrid:
     texels: np.ndarray  # (N,2) int: the texel of each sample, from the one at the pixel's centre
     subpixel_offsets: np.ndarray  # (N,2) px: of samples from the pixel's centre
 
+    @lru_cache(maxsize=64)  # noqa: B019 (few grids, which are small)
     def bounds(self, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
         """(2,) each: the texel of the picture's first pixel, and the number of columns and rows of texels."""
         corners = np.array([[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]]) @ self.fine_from_pixel.T

@@ -29,7 +29,7 @@ class BoundState:
         self._units: dict[str, int] = {}
         #: By unit. Weak, because OpenGL unbinds a texture when it is deleted.
         self._textures: dict[int, weakref.ref[Texture]] = {}
-        self._values: weakref.WeakKeyDictionary[moderngl.Program, dict[str, bytes]] = weakref.WeakKeyDictionary()
+        self._values: weakref.WeakKeyDictionary[moderngl.Program, dict[str, object]] = weakref.WeakKeyDictionary()
 
     def unit_with(self, name: str, texture: Texture) -> int:
         """The texture unit of the samplers of this name, with the texture bound to it."""
@@ -43,7 +43,7 @@ class BoundState:
     def is_new(self, program: moderngl.Program, name: str, value: Any) -> bool:
         """Whether a uniform has another value than this one. The value is then taken as set."""
         values = self._values.setdefault(program, {})
-        content = np.asarray(value).tobytes()
+        content = value if isinstance(value, (int, float, tuple)) else np.asarray(value).tobytes()
         if values.get(name) == content:
             return False
         values[name] = content

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which pixels trace rays that correct a prediction, and to which points of a light."""
 
+from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -34,7 +36,8 @@ def shader_constants(
     }
 
 
-def ray_sequence() -> dict[str, tuple[int, ...]]:
+@cache
+def ray_sequence() -> Mapping[str, tuple[int, ...]]:
     """Uniforms: increments of the points on a light, and of the samples in which rays are traced."""
     turns = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
     return {
@@ -44,11 +47,13 @@ def ray_sequence() -> dict[str, tuple[int, ...]]:
     }
 
 
+@cache
 def light_shift(light: int) -> tuple[int, ...]:
     """(3,) of a light: the same for the first ray of the first pixel, in 32-bit fixed point."""
     return fixed_point([*draw(Dimension.LIGHT_POINT, light=light), *draw(Dimension.RAY_TURN, light=light)])
 
 
+@cache
 def light_steps() -> tuple[int, ...]:
     """(3,) increments of light_shift from light to light."""
     return fixed_increments(Dimension.LIGHT_POINT, "light") + fixed_increments(Dimension.RAY_TURN, "light")
