@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ DESKTOP = project.ROOT / "tests/tools/desktop.py"
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
 #: Blenders, where any pace will do: each waits half of the time, but may take as much longer.
 AT_ONCE = 2
+#: Pixels of a viewport's width, at most, where any pace will do.
+ANY_PACE_WIDTH = 600
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
 #: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
 WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -65,7 +68,8 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
     """
     outcomes = []
     with ThreadPoolExecutor(AT_ONCE if any_pace else 1) as pool:
-        for outcome in pool.map(lambda scenario: _play(scenario, archive, output / scenario.name, blender), chosen):
+        play_one = partial(_play, archive=archive, output=output, blender=blender, any_pace=any_pace)
+        for outcome in pool.map(play_one, chosen):
             print(_lines(outcome), flush=True)
             outcomes.append(outcome)
     record = {"commit": project.commit(), "outcomes": [asdict(outcome) for outcome in outcomes]}
@@ -75,11 +79,14 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
     return not failed
 
 
-def _play(scenario: Scenario, archive: Path, folder: Path, blender: Blender) -> Outcome:
+def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any_pace: bool) -> Outcome:
+    folder = output / scenario.name
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "user").mkdir(parents=True)
+    scale = min(1.0, ANY_PACE_WIDTH / scenario.region[0]) if any_pace else 1.0
     width, height = (
-        round((pixels + less) / part) for pixels, less, part in zip(scenario.region, LESS, PART, strict=True)
+        round((round(scale * pixels) + less) / part)
+        for pixels, less, part in zip(scenario.region, LESS, PART, strict=True)
     )
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
     script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
