@@ -14,19 +14,18 @@ Results = Mapping[int, Mapping]
 COLUMNS = {
     "reading s": lambda told: told["reading s"],
     "first sync s": lambda told: told["first sync s"],
-    "trees ms": lambda told: told["trees ms"],
+    "BVH ms": lambda told: told["trees ms"],
     "shadows ms": lambda told: told["shadows ms"],
-    "trees kept: shadows ms": lambda told: told["shadows again ms"],
+    "shadows with BVH kept ms": lambda told: told["shadows again ms"],
     "first sample s": lambda told: told["first sample s"],
     "further sample s": lambda told: told["further sample s"],
     "a frame s": lambda told: told.get("a frame s"),
     "peak MB": lambda told: told["peak bytes"] / 1e6,
 }
 COUNTED = (
-    "First sync: reading in Blender, and the upload of meshes, places and colours. Shadows: trees of boxes, the first "
-    "look, what is predicted from it, and the rays, of the first sample. Peak: what is in memory at most, OpenGL and "
-    "shaders included, above Blender with the scene open. Each row is a process of its own that has compiled its "
-    "shaders before."
+    "First sync: reading in Blender, and the upload of meshes, instances and materials. Shadows: BVHs, culling, probe "
+    "rays, prediction and shadow rays of the first sample. Peak: the most memory in use, OpenGL and shaders included, "
+    "above Blender with the scene open. Each row is a process of its own that has compiled its shaders before."
 )
 
 

@@ -135,7 +135,7 @@ def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device
         for each, last in ((scene, 0), (scene, 511), (under, 0))
     )
     above = replace(scene, lights=Lights(**{name: rows[1:] for name, rows in vars(lamps).items()}))
-    truth = reference.picture(above, view, 12)[0][:, 0].sum()
+    truth = reference.picture(above, view, 6)[0][:, 0].sum()
     assert draw(device, open_scene, view, settings, last=0).color[..., 0].sum() > without + 10.0 * truth
     assert before == pytest.approx(without, rel=1e-6), "else it shows nothing"
     assert 0.1 * truth < after - without < 1.1 * truth
