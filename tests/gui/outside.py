@@ -26,8 +26,8 @@ DESKTOP = project.ROOT / "tests/tools/desktop.py"
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
 #: Blenders, where any pace will do: each waits half of the time, but may take as much longer.
 AT_ONCE = 2
-#: Pixels of a viewport's width, at most, where any pace will do.
-ANY_PACE_WIDTH = 600
+#: Pixels of a viewport for which a scenario names no number; fewer where any pace will do.
+REGION, ANY_PACE_REGION = (1000, 700), (600, 420)
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
 #: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
 WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -83,11 +83,8 @@ def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any
     folder = output / scenario.name
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "user").mkdir(parents=True)
-    scale = min(1.0, ANY_PACE_WIDTH / scenario.region[0]) if any_pace else 1.0
-    width, height = (
-        round((round(scale * pixels) + less) / part)
-        for pixels, less, part in zip(scenario.region, LESS, PART, strict=True)
-    )
+    region = scenario.region or (ANY_PACE_REGION if any_pace else REGION)
+    width, height = (round((pixels + less) / part) for pixels, less, part in zip(region, LESS, PART, strict=True))
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
     script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
     arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]

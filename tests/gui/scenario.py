@@ -16,7 +16,7 @@ class Scenario:
     module: str
     name: str
     about: str
-    region: tuple[int, int] = (1000, 700)  # pixels of the 3D viewport, in Blender's factory layout
+    region: tuple[int, int] | None = None  # pixels of the 3D viewport, in Blender's factory layout; None: any
     patience: int = 120  # s, for all of it
 
 
