@@ -77,8 +77,8 @@ class Group:
 
 
 GROUPS = {
-    "ray-traced images, 32 samples": Group(
-        lambda device, stage: error_times_time(device, stage, ALL_SAMPLES, 32),
+    "ray-traced images, 16 samples": Group(
+        lambda device, stage: error_times_time(device, stage, ALL_SAMPLES, 16),
         ("objects", "thin", "lamps"),
         {
             f"{PASSES}.light_selection.cull_lights": (

@@ -24,8 +24,8 @@ INSIDE = Path(__file__).with_name("inside.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
 #: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
-#: Blenders, where any pace will do: each waits half of the time, but may take as much longer.
-AT_ONCE = 2
+#: Blenders at a time, where any pace will do: each waits much of its time, but may take as much longer.
+AT_ONCE = 3
 #: Pixels of a viewport for which a scenario names no number; fewer where any pace will do.
 REGION, ANY_PACE_REGION = (1000, 700), (600, 420)
 START = 60  # s that Blender may take until the scenario begins, and after it has ended
