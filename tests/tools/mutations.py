@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Breaks the product in 25 ways, one at a time, and tells which test notices: python -m tests.tools.mutations
+"""Breaks the product, in one way at a time, and tells which test notices: python -m tests.tools.mutations
 
 Each is made in a temporary copy of the files, where the tests that should notice run until one fails. With --all the
 other tests follow where none of those does. An exit status of 1 means that a mutation survived.
@@ -132,6 +132,12 @@ MUTATIONS = (
         "np.sqrt(cloud.area / np.pi / probabilities[taken])",
         "np.sqrt(cloud.area / np.pi)",
         ("test_select_points", "test_splat"),
+    ),
+    Mutation(
+        "a disc at a map's horizon is dropped where rounding takes its centre out of the map",
+        "clamp(square_from_hemisphere(d), -1.0, 1.0)",
+        "square_from_hemisphere(d)",
+        ("test_splat",),
     ),
     Mutation(
         "a transparent film is opaque",
