@@ -9,6 +9,7 @@ import pytest
 
 from ism_addon import addon
 from ism_addon.blender.sync import scene_reader
+from tests.scenes.empty_file import open_empty_file
 
 SQUARE = ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
 
@@ -24,8 +25,7 @@ def registered() -> Iterator[None]:
 @pytest.fixture
 def empty_scene() -> bpy.types.Scene:
     """Factory settings and nothing in the scene."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    return bpy.context.scene
+    return open_empty_file()
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import pytest
 from ism_addon import addon, old_names
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import DebugView, Method
+from tests.scenes.empty_file import open_empty_file
 
 
 class OldShadow(bpy.types.PropertyGroup):
@@ -37,7 +38,7 @@ def old_file(tmp_path) -> Iterator[str]:
     for cls in OLD:
         bpy.utils.register_class(cls)
     bpy.types.Scene.ism = bpy.props.PointerProperty(type=OldSettings)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     ism = bpy.context.scene.ism
     ism.shadow.method, ism.show = "CLASSIC", "smooth_occlusion"
     ism.render.samples, ism.render.light_points, ism.viewport.surface_points = 3, 7, 999

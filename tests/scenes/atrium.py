@@ -21,6 +21,7 @@ from tests.scenes.parts.shapes import Shape, box, ring
 from tests.scenes.parts.statue import statue_mesh
 
 from .atrium_light import light, look
+from .empty_file import open_empty_file
 
 HALF_X, HALF_Y, DEPTH = 12.0, 4.0, 3.3  # m: arcade axes, depth of the galleries
 FLOOR, SPRINGING, STOREY = 0.15, 2.95, 4.6  # m: gallery floor, springing of its arches, upper floor
@@ -47,7 +48,7 @@ Parts = Sequence[tuple[Shape, str]]
 
 def build(path: Path) -> None:
     """Write the atrium to a .blend; what was open is replaced."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     mason = Mason()
     shell(mason)
     for middle, turn, bays in SIDES:

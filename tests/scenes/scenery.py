@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from .atrium_light import aim
+from .empty_file import open_empty_file
 
 Point = tuple[float, float, float]
 
@@ -38,7 +39,7 @@ class Lamp:
 
 def start() -> None:
     """An empty file with a black world."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     darken()
 
 

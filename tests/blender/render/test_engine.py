@@ -9,6 +9,7 @@ import pytest
 
 from ism_addon.blender import engine
 from ism_addon.blender.render import final_render
+from tests.scenes.empty_file import open_empty_file
 from tests.support import exr
 
 WIDTH, HEIGHT = 48, 32
@@ -21,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 @pytest.fixture
 def scene():
     """A cube of 2 m on a floor, an area light above, a camera straight above that sees 12 m by 8 m."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=100.0)
     bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
     bpy.ops.object.light_add(type="AREA", location=(0.0, 0.0, 6.0))

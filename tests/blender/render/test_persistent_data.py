@@ -13,6 +13,7 @@ from ism_addon.blender.render import persistent_data
 from ism_addon.blender.sync.geometry import meshes
 from ism_addon.blender.sync.materials import images
 from tests.blender.render.test_engine import prepare
+from tests.scenes.empty_file import open_empty_file
 from tests.support import exr
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -23,7 +24,7 @@ FRAMES = 3
 @pytest.fixture
 def scene(tmp_path):
     """A textured cube on a floor under a lamp, and a camera that goes past."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
     bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
     bpy.context.object.data.materials.append(textured())

@@ -9,6 +9,7 @@ import pytest
 from mathutils import Matrix
 
 from ism_addon.blender.sync import scene_reader
+from tests.scenes.empty_file import open_empty_file
 
 TRIANGLE = ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
 
@@ -252,5 +253,5 @@ def test_the_scene_outlives_the_file(add, extracted):
     add("A")
     scene = extracted()
     before = scene.meshes[0].positions.copy()
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     assert np.array_equal(scene.meshes[0].positions, before)

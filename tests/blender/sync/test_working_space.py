@@ -11,6 +11,7 @@ from ism_addon.blender.sync.materials import images
 from ism_addon.color import PRIMARIES
 from ism_addon.gpu.buffers.material_buffers import decoded
 from tests.scenes.cycles import direct_light
+from tests.scenes.empty_file import open_empty_file
 
 #: Before Blender 5.0 there is one only.
 SPACES = list(PRIMARIES) if bpy.app.version >= (5, 0) else ["Linear Rec.709"]
@@ -23,7 +24,7 @@ def space(request, empty_scene):
         bpy.ops.wm.set_working_color_space(working_space=request.param, convert_colors=False)
     assert images.working_space() == request.param
     yield request.param
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
 
 
 def test_all_spaces_of_blender_are_known():

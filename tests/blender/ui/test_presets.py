@@ -11,6 +11,7 @@ from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import FINAL, VIEWPORT, Method
 from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
+from tests.scenes.empty_file import open_empty_file
 
 OURS = {"Draft", "Default", "Final", "Report_2013"}
 
@@ -26,8 +27,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def scene():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    return bpy.context.scene
+    return open_empty_file()
 
 
 def found():

@@ -9,6 +9,7 @@ import pytest
 from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.ui import panels, properties
+from tests.scenes.empty_file import open_empty_file
 
 GROUPS = {
     "shadow": settings.Shadow(),
@@ -34,8 +35,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture
 def scene():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    return bpy.context.scene
+    return open_empty_file()
 
 
 def another(control, default):
@@ -159,7 +159,7 @@ def test_survive_the_file(scene, tmp_path):
     turn_all(scene)
     before = {use: read_settings.read(scene, use) for use in ("render", "viewport")}
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "turned.blend"))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     assert read_settings.read(bpy.context.scene, "render") != before["render"]
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "turned.blend"))
     for use, expected in before.items():

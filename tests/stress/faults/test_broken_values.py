@@ -10,6 +10,7 @@ import pytest
 from ism_addon import addon
 from ism_addon.blender.render import read_settings
 from ism_addon.setting_limits import within_limits
+from tests.scenes.empty_file import open_empty_file
 from tests.scenes.small import box_over_plane
 from tests.stress.pictures.comparisons import apart
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
@@ -103,7 +104,7 @@ def test_a_broken_setting(value, path):
     """Blender's own limits, or ours, make a number of it."""
     addon.register()
     try:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        open_empty_file()
         section, name = path.split(".")
         setattr(getattr(bpy.context.scene.ism, section), name, value)
         told = within_limits(read_settings.read(bpy.context.scene, "render"))

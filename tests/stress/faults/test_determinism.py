@@ -14,6 +14,7 @@ import pytest
 
 from ism_addon import addon, snapshot
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from tests.scenes.empty_file import open_empty_file
 from tests.scenes.small import SMALL
 from tests.support import exr
 from tests.support.small_scenes import draw
@@ -68,7 +69,7 @@ def test_another_process(device, tmp_path, method, name):
 def animation(tmp_path):
     """A file in which the camera, a thing and a lamp move."""
     addon.register()
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
     bpy.ops.mesh.primitive_monkey_add(location=(0.0, 0.0, 1.0))
     moving = [bpy.context.object]

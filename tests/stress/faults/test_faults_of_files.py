@@ -16,6 +16,7 @@ import pytest
 from ism_addon import addon, snapshot
 from ism_addon.atomic_files import atomic_write
 from ism_addon.blender.sync import scene_reader
+from tests.scenes.empty_file import open_empty_file
 from tests.scenes.small import pillar_field
 from tests.support.small_scenes import SMALL_SETTINGS
 from tests.tools import project
@@ -173,7 +174,7 @@ def test_libraries_that_are_missing(blender, tmp_path):
     library, path = tmp_path / "library.blend", tmp_path / "scene.blend"
     cube = bpy.data.objects["Cube"]
     bpy.data.libraries.write(str(library), {cube, cube.data, cube.data.materials[0]})
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     with bpy.data.libraries.load(str(library), link=True) as (_, linked):
         linked.objects, linked.meshes, linked.materials = ["Cube"], ["Cube"], ["Material"]
     mesh = bpy.data.meshes.new("Own")

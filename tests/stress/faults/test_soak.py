@@ -20,6 +20,7 @@ from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.jobs.render_thread import shared
+from tests.scenes.empty_file import open_empty_file
 from tests.tools.memory import resident
 
 pytestmark = [
@@ -38,7 +39,7 @@ KINDS, NAMES = ("Texture", "Buffer", "Framebuffer", "VertexArray", "Program", "S
 def scene() -> Iterator[bpy.types.Scene]:
     """Five things on a floor, two lamps and a camera."""
     addon.register()
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
     for across in range(5):
         bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16, location=(across - 2.0, 0.0, 1.0))

@@ -10,11 +10,12 @@ from mathutils import Matrix
 from ism_addon import addon
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.scene import LightShape, Scene, View
+from tests.scenes.empty_file import open_empty_file
 
 
 def into_blender(scene: Scene, view: View) -> None:
     """In a new file; grey surfaces, smooth where the normals of a triangle's corners differ."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty_file()
     material = bpy.data.materials.new("Grey")
     material.use_nodes = True
     nodes = material.node_tree.nodes
