@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 import moderngl
 import numpy as np
 
-from ..resource_types import Resource, Target
+from ..resource_types import Channel, Resource, Target
 from ..resources import TILE_SIZE
 from ..sampling.pixel_grid import PixelGrid
 from ..scene import Change, Scene, View
@@ -191,12 +191,18 @@ class Pass:
     feedback: ClassVar[tuple[Resource[Any], ...]] = ()
     outputs: ClassVar[Mapping[Resource[Any], tuple[Input, ...]]] = {}
     readable: ClassVar[frozenset[Resource[Any]]] = frozenset()
+    #: Outputs that are allocated before the pass is executed, and targets that it reads, by whether as feedback.
+    sized_outputs: ClassVar[tuple[Target, ...]] = ()
+    read_targets: ClassVar[tuple[Target, ...]] = ()
+    feedback_targets: ClassVar[tuple[Target, ...]] = ()
     #: Of each output, the inputs that only other outputs depend on, by index.
     unrelated: ClassVar[Mapping[Resource[Any], frozenset[int]]] = {}
 
     def __init_subclass__(cls) -> None:
         resources = (each for each in cls.inputs if isinstance(each, Resource))
         cls.readable = frozenset((*resources, *cls.feedback, *cls.outputs))
+        cls.sized_outputs = tuple(each for each in cls.outputs if isinstance(each, Target) and each.divisor)
+        cls.read_targets, cls.feedback_targets = targets_of(cls.inputs), targets_of(cls.feedback)
         exclusive = {each for inputs in cls.outputs.values() for each in inputs}
         cls.unrelated = {
             output: frozenset(index for index, each in enumerate(cls.inputs) if each in exclusive - set(own))
@@ -232,6 +238,12 @@ class Pass:
         """Path of a shader file without its extension: this pass's module, or module_suffix."""
         module = type(self).__module__.rpartition(".gpu.")[2]
         return "_".join(filter(None, (module.replace(".", "/"), suffix)))
+
+
+def targets_of(inputs: Iterable[Input]) -> tuple[Target, ...]:
+    """The targets among inputs, and those that channels among them are of."""
+    resources = (each.of if isinstance(each, Channel) else each for each in inputs)
+    return tuple(each for each in resources if isinstance(each, Target))
 
 
 def outputs(*resources: Resource[Any]) -> dict[Resource[Any], tuple[Input, ...]]:

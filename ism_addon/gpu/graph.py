@@ -120,18 +120,15 @@ class Graph:
 
     def prepare(self, pass_type: type[Pass], frame: Frame) -> None:
         """Allocate a pass's targets, and neutral textures for those that it reads and no pass has made."""
-        for output in pass_type.outputs:
-            if isinstance(output, Target) and output.divisor:
-                self.targets.allocate(output, size_of(output, *frame.size))
-        for resource in (*pass_type.inputs, *(pass_type.feedback if frame.sample > 0 else ())):
-            target = resource.of if isinstance(resource, Channel) else resource
-            if isinstance(target, Target):
-                self.targets.ensure(target)
+        for target in pass_type.sized_outputs:
+            self.targets.allocate(target, size_of(target, *frame.size))
+        for target in pass_type.read_targets + (pass_type.feedback_targets if frame.sample > 0 else ()):
+            self.targets.ensure(target)
 
     def recipe(self, pass_type: type[Pass], frame: Frame) -> Recipe:
         """The identities of all inputs of a pass: equal while its outputs are still valid."""
-        sized = any(isinstance(output, Target) and output.divisor for output in pass_type.outputs)
-        return (*(self.identity(each, frame) for each in pass_type.inputs), frame.size if sized else None)
+        size = frame.size if pass_type.sized_outputs else None
+        return (*(self.identity(each, frame) for each in pass_type.inputs), size)
 
     def identity(self, each: Input, frame: Frame) -> object:
         """A value that identifies the contents of an input."""

@@ -25,6 +25,7 @@ class PixelGrid:
         first = -corners.min(0) - self.texels.min(0)
         return first, np.ptp(corners, axis=0) + np.ptp(self.texels, axis=0) + 1
 
+    @lru_cache(maxsize=64)  # noqa: B019 (likewise)
     def max_size(self, width: int, height: int) -> np.ndarray:
         """(2,): the most columns and rows of a grid of this spacing, whatever its subpixel offsets."""
         _, size = self.bounds(width, height)

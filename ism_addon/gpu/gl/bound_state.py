@@ -40,11 +40,15 @@ class BoundState:
             self._textures[unit] = weakref.ref(texture)
         return unit
 
-    def is_new(self, program: moderngl.Program, name: str, value: Any) -> bool:
-        """Whether a uniform has another value than this one. The value is then taken as set."""
-        values = self._values.setdefault(program, {})
-        content = value if isinstance(value, (int, float, tuple)) else np.asarray(value).tobytes()
-        if values.get(name) == content:
-            return False
-        values[name] = content
-        return True
+    def values(self, program: moderngl.Program) -> dict[str, object]:
+        """The values of a program's uniforms by name, for is_new."""
+        return self._values.setdefault(program, {})
+
+
+def is_new(values: dict[str, object], name: str, value: Any) -> bool:
+    """Whether a uniform has another value than this one. The value is then taken as set."""
+    content = value if isinstance(value, (int, float, tuple)) else np.asarray(value).tobytes()
+    if values.get(name) == content:
+        return False
+    values[name] = content
+    return True

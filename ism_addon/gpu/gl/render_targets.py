@@ -57,6 +57,8 @@ class RenderTargets:
         #: Size of each that passes have made; neutral ones have none.
         self.sizes: dict[Target, tuple[int, int]] = {}
         self.framebuffers: dict[tuple[Target, ...], moderngl.Framebuffer] = {}
+        #: Memory of all textures.
+        self.bytes = 0
 
     def __getitem__(self, target: Target) -> moderngl.Texture:
         return self.textures[target]
@@ -65,7 +67,8 @@ class RenderTargets:
         """Make sure that a target has this size."""
         if self.sizes.get(target) != size:
             self.release([target])
-            self.textures[target], self.sizes[target] = create(self.gl, target, size), size
+            self._keep(target, create(self.gl, target, size))
+            self.sizes[target] = size
 
     def reserve(self, target: Target, size: tuple[int, int]) -> None:
         """Make sure that a target has this size or a larger one."""
@@ -76,7 +79,11 @@ class RenderTargets:
     def ensure(self, target: Target) -> None:
         """Make the neutral texture of a target that no pass has made."""
         if target not in self.textures:
-            self.textures[target] = create_neutral(self.gl, target)
+            self._keep(target, create_neutral(self.gl, target))
+
+    def _keep(self, target: Target, texture: moderngl.Texture) -> None:
+        self.textures[target] = texture
+        self.bytes += bytes_of(texture)
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
         """The framebuffer of these targets; a depth buffer, if any, comes last."""
@@ -92,19 +99,20 @@ class RenderTargets:
         width, height = self.sizes[target]
         return np.ascontiguousarray(pixels(self.textures[target])[:height, :width])
 
-    @property
-    def bytes(self) -> int:
-        """Memory of all textures."""
-        return sum(t.width * t.height * t.components * int(t.dtype[1:]) for t in self.textures.values())
-
     def release(self, targets: Iterable[Target] | None = None) -> None:
         """Free these targets, or all, with their framebuffers."""
         for target in list(self.textures) if targets is None else targets:
             if target in self.textures:
-                del self.textures[target]
+                self.bytes -= bytes_of(self.textures.pop(target))
                 self.sizes.pop(target, None)
                 for key in [key for key in self.framebuffers if target in key]:
                     del self.framebuffers[key]
+
+
+def bytes_of(texture: moderngl.Texture) -> int:
+    """Memory of a texture."""
+    texel: int = texture.components * int(texture.dtype[1:])
+    return texture.width * texture.height * texel
 
 
 def draw_into(target: moderngl.Framebuffer) -> None:

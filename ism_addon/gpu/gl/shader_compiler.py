@@ -13,6 +13,7 @@ from typing import Any, cast
 import moderngl
 
 from . import frame_uniforms
+from .bound_state import is_new
 from .buffer_texture import BufferTexture
 from .context import Device
 from .shader_records import Record
@@ -116,6 +117,7 @@ def bind(program: moderngl.Program, **values: object) -> None:
     Raises UndeclaredUniformError for a name that the program's sources do not declare.
     """
     state = program.ctx.extra
+    values_before = state.values(program)
     for name, value in values.items():
         uniform: Any = program.get(name, None)
         if uniform is None:
@@ -124,9 +126,9 @@ def bind(program: moderngl.Program, **values: object) -> None:
             continue
         if isinstance(value, BufferTexture):
             unit = state.unit_with(name, value)
-            if state.is_new(program, name, unit):
+            if is_new(values_before, name, unit):
                 value.set_sampler(program, name, unit)
         else:
             content = state.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
-            if state.is_new(program, name, content):
+            if is_new(values_before, name, content):
                 uniform.value = content

@@ -139,5 +139,10 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unfinished: np.ndarra
 
 def neighbourhood_max(values: np.ndarray) -> np.ndarray:
     """(H,W): the maximum of each 3×3 neighbourhood."""
-    padded = np.pad(values, 1, mode="edge")
-    return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).max((2, 3))
+    rows = values.copy()
+    np.maximum(rows[1:], values[:-1], out=rows[1:])
+    np.maximum(rows[:-1], values[1:], out=rows[:-1])
+    found = rows.copy()
+    np.maximum(found[:, 1:], rows[:, :-1], out=found[:, 1:])
+    np.maximum(found[:, :-1], rows[:, 1:], out=found[:, :-1])
+    return found
