@@ -11,7 +11,7 @@ from ism_addon.gpu.profile import Profile
 from tests.scenes.shortcuts import Case, Picture, cases
 from tests.support.small_scenes import draw, with_quality
 
-SIZE = 80, 48
+SIZE = 48, 32
 
 
 def with_small_maps(picture: Picture) -> Picture:

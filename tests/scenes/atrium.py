@@ -19,9 +19,9 @@ from tests.scenes.parts.materials import Materials
 from tests.scenes.parts.meshes import mesh_of
 from tests.scenes.parts.shapes import Shape, box, ring
 from tests.scenes.parts.statue import statue_mesh
+from tests.tools.empty_file import open_empty_file
 
 from .atrium_light import light, look
-from .empty_file import open_empty_file
 
 HALF_X, HALF_Y, DEPTH = 12.0, 4.0, 3.3  # m: arcade axes, depth of the galleries
 FLOOR, SPRINGING, STOREY = 0.15, 2.95, 4.6  # m: gallery floor, springing of its arches, upper floor

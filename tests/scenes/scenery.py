@@ -13,8 +13,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from tests.tools.empty_file import open_empty_file
+
 from .atrium_light import aim
-from .empty_file import open_empty_file
 
 Point = tuple[float, float, float]
 

@@ -53,17 +53,17 @@ def truth(scene, starts: np.ndarray, ends: np.ndarray, doubt: float = 1e-4) -> t
     triangles = reference.world_triangles(scene, scene.instances.casts_shadow)
     found, sure = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
     a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    for row, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        p = np.cross(end - start, v)
-        q = np.cross(start - a, u)
+    step = max(reference.PRODUCTS // max(len(triangles), 1), 1)
+    for first in range(0, len(starts), step):
+        rows = slice(first, first + step)
+        way, offset = (ends - starts)[rows, None], starts[rows, None] - a
+        p, q = np.cross(way, v), np.cross(offset, u)
         with np.errstate(all="ignore"):
-            scale = 1.0 / (u * p).sum(1)
-            s, t = ((start - a) * p).sum(1) * scale, (q @ (end - start)) * scale
-            at = (v * q).sum(1) * scale
+            scale = 1.0 / (u * p).sum(2)
+            s, t, at = (offset * p).sum(2) * scale, (q * way).sum(2) * scale, (v * q).sum(2) * scale
             margin = np.minimum.reduce([s, t, 1.0 - s - t, at, 1.0 - at])
-        margin = np.nan_to_num(margin, nan=-1.0)
-        found[row] = margin.max() > 0.0
-        sure[row] = margin.max() > doubt or margin.max() < -doubt
+        most = np.nan_to_num(margin, nan=-1.0).max(1)
+        found[rows], sure[rows] = most > 0.0, np.abs(most) > doubt
     return found, sure
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from ism_addon.scene import Lights, LightShape
 from tests.support.reference import orthonormal, spread_factor
 
-#: Edges that stand for an ellipse: the rim is off by 1e-7 of its radius.
-EDGES = 4096
+#: Edges that stand for an ellipse: the rim is off by 4e-7 of its radius.
+EDGES = 2048
 
 
 def outline(lights: Lights) -> np.ndarray:

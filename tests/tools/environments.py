@@ -40,8 +40,11 @@ class Environment:
             stamp.write_text("\n".join(requirements))
 
     def run(self, module: str, *arguments: str, **variables: str) -> int:
-        """`python -m module arguments` in the project's root, with environment variables: its exit status."""
-        environment = {**os.environ, **variables}
+        """`python -m module arguments` in the project's root, with environment variables: its exit status.
+
+        Bytecode is kept: a test run starts a hundred processes, and each would compile all modules again.
+        """
+        environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "", **variables}
         return subprocess.run([*self.module, module, *arguments], cwd=project.ROOT, env=environment).returncode
 
 

@@ -10,11 +10,11 @@ import pytest
 from ism_addon import addon
 from ism_addon.blender.render import read_settings
 from ism_addon.setting_limits import within_limits
-from tests.scenes.empty_file import open_empty_file
 from tests.scenes.small import box_over_plane
 from tests.stress.pictures.comparisons import apart
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import SMALL_SETTINGS, draw
+from tests.tools.empty_file import open_empty_file
 
 VALUES = [math.nan, math.inf, -math.inf, 3e38]
 

@@ -16,10 +16,10 @@ import pytest
 from ism_addon import addon, snapshot
 from ism_addon.atomic_files import atomic_write
 from ism_addon.blender.sync import scene_reader
-from tests.scenes.empty_file import open_empty_file
 from tests.scenes.small import pillar_field
 from tests.support.small_scenes import SMALL_SETTINGS
 from tests.tools import project
+from tests.tools.empty_file import open_empty_file
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="fills the disk as it is done on Linux")
 GONE = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."

@@ -20,7 +20,7 @@ from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.jobs.render_thread import shared
-from tests.scenes.empty_file import open_empty_file
+from tests.tools.empty_file import open_empty_file
 from tests.tools.memory import resident
 
 pytestmark = [

@@ -98,19 +98,19 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
 
 
 def test_random_pictures_against_rays(device, within, examples):
-    """Nine of ten are close: edges that pixels' centres lie on may fall to either side."""
+    """Nine of ten are close: edges that pixels' centres lie on may fall to either side. Half as many as above."""
     from ism_addon.gpu.renderer import Renderer
 
     renderer, off = Renderer(device), []
 
-    @settings(ANY, max_examples=examples)
+    @settings(ANY, max_examples=examples // 2)
     @given(pictures())
     def any_picture(picture: Picture) -> None:
         if (found := against_rays(device, picture, renderer)) is not None:
             off.append(found)
 
     any_picture()
-    assert len(off) > examples / 40
+    assert len(off) > examples / 80
     within(float(np.quantile(off, 0.9)), 0.03)
 
 

@@ -14,7 +14,7 @@ from tests.stress.pictures.test_similar import turn
 from tests.support.small_scenes import both, draw, light, look, placed, quad, rubble, stage
 
 SETTINGS = Settings(quality=Quality(samples=16, error_threshold=0.0))
-VIEW = look((3.0, -3.6, 2.6), size=(96, 64))
+VIEW = look((3.0, -3.6, 2.6), size=(64, 44))
 LAMP = light(position=(0.8, -0.6, 3.2), radiance=5.0)
 TILTED = turn((1.0, 2.0, 3.0), 0.4)
 

@@ -19,18 +19,19 @@ from tests.support.small_scenes import draw, look
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=16, error_threshold=0.0))
 FILTER = 1.5  # px
+SIZE = 48, 36
 
 
 def camera_moves(part: float) -> tuple[Scene, View]:
     """About the pillars, a twentieth of a turn."""
-    scene, _ = SMALL["pillar field"](64, 48)
+    scene, _ = SMALL["pillar field"](*SIZE)
     angle = -1.0 + 0.3 * part
-    return scene, look((4.9 * np.cos(angle), 4.9 * np.sin(angle), 2.7), (0.0, 0.0, 0.4), (64, 48))
+    return scene, look((4.9 * np.cos(angle), 4.9 * np.sin(angle), 2.7), (0.0, 0.0, 0.4), SIZE)
 
 
 def light_moves(part: float) -> tuple[Scene, View]:
     """A metre, over the pillars."""
-    scene, view = SMALL["pillar field"](64, 48)
+    scene, view = SMALL["pillar field"](*SIZE)
     position = scene.lights.position + part * np.array([1.0, 0.3, 0.0])
     return replace(scene, lights=replace(scene.lights, position=position)), view
 

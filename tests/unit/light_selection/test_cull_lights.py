@@ -106,7 +106,7 @@ def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
     view = replace(view, view_from_world=np.eye(4) + np.pad([[0], [0], [-2.0]], ((0, 1), (3, 0))))
     alone = draw(device, replace(scene, lights=light(position=(0, 0, 2.5))), view, SMALL_SETTINGS).color
     assert alone[..., :3].mean() > 0.01
-    assert draw(device, scene, view, SMALL_SETTINGS).color == pytest.approx(alone, rel=1e-4)
+    assert np.allclose(draw(device, scene, view, SMALL_SETTINGS).color, alone, rtol=1e-4, atol=0.0)
 
 
 @pytest.mark.parametrize("radiance", [0.1, 0.04], ids=["alone", "by the block"])
@@ -129,10 +129,10 @@ def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device
     )
     under = replace(scene, lights=light(position=(0, 0, 0.95)))
     open_scene = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True] + 4 * [False])))
-    settings = with_quality(SMALL_SETTINGS, samples=512)
+    settings = with_quality(SMALL_SETTINGS, samples=256)
     before, after, without = (
         draw(device, each, view, settings, last=last).color[..., 0].sum()
-        for each, last in ((scene, 0), (scene, 511), (under, 0))
+        for each, last in ((scene, 0), (scene, 255), (under, 0))
     )
     above = replace(scene, lights=Lights(**{name: rows[1:] for name, rows in vars(lamps).items()}))
     truth = reference.picture(above, view, 6)[0][:, 0].sum()

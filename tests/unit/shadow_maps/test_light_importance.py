@@ -160,7 +160,7 @@ def test_the_picture_is_right_on_average(device):
     scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
     view = look((2.5, -4.0, 3.0), size=(48, 32))
     truth, _ = reference.picture(scene, view, 12)
-    settings = with_quality(MAPS, samples=16, virtual_lights=32, map_size=128, map_points=16384)
+    settings = with_quality(MAPS, samples=4, virtual_lights=32, map_size=128, map_points=16384)
     found = draw(device, scene, view, settings)
     assert set(found.renderer.graph[VIRTUAL_LIGHT_COUNTS]) == {0, 1, 2}
     assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)

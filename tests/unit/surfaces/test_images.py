@@ -64,7 +64,8 @@ def test_images_are_filtered_bilinearly_in_linear_light(device, encoding, uv, re
     truth = reference.surfaces(scene, view)
     at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
     ours = gbuffer(device, scene, view)
-    assert ours["base_color"][:, :3] == pytest.approx(looked_up(image, at), abs=6e-3)  # 8-bit sRGB, 16-bit floats
+    off = np.abs(ours["base_color"][:, :3] - looked_up(image, at))
+    assert off.max() <= 6e-3  # 8-bit sRGB, 16-bit floats
 
 
 @pytest.mark.parametrize("encoding", Encoding)
