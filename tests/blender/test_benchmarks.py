@@ -5,6 +5,9 @@ import json
 import subprocess
 import sys
 
+from tests.benchmark import draws
+from tests.scenes.small import box_over_plane
+from tests.support.small_scenes import with_quality
 from tests.tools.project import ROOT
 
 
@@ -15,6 +18,16 @@ def test_a_picture_of_a_growing_scene_is_measured():
     )
     assert told["triangles"] > 1000
     assert min(told["first sync s"], told["shadows ms"], told["a frame s"], told["peak bytes"]) > 0.0
+
+
+def test_the_largest_draws_are_measured(device, monkeypatch):
+    monkeypatch.setattr(draws, "MIN_RAYS", 0)
+    (settings, _), (maps, _) = draws.IMAGES["ray-traced"], draws.IMAGES["shadow-mapped"]
+    small = with_quality(maps, virtual_lights=4, map_size=32, map_points=512)
+    for chosen, drawn in ((settings, "TraceShadows"), (small, "SplatMaps")):
+        found = draws.seconds_of_largest_draws(device, *box_over_plane(48, 32), chosen, 2)
+        assert {drawn, "GBuffer", "Accumulate"} <= set(found)
+        assert all(len(times) == 2 and min(times) > 0.0 for times in found.values())
 
 
 def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):

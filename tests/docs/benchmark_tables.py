@@ -166,6 +166,18 @@ def constants_table() -> str:
     return "\n\n".join([*tables, f"{width}×{height} pixels. {record.sentence(found)}"])
 
 
+def draws_table() -> str:
+    """How long the largest draw of each pass takes, in the kinds of images that have it."""
+    found = record.read("draws")
+    images = found["seconds"]
+    rows = [["pass", *images]]
+    for name in dict.fromkeys(name for passes in images.values() for name in passes):
+        times = (passes.get(name) for passes in images.values())
+        rows.append([f"`{name}`", *(f"{median(each):.2f}" if each else "" for each in times)])
+    size, sentence = found["size"].replace("x", "×"), record.sentence(found)
+    return f"{error_report.table(rows)}\n\nSeconds; {found['scene']}, {size} pixels. {sentence}"
+
+
 #: What stands between markers of this name, and files that are generated as a whole, from the root.
 PARTS: dict[str, Callable[[], str]] = {
     "race": race_table,
@@ -177,5 +189,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "passes": pass_table,
     "small meshes": small_meshes_table,
     "constants": constants_table,
+    "draws": draws_table,
 }
 PLOTS: dict[str, Callable[[], str]] = {"docs/pictures/error.svg": error_plot, "docs/pictures/scale.svg": scale_plot}

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Limits the cost of a draw, in shadow rays: Windows resets a graphics card if a draw takes 2 s.
 
-Larger draws are split into portions. Blending and its order stay the same.
+Larger draws are split into portions. Blending and its order stay the same. What draws cost is chosen so that the
+largest of all passes take about as long, by `bench draws` in the scene atrium.
 """
 
 from collections.abc import Iterator
 
-#: Most rays of a draw. Two processor cores trace so many in half a second (llvmpipe, 300,000 triangles), and a graphics
-#: card is faster. An image of 1280×720 pixels takes one draw for each light.
+#: Most rays of a draw. Two processor cores trace so many in half a second, and a graphics card is faster. An image of
+#: 1280×720 pixels takes one draw for each light.
 MAX_RAYS_PER_DRAW = 1 << 20
 
-#: Texels that are fetched and weighted in the time of a ray, measured likewise.
-TEXELS_PER_RAY = 400
+#: Texels that are fetched and weighted in the time of a ray.
+TEXELS_PER_RAY = 150
 
 
 def portions(count: int, rays: float) -> Iterator[slice]:

@@ -49,8 +49,18 @@ class Stage:
     halves: np.ndarray  # (2,H,W,3) float32: the truth, twice, with independent noise
 
 
-def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, folder: Path) -> Stage:
-    """Build a scene, open it, and render its truth unless `folder` has it."""
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A scene that is open in Blender, as ours reads it."""
+
+    blend: Path
+    scene: Scene
+    view: View
+    seconds: float  # that reading the scene took
+
+
+def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> Opened:
+    """Build a scene in `folder`, and open it."""
     blend = folder / f"{name}-{variant}.blend"
     with quiet_stdout():
         SCENES[name].build(blend, variant)
@@ -61,13 +71,18 @@ def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, f
     depsgraph = bpy.context.evaluated_depsgraph_get()
     start = time.perf_counter()
     scene, view = scene_reader.scene(depsgraph), camera.final_view(depsgraph)
-    seconds = time.perf_counter() - start
-    known = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(scene, view)}.npy"
+    return Opened(blend, scene, view, time.perf_counter() - start)
+
+
+def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, folder: Path) -> Stage:
+    """Build a scene, open it, and render its truth unless `folder` has it."""
+    opened = open_scene(name, variant, size, folder)
+    known = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(opened.scene, opened.view)}.npy"
     tree = SCENES[name].light_tree
-    halves = np.load(known) if known.is_file() else truth(known, view.filter_width, truth_samples, tree)
+    halves = np.load(known) if known.is_file() else truth(known, opened.view.filter_width, truth_samples, tree)
     with quiet_stdout():
-        bpy.ops.wm.open_mainfile(filepath=str(blend))  # with Cycles' settings as they are by default
-    return Stage(name, blend, scene, view, seconds, halves)
+        bpy.ops.wm.open_mainfile(filepath=str(opened.blend))  # with Cycles' settings as they are by default
+    return Stage(name, **vars(opened), halves=halves)
 
 
 def truth(path: Path, filter_width: float, samples: int, light_tree: bool) -> np.ndarray:

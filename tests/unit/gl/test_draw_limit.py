@@ -15,7 +15,7 @@ from ism_addon.gpu.gl.draw_limit import portions, rectangles
 from ism_addon.gpu.graph import Graph
 from ism_addon.gpu.passes.film.accumulate import filter_margin, rays_for
 from ism_addon.gpu.passes.shadow_maps.gather import VIRTUAL_LIGHTS_PER_RAY
-from ism_addon.gpu.passes.shadow_maps.splat import RAYS_PER_DISC, TEXELS
+from ism_addon.gpu.passes.shadow_maps.splat import MAP_TEXELS_PER_RAY, RAYS_PER_DISC
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.submission import Submission
@@ -126,7 +126,7 @@ def test_draws_are_as_few_as_they_can_be():
 
 @pytest.mark.parametrize(
     ("size", "rays", "draws"),
-    [((1280, 720), 1.0, 1), ((3840, 2160), 1.0, 8), ((3840, 2160), MOST_POINTS, 2160), ((16384, 1), MOST_POINTS, 3)],
+    [((1280, 720), 1.0, 1), ((3840, 2160), 1.0, 8), ((3840, 2160), MOST_POINTS, 2160), ((16384, 1), MOST_POINTS, 4)],
 )
 def test_pixels_of_large_pictures(size, rays, draws):
     """GatherLight's of most virtual lights, too: a row each, or less where that is too much."""
@@ -169,7 +169,7 @@ def test_discs_of_the_largest_maps(device, asked, monkeypatch):
         (subset,) = table[0][:1]
         texels = subset.maps * settings.quality.map_size**2
         found.append(len(asked.pop("SplatMaps")))
-        assert found[-1] == draws_of(subset.count, RAYS_PER_DISC + texels / subset.count / TEXELS)
+        assert found[-1] == draws_of(subset.count, RAYS_PER_DISC + texels / subset.count / MAP_TEXELS_PER_RAY)
         discs = drawn.target("shadow_map_splats")
         assert texels > (discs < NO_OCCLUDER).sum()
     assert found[0] == 1

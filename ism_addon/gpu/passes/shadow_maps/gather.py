@@ -33,8 +33,8 @@ from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...material_inputs import MATERIAL, material_samplers
 
-#: Virtual lights that are evaluated, or lights, or pixels, in the time of a ray; as measured.
-VIRTUAL_LIGHTS_PER_RAY = 30
+#: Virtual lights that are evaluated, or lights, or pixels, in the time of a ray, see draw_limit.
+VIRTUAL_LIGHTS_PER_RAY = 20
 
 
 class GatherLight(Pass):

@@ -26,11 +26,11 @@ from ...gl.shader_compiler import bind, compile_program
 if TYPE_CHECKING:
     from .select_points import PointRange
 
-#: Rays in whose time processors are done with a disc: as many as are drawn at once take memory on them until then.
+#: Cost of a disc in rays, see draw_limit. Software drivers keep all discs of a draw in memory until it is done.
 RAYS_PER_DISC = 4.0
 
 #: Texels that are drawn in the time of a ray.
-TEXELS = 30
+MAP_TEXELS_PER_RAY = 30
 
 
 class SplatMaps(Pass):
@@ -80,7 +80,7 @@ class SplatMaps(Pass):
         atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
         rotation = view["map_from_anchor"].T.ravel()  # column by column, as GLSL has it
         bind(self.discs, virtual_light=view["position"], map_from_anchor=rotation, corner=corner)
-        rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / TEXELS
+        rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / MAP_TEXELS_PER_RAY
         for part in portions(subset.count, rays):
             count = part.stop - part.start
             frame.submission.before_draw(rays * count)
