@@ -4,6 +4,7 @@
 import argparse
 import shutil
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python deserves a sentence
@@ -12,7 +13,7 @@ if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python dese
 from tests.gui import outside
 from tests.gui.scenario import scenarios
 from tests.tools import blender_root, extension, machine, project
-from tests.tools.environments import Environment, environments
+from tests.tools.environments import Environment, all_environments, environments
 
 BUILD = project.ROOT / "build"
 BLENDER_ROOT = BUILD / "blender-trixie"
@@ -46,19 +47,28 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
 
     `everything`: with all releases of bpy, and where no tests are chosen, in a Blender with a window, at `any_pace`.
     """
-    every = environments()
-    default = next(every)
+    default, *others = prepare_all(not chosen) if everything else [next(environments())]
     checks = {} if chosen else STATIC_CHECKS
     if not default.has_processes:  # mypy would look for packages where Blender has its own
         checks = {name: command for name, command in checks.items() if name != "mypy"}
     results = {name: default.run(*command) for name, command in checks.items()}
     results |= run_tests(default, chosen)
-    if everything:
-        for other in every:
-            results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender")
-        if not chosen:
-            results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
+    for other in others:
+        results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender")
+    if everything and not chosen:
+        results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
     return report(results)
+
+
+def prepare_all(window: bool) -> list[Environment]:
+    """All environments, set up side by side, and meanwhile a Blender with a `window`.
+
+    Whatever keeps that from being installed is said by gui_test, which tries again.
+    """
+    with ThreadPoolExecutor() as pool:
+        if window:
+            pool.submit(blender_root.install, BLENDER_ROOT)
+        return all_environments()
 
 
 def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[str, int]:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import venv
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,6 +55,14 @@ def environments() -> Iterator[Environment]:
         yield from map(_with_bpy, project.BPY[PYTHON])
     else:
         yield _with_blender()
+
+
+def all_environments() -> list[Environment]:
+    """`environments`, set up side by side: most of that is to wait for downloads."""
+    if PYTHON not in project.BPY:
+        return [_with_blender()]
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(_with_bpy, project.BPY[PYTHON]))
 
 
 def _with_bpy(version: str) -> Environment:
