@@ -9,7 +9,7 @@ import pytest
 from ism_addon import addon, old_names
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import DebugView, Method
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 
 class OldShadow(bpy.types.PropertyGroup):

@@ -10,6 +10,7 @@ from ism_addon.blender.render import read_settings
 from ism_addon.blender.sync import camera
 from ism_addon.gpu.jobs.render_thread import shared
 from ism_addon.settings import DebugView
+from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -17,8 +18,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 @pytest.fixture
 def scene():
     """A plane, a camera above it, and both qualities apart."""
-    bpy.ops.wm.read_factory_settings()
-    scene = bpy.context.scene
+    scene = open_factory_file()
     scene.render.engine = "ISM"
     scene.render.resolution_x, scene.render.resolution_y = 40, 20
     scene.ism.render.samples, scene.ism.viewport.samples = 5, 3

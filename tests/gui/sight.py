@@ -17,7 +17,7 @@ UNLIKE = 0.1  # display values that are not to be taken for another at an edge
 def screenshot(path: Path) -> np.ndarray:
     """Write what is on the screen to a PNG: (H,W,3) float32 display values from 0 to 1, top row first."""
     if shutil.which("import"):
-        subprocess.run(["import", "-window", "root", str(path)], check=True)
+        subprocess.run(["import", "-window", "root", "-define", "png:compression-level=1", str(path)], check=True)
     else:
         with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
             bpy.ops.screen.screenshot(filepath=str(path))

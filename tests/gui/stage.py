@@ -14,6 +14,7 @@ from . import engine, scenery, sight
 from .watch import Watch
 
 Steps = Generator[None, None, None]
+SETTLED_SAMPLES = 6  # sampling is repeatable: few samples tell pictures apart, and are soon drawn
 DIFFERENT = 0.03  # of a mean colour: more than noise and coarse first pictures do to a patch
 
 TIMES = ("s", "ms")  # units of what depends on the machine, and on what else it does
@@ -124,7 +125,8 @@ class Stage:
         assert not engine.errors(), f"the engine said {engine.errors()}"
 
     def settled(self, distance: float = 7.0) -> Steps:
-        """Nothing but the picture of the scene's middle, from that many metres, in full."""
+        """Nothing but the picture of the scene's middle, from that many metres, with all of a few samples."""
+        self.scene.ism.viewport.samples = SETTLED_SAMPLES
         scenery.look(self.view, distance)
         self.bare()
         self.rendered()

@@ -19,7 +19,7 @@ from tests.scenes.parts.materials import Materials
 from tests.scenes.parts.meshes import mesh_of
 from tests.scenes.parts.shapes import Shape, box, ring
 from tests.scenes.parts.statue import statue_mesh
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 from .atrium_light import light, look
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 from .atrium_light import aim
 

@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon import setting_limits
 from ism_addon.blender import engine
+from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -15,8 +16,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 @pytest.fixture
 def scene():
     """The factory scene under an area light."""
-    bpy.ops.wm.read_factory_settings()
-    scene = bpy.context.scene
+    scene = open_factory_file()
     scene.objects["Light"].data.type = "AREA"
     scene.render.engine = "ISM"
     scene.render.resolution_x, scene.render.resolution_y = 48, 32

@@ -10,7 +10,7 @@ import pytest
 from ism_addon.blender import engine
 from ism_addon.blender.render import final_render
 from tests.support import exr
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 WIDTH, HEIGHT = 48, 32
 BACKGROUND = 1e9  # m: depths beyond are where nothing is

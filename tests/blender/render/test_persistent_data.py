@@ -14,7 +14,7 @@ from ism_addon.blender.sync.geometry import meshes
 from ism_addon.blender.sync.materials import images
 from tests.blender.render.test_engine import prepare
 from tests.support import exr
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 pytestmark = pytest.mark.usefixtures("registered")
 

@@ -7,6 +7,7 @@ import pytest
 from ism_addon.blender import engine
 from ism_addon.blender.render import render_statistics
 from ism_addon.ui import statistics
+from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -22,8 +23,7 @@ def rendered():
     """Renders the factory scene under an area light."""
 
     def render(method):
-        bpy.ops.wm.read_factory_settings()
-        scene = bpy.context.scene
+        scene = open_factory_file()
         scene.objects["Light"].data.type = "AREA"
         scene.render.engine = "ISM"
         scene.render.resolution_x, scene.render.resolution_y = 24, 16

@@ -9,7 +9,7 @@ import pytest
 from mathutils import Matrix
 
 from ism_addon.blender.sync import scene_reader
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 TRIANGLE = ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
 

@@ -11,7 +11,7 @@ from ism_addon.blender.sync.materials import images
 from ism_addon.color import PRIMARIES
 from ism_addon.gpu.buffers.material_buffers import decoded
 from tests.scenes.cycles import direct_light
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 #: Before Blender 5.0 there is one only.
 SPACES = list(PRIMARIES) if bpy.app.version >= (5, 0) else ["Linear Rec.709"]

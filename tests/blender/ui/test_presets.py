@@ -11,7 +11,7 @@ from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import FINAL, VIEWPORT, Method
 from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 OURS = {"Draft", "Default", "Final", "Report_2013"}
 

@@ -9,7 +9,7 @@ import pytest
 from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.ui import panels, properties
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 GROUPS = {
     "shadow": settings.Shadow(),

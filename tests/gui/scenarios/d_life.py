@@ -58,7 +58,6 @@ def from_a_timer_and_to_the_end(stage: Stage) -> Steps:
 def file_load(stage: Stage) -> Steps:
     """Another file is loaded while the viewport renders, and is seen."""
     scenery.studio()
-    stage.scene.ism.viewport.samples = 4
     yield from stage.settled()
     first = stage.pixels("saved")
     path = _save(stage)

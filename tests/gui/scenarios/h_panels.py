@@ -146,5 +146,4 @@ def preview_icons(stage: Stage) -> Steps:
 def _settle(stage: Stage) -> Steps:
     scenery.studio()
     stage.scene.view_settings.view_transform = "Standard"
-    stage.scene.ism.viewport.samples = 4
     yield from stage.settled()

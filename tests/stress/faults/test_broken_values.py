@@ -14,7 +14,7 @@ from tests.scenes.small import box_over_plane
 from tests.stress.pictures.comparisons import apart
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import SMALL_SETTINGS, draw
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 VALUES = [math.nan, math.inf, -math.inf, 3e38]
 

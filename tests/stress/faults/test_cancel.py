@@ -18,6 +18,7 @@ from ism_addon.gpu.jobs.job import Request
 from tests.scenes.small import box_over_plane
 from tests.support import exr
 from tests.support.jobs import LONG, begun
+from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.alone
 
@@ -65,7 +66,7 @@ class Watched:
 @pytest.fixture
 def cancelled(tmp_path):
     """cancelled(): the picture of a render that is cancelled, and how late, s. The worker's thread begins with it."""
-    bpy.ops.wm.read_factory_settings()
+    open_factory_file()
     addon.register()
     bpy.utils.register_class(Cancelled)
     Cancelled.pressed = float("inf")

@@ -18,7 +18,7 @@ from tests.scenes.small import SMALL
 from tests.support import exr
 from tests.support.small_scenes import draw
 from tests.tools import project
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 PLAIN = Settings(ssao=SSAO(), quality=Quality(samples=9, virtual_lights=16, map_size=32, map_points=2048))
 METHODS = {method: replace(PLAIN, shadow=Shadow(method=method)) for method in Method}

@@ -19,7 +19,7 @@ from ism_addon.blender.sync import scene_reader
 from tests.scenes.small import pillar_field
 from tests.support.small_scenes import SMALL_SETTINGS
 from tests.tools import project
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file, open_factory_file
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="fills the disk as it is done on Linux")
 GONE = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."
@@ -28,13 +28,13 @@ GONE = "Images that are missing or cannot be read are left out, and the base col
 @pytest.fixture
 def blender() -> Iterator[bpy.types.Scene]:
     """The add-on in Blender's factory scene."""
-    bpy.ops.wm.read_factory_settings()
+    open_factory_file()
     addon.register()
     bpy.context.scene.render.engine = "ISM"
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 24, 16
     yield bpy.context.scene
     addon.unregister()
-    bpy.ops.wm.read_factory_settings()
+    open_factory_file()
 
 
 @contextmanager

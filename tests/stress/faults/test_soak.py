@@ -20,8 +20,8 @@ from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_loop import RenderLoop
 from ism_addon.gpu.jobs.render_thread import shared
-from tests.tools.empty_file import open_empty_file
 from tests.tools.memory import resident
+from tests.tools.new_file import open_empty_file, open_factory_file
 
 pytestmark = [
     pytest.mark.alone,
@@ -53,7 +53,7 @@ def scene() -> Iterator[bpy.types.Scene]:
     scene.ism.render.samples = scene.ism.viewport.samples = 2
     yield scene
     addon.unregister()
-    bpy.ops.wm.read_factory_settings()
+    open_factory_file()
 
 
 def edit(chance: random.Random) -> None:

@@ -10,7 +10,7 @@ from mathutils import Matrix
 from ism_addon import addon
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.scene import LightShape, Scene, View
-from tests.tools.empty_file import open_empty_file
+from tests.tools.new_file import open_empty_file
 
 
 def into_blender(scene: Scene, view: View) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.convergence import Convergence
 from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.resources import TILE_SIZE
 from ism_addon.settings import SSAO
@@ -34,20 +35,30 @@ def small(name: str) -> tuple:
 
 @pytest.fixture(scope="module")
 def known() -> dict:
-    """Pictures of very many samples, as soon as one was asked for."""
+    """Pictures that have been drawn, with the convergence of each."""
     return {}
 
 
 @pytest.fixture
-def truth(device, known):
+def picture(device, known):
+    """picture(name of a small scene, samples, error threshold): the picture, and its Convergence."""
+
+    def picture(name: str, samples: int, error_threshold: float = 0.0) -> tuple[np.ndarray, Convergence]:
+        key = name, samples, error_threshold
+        if key not in known:
+            settings = with_quality(SMALL_SETTINGS, samples=samples, error_threshold=error_threshold)
+            drawn = draw(device, *small(name), settings)
+            known[key] = drawn.color, drawn.renderer.error
+            drawn.renderer.release()
+        return known[key]
+
+    return picture
+
+
+@pytest.fixture
+def truth(picture):
     """A small scene's picture of very many samples, by its name."""
-
-    def truth(name: str) -> np.ndarray:
-        if name not in known:
-            known[name] = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=TRUTH)).color
-        return known[name]
-
-    return truth
+    return lambda name: picture(name, TRUTH)[0]
 
 
 def true_errors(color: np.ndarray, truth: np.ndarray) -> np.ndarray:
@@ -57,24 +68,23 @@ def true_errors(color: np.ndarray, truth: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("samples", [4, 16, 64, 100])
-def test_the_estimate_is_the_true_error(device, truth, name, samples):
+def test_the_estimate_is_the_true_error(picture, truth, name, samples):
     """Of the picture, and in the middle of its blocks, on either side of 1."""
-    drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=samples))
-    errors = true_errors(drawn.color, truth(name))
-    assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error < MOST
-    estimated = np.sqrt(drawn.renderer.error.variance / drawn.renderer.error.counts)
-    noisy = errors > 0.3 * drawn.renderer.error.image_error
+    color, convergence = picture(name, samples)
+    errors = true_errors(color, truth(name))
+    assert LEAST < np.sqrt((errors**2).mean()) / convergence.image_error < MOST
+    estimated = np.sqrt(convergence.variance / convergence.counts)
+    noisy = errors > 0.3 * convergence.image_error
     assert LEAST < np.median(errors[noisy] / estimated[noisy]) < MOST
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_it_is_not_above_one_on_average(device, truth, name):
+def test_it_is_not_above_one_on_average(picture, truth, name):
     """Of pictures of all numbers of samples."""
     ratios = []
     for samples in (4, 8, 16, 32, 64):
-        drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=samples))
-        errors = true_errors(drawn.color, truth(name))
-        ratios.append(np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error)
+        color, convergence = picture(name, samples)
+        ratios.append(np.sqrt((true_errors(color, truth(name)) ** 2).mean()) / convergence.image_error)
     assert 0.7 < np.exp(np.log(ratios).mean()) < 1.1
 
 
@@ -95,12 +105,12 @@ def test_the_picture_is_put_together_only_to_be_looked_at(device, samples, looks
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_settled_blocks_are_as_good_as_asked(device, truth, name):
+def test_settled_blocks_are_as_good_as_asked(picture, truth, name):
     threshold = 0.02
-    drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=512, error_threshold=threshold))
-    settled = drawn.renderer.error.converged
+    color, convergence = picture(name, 512, threshold)
+    settled = convergence.converged
     assert settled.mean() > 0.9
-    errors = true_errors(drawn.color, truth(name))[settled]
+    errors = true_errors(color, truth(name))[settled]
     assert np.median(errors) < threshold
     assert np.percentile(errors, 95.0) < 1.5 * threshold
 
@@ -119,11 +129,11 @@ def test_a_settled_block_is_drawn_no_more_and_stays_as_it_is(device):
     assert after.renderer.error.counts[settled].max() <= 32 < after.renderer.error.counts[~settled].max()
 
 
-def test_blocks_beside_settled_ones_have_no_seams(device, truth):
+def test_blocks_beside_settled_ones_have_no_seams(picture, truth):
     """A pixel at a block's border, whose filter reaches beyond it, is no worse than those inside."""
     name = "pillar field"
-    drawn = draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=512, error_threshold=0.02))
-    off = ((drawn.color - truth(name))[..., :3] ** 2).mean(-1)
+    color, _ = picture(name, 512, 0.02)
+    off = ((color - truth(name))[..., :3] ** 2).mean(-1)
     x, y = np.meshgrid(*(np.arange(size) % TILE_SIZE for size in SIZE))
     border = (x % (TILE_SIZE - 1) == 0) | (y % (TILE_SIZE - 1) == 0)
     assert np.sqrt(off[border].mean() / off[~border].mean()) < 1.3
@@ -139,9 +149,6 @@ def test_no_block_is_settled_early_and_none_without_a_threshold_or_skipping(devi
     assert not draw(device, *small(name), with_quality(SMALL_SETTINGS, samples=64)).renderer.error.converged.any()
 
 
-def test_less_error_takes_more_samples(device):
-    taken = []
-    for threshold in (0.1, 0.03, 0.01):
-        settings = with_quality(SMALL_SETTINGS, samples=512, error_threshold=threshold)
-        taken.append(draw(device, *small("pillar field"), settings).renderer.error.counts.sum())
+def test_less_error_takes_more_samples(picture):
+    taken = [picture("pillar field", 512, threshold)[1].counts.sum() for threshold in (0.1, 0.04, 0.02)]
     assert taken[0] < 0.7 * taken[1] < 0.49 * taken[2]
