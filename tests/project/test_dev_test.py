@@ -24,7 +24,7 @@ sys.exit(int(os.environ.get(f"EXIT_OF_{module}", 0)))
 def run(monkeypatch, tmp_path):
     """run(command line after `test`): its exit status, the commands by environment, and those that played a window."""
     (tmp_path / "recorder.py").write_text(RECORDER)
-    log, windows = tmp_path / "log", []
+    log, windows, installed = tmp_path / "log", [], []
 
     def environment(name: str, has_processes: bool = True) -> Environment:
         start = sys.executable, str(tmp_path / "recorder.py"), str(log), name
@@ -35,14 +35,18 @@ def run(monkeypatch, tmp_path):
         return dev.SKIPPED
 
     monkeypatch.setattr(dev, "gui_test", play)
+    monkeypatch.setattr(dev.blender_root, "install", installed.append)
 
     def run(*arguments: str, in_blender: bool = False) -> tuple[int, list[list[str]], list[bool]]:
         every = [environment("first", not in_blender), environment("second")]
         monkeypatch.setattr(dev, "environments", lambda: iter(every))
+        monkeypatch.setattr(dev, "all_environments", lambda: every)
         monkeypatch.setattr(sys, "argv", ["dev.py", "test", *arguments])
         log.write_text("")
         windows.clear()
+        installed.clear()
         status = dev.main()
+        assert installed == [dev.BLENDER_ROOT] * len(windows)
         return status, [json.loads(line) for line in log.read_text().splitlines()], windows
 
     return run
