@@ -16,14 +16,14 @@ TILE = np.dtype(
         ("subpixel_offset", "f4", 2),  # of the sample from the pixel's centre, px
         ("sample_index", "f4"),  # among the samples of this tile
         ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has its own
-        ("light", "f4"),  # index
+        ("light", "i4"),  # index
         ("visibility", "f4"),  # predicted, of all of its pixels
     ]
 )
 
 #: TILE as the vertex attributes of glsl/tiles.vert, see PointBatch.
 TILE_LAYOUT = (
-    "2f 4f 1f 1f 1f 1f",
+    "2f 4f 1f 1f 1i 1f",
     *("in_tile", "in_visibility_texel_and_offset", "in_sample_index", "in_probability", "in_light", "in_visibility"),
 )
 

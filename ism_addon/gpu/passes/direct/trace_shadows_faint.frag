@@ -5,7 +5,7 @@
 #include "trace/ray_scheduling.glsl"
 uniform usamplerBuffer lights;
 uniform uvec3 light_steps;
-flat in float tile_light;
+flat in int tile_light;
 flat in float tile_visibility;
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // see trace_shadows.frag
@@ -16,7 +16,7 @@ void main() {
     direct_prediction = direct_residual = vec4(0.0);
     Surface surface = surface_at(at);
     if (!surface.exists) return;
-    Light light = fetch_Light(lights, int(tile_light + 0.5));
+    Light light = fetch_Light(lights, tile_light);
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
     vec3 unshadowed = bsdf_unshadowed(surface, light) / tile_probability;
@@ -25,7 +25,7 @@ void main() {
 #if TRACE
     if (light.casts_shadow == 0 || (EXACT == 1 && unshadowed == vec3(0.0))) return;
     direct_residual.a = abs(amount);
-    uvec3 start = (uint(tile_light + 0.5) + 1u) * light_steps;
+    uvec3 start = uint(tile_light + 1) * light_steps;
     float probability = ray_probability(amount, visibility, EXACT == 0 || visibility < 1.0);
     // On average as many rays as if all samples drew the light.
     ScheduledRay ray = schedule_ray(at, start.z, max(probability, MIN_PROBABILITY / tile_probability));
