@@ -10,7 +10,7 @@ from pathlib import Path
 if sys.version_info < (3, 11):  # noqa: UP036 - whoever has an older Python deserves a sentence
     sys.exit("dev.py needs Python 3.11 or newer; best are 3.11 and 3.13, which have a bpy.")
 
-from tests.gui import outside
+from tests.gui import run_scenarios
 from tests.gui.scenario import scenarios
 from tests.tools import blender_root, extension, machine, project
 from tests.tools.environments import Environment, all_environments, environments
@@ -128,9 +128,9 @@ def gui_test(names: list[str], program: str | None, root: Path, output: Path, an
         return SKIPPED
     environment = next(environments())
     (archive,) = extension.build(environment.python, environment.extension, output.resolve() / "zip", ["linux-x64"])
-    blender = outside.Blender(program) if program else outside.Blender("blender", root.resolve())
+    blender = run_scenarios.Blender(program) if program else run_scenarios.Blender("blender", root.resolve())
     chosen = [scenario for scenario in every if not names or scenario.name in names]
-    return int(not outside.play(chosen, archive, output.resolve(), blender, any_pace))
+    return int(not run_scenarios.play(chosen, archive, output.resolve(), blender, any_pace))
 
 
 def pack(output: Path, platforms: list[str]) -> int:

@@ -24,9 +24,9 @@ from ism_addon.scene import Scene, View
 from ism_addon.settings import Settings
 from tests.docs import record
 
+from .error.benchmark_scene import BenchmarkScene, set_up
 from .error.ism import ALL_SAMPLES, VARIANTS
 from .error.metrics import rmse
-from .error.stage import Stage, set_up
 
 PASSES = "ism_addon.gpu.passes"
 SHADOW_MAPS = VARIANTS["ISM, shadow maps"]
@@ -46,7 +46,7 @@ def seconds(
     return clock() - start
 
 
-def error_times_time(device: Device, stage: Stage, settings: Settings, samples: int) -> float:
+def error_times_time(device: Device, stage: BenchmarkScene, settings: Settings, samples: int) -> float:
     """Squared error, over the squared mean, times seconds of the processor, without compiling and uploading."""
     renderer, beside = Renderer(device), replace(stage.view, clip_from_view=(1.0 + 1e-6) * stage.view.clip_from_view)
     seconds(renderer, stage.scene, beside, settings, samples, time.process_time)
@@ -56,7 +56,7 @@ def error_times_time(device: Device, stage: Stage, settings: Settings, samples: 
     return found
 
 
-def first_image(device: Device, stage: Stage) -> float:
+def first_image(device: Device, stage: BenchmarkScene) -> float:
     """Seconds of four samples of a scene that has no BVH and no buffers yet: the median of three."""
     times = []
     for _ in range(3):
@@ -71,7 +71,7 @@ def first_image(device: Device, stage: Stage) -> float:
 class Group:
     """Constants, by module, that are measured in the same way."""
 
-    cost: Callable[[Device, Stage], float]
+    cost: Callable[[Device, BenchmarkScene], float]
     scenes: tuple[str, ...]
     constants: dict[str, tuple[str, ...]]
 

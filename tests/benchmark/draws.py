@@ -23,7 +23,7 @@ from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.docs import record
 
 from .constants import multiplied
-from .error.stage import open_scene
+from .error.benchmark_scene import open_scene
 
 WIDE_FILTER = 20.0  # px
 RAYS = Settings(ssao=SSAO(), quality=Quality(samples=4, error_threshold=0.0))

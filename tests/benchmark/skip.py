@@ -22,10 +22,10 @@ from ism_addon.gpu.renderer import Renderer
 from tests.docs import record
 from tests.scenes.shortcuts import Case, Picture, cases
 
+from .error.benchmark_scene import set_up
 from .error.curve import time_to
 from .error.ism import ALL_SAMPLES, Ism
-from .error.race import race
-from .error.stage import set_up
+from .error.measure import measure
 from .known import Known
 
 COLUMNS = ("ms", "no skip", "faster", "apart", "drawn", "reused", "skipped")
@@ -92,7 +92,7 @@ def to_the_same_error(device: Device, folder: Path, rounds: int) -> list[dict]:
     variants = {"skip": ALL_SAMPLES, "no skip": replace(ALL_SAMPLES, shortcuts=False)}
     engines = [Ism(name, settings, device, stage, SECONDS) for name, settings in variants.items()]
     known = Known("all known", ALL_SAMPLES, device, stage, SECONDS)
-    curves = race(stage, [*engines, known], rounds).curves
+    curves = measure(stage, [*engines, known], rounds).curves
     found = []
     for point in (point for point in curves["skip"] if point.samples in GOALS):
         seconds = {name: time_to(points, point.error.rmse) for name, points in curves.items()}

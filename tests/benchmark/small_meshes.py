@@ -21,23 +21,23 @@ from ism_addon.gpu.gl.context import open_device
 from tests.benchmark.error import cycles
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
-from tests.scenes import scenery
+from tests.scenes import blend_file
+from tests.scenes.blend_file import AreaLight, large_mesh
 from tests.scenes.parts.shapes import box
-from tests.scenes.scenery import Lamp, large_mesh
 
 #: m, half of the side of the square that the boxes stand on.
 REACH = 4.0
 
 LAMPS = (
-    Lamp("SQUARE", (-3.0, -2.5, 4.5), (0.0, 0.0, 0.0), 300.0, (0.8, 0.8), scenery.WARM),
-    Lamp("DISK", (3.2, -1.0, 4.0), (0.0, 0.5, 0.0), 200.0, (1.2, 1.2), scenery.COOL),
+    AreaLight("SQUARE", (-3.0, -2.5, 4.5), (0.0, 0.0, 0.0), 300.0, (0.8, 0.8), blend_file.WARM),
+    AreaLight("DISK", (3.2, -1.0, 4.0), (0.0, 0.5, 0.0), 200.0, (1.2, 1.2), blend_file.COOL),
 )
 CAMERA = (0.5, -7.0, 4.0), (0.0, 0.0, 0.0), 34.0
 
 
 def build(count: int) -> None:
     """Open a scene of so many boxes with a mesh of their own each, on a floor."""
-    scenery.start()
+    blend_file.start()
     materials = [bpy.data.materials.new(name) for name in ("Clay", "Teal", "Leaf")]
     side, random = REACH / np.sqrt(count), np.random.default_rng(1)
     stand("Floor", np.array([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]), np.array([[0, 1, 2, 3]]), materials[0])
@@ -45,9 +45,9 @@ def build(count: int) -> None:
         shape = box((0.0, 0.0, 0.0), tuple(random.uniform(0.5, 1.5, 3) * side))
         thing = stand(f"Box {number}", shape.positions, shape.quads, materials[number % len(materials)])
         thing.location, thing.rotation_euler = (x, y, 0.0), (0.0, 0.0, random.uniform(0.0, 6.0))
-    scenery.light(LAMPS)
-    scenery.look(*CAMERA)
-    bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = scenery.SIZE
+    blend_file.add_lights(LAMPS)
+    blend_file.add_camera(*CAMERA)
+    bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = blend_file.SIZE
 
 
 def stand(name: str, positions: np.ndarray, quads: np.ndarray, material: bpy.types.Material) -> bpy.types.Object:

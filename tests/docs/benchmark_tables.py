@@ -8,7 +8,7 @@ from typing import Any
 
 from tests.benchmark.error import report as error_report
 from tests.benchmark.error.curve import error_at
-from tests.benchmark.error.race import Result
+from tests.benchmark.error.measure import Result
 from tests.benchmark.error.record import result_of
 from tests.benchmark.scale import report as scale_report
 from tests.benchmark.scale.series import SERIES

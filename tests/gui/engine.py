@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from . import sight
+from . import screenshots
 
 PACKAGE = "bl_ext.user_default.ism_soft_shadows"
 
@@ -56,4 +56,4 @@ def drawn(snapshot: Path) -> np.ndarray:
     installed = Path(module("gpu").__file__).parents[2]
     packages = {"PYTHONPATH": os.pathsep.join(sys.path)}  # Blender's numpy, and moderngl from the extension's wheels
     subprocess.run(command, cwd=installed, env={**os.environ, **packages}, check=True)
-    return sight.picture(path)
+    return screenshots.picture(path)

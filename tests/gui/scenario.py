@@ -11,7 +11,7 @@ FOLDER = Path(__file__).with_name("scenarios")
 
 @dataclass(frozen=True)
 class Scenario:
-    """A generator function `name(stage)` in a module of `scenarios`."""
+    """A generator function `name(session)` in a module of `scenarios`."""
 
     module: str
     name: str

@@ -11,9 +11,22 @@ from ism_addon.resources import REDISCOVERED, TILE_VISIBILITY
 from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, light, look, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    with_quality,
+)
 
-SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
+SETTINGS = {
+    Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()),
+    Method.SHADOW_MAPS: replace(SMALL_SHADOW_MAPS, ssao=SSAO()),
+}
 SIZE = 24, 16
 SEVERAL = 6
 
@@ -52,9 +65,9 @@ def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, mo
     """Samples add to what the first look found, which the next picture may use again."""
     monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {0: np.ones(frame.tiles[::-1], bool)})
     lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
-    lights = both(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
-    scene = stage([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
-    settings, view = with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL), look((0.0, -4.0, 0.8), size=SIZE)
+    lights = join_lights(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
+    scene = make_scene([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
+    settings, view = with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL), look_at((0.0, -4.0, 0.8), size=SIZE)
     first = draw(device, scene, view, settings)
     assert set(first.renderer.graph[TILE_VISIBILITY]) == {0, 1}
     again = draw(device, *colour_changed(scene, view), settings, first.renderer, last=0)
@@ -65,12 +78,12 @@ def test_a_light_that_was_found_late_is_not_known_to_the_next_picture(device, mo
 def test_a_light_that_was_found_late_is_forgotten_with_its_picture(device, method, monkeypatch):
     """The next one has fewer lights, and may be of the other method."""
     monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {1: np.ones(frame.tiles[::-1], bool)})
-    floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look((0.0, -4.0, 0.8), size=SIZE)
-    before = stage([floor], both(light(), light(position=(0.0, 0.0, 0.9))))
+    floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look_at((0.0, -4.0, 0.8), size=SIZE)
+    before = make_scene([floor], join_lights(light(), light(position=(0.0, 0.0, 0.9))))
     renderer = draw(device, before, view, with_quality(SETTINGS[Method.RAY_TRACED], samples=SEVERAL)).renderer
     assert renderer.graph[REDISCOVERED]
     monkeypatch.undo()
-    after, settings = stage([floor], light()), with_quality(SETTINGS[method], samples=3)
+    after, settings = make_scene([floor], light()), with_quality(SETTINGS[method], samples=3)
     expected = draw(device, after, view, settings).color
     assert np.array_equal(draw(device, after, view, settings, renderer).color, expected)
 

@@ -9,19 +9,29 @@ import pytest
 from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.scene import MAX_LINK_GROUPS
 from ism_addon.settings import Method
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
-SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.SHADOW_MAPS: MAPS}
+SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.SHADOW_MAPS: SMALL_SHADOW_MAPS}
 LEFT, RIGHT = quad((-2, -2, 0), (2, 0, 0), (0, 4, 0)), quad((0, -2, 0), (2, 0, 0), (0, 4, 0))
 LIDS = [quad((x, -2, 1.0), (2, 0, 0), (0, 4, 0)) for x in (-2, 0)]
-VIEW = from_above(3.0, (64, 48), height=0.8)
+VIEW = view_from_above(3.0, (64, 48), height=0.8)
 #: Of the floor's halves and the two lids, the first groups or the last.
 GROUPS = pytest.mark.parametrize("groups", [range(4), range(MAX_LINK_GROUPS - 4, MAX_LINK_GROUPS)], ids=str)
 
 
 def halves(device, settings, lamps, groups: range = range(4)) -> tuple[float, float]:
     """The mean brightness of the floor's left and right, whose lids are as large; each of the four is a group."""
-    scene = stage([LEFT, RIGHT, *LIDS], lamps)
+    scene = make_scene([LEFT, RIGHT, *LIDS], lamps)
     bits = np.array([1 << group for group in groups], np.uint32)
     scene = replace(scene, instances=replace(scene.instances, groups=bits))
     picture = draw(device, scene, VIEW, settings).color[..., 0]
@@ -57,5 +67,5 @@ def test_only_the_linked_cast_shadows(device, settings, groups):
 def test_of_lights_that_are_dim_too(device, monkeypatch):
     monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
-        found = halves(device, SETTINGS[Method.RAY_TRACED], both(lamp(0.9, **links), lamp(0.9, receivers=2)))
+        found = halves(device, SETTINGS[Method.RAY_TRACED], join_lights(lamp(0.9, **links), lamp(0.9, receivers=2)))
         assert tuple(half > 0.0 for half in found) == lit

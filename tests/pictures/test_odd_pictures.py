@@ -10,20 +10,20 @@ from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL, mesh
 from tests.support import reference
 from tests.support.small_scenes import (
-    MAPS,
     SMALL_SETTINGS,
-    both,
+    SMALL_SHADOW_MAPS,
     draw,
+    join_lights,
     light,
-    look,
-    placed,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    stage,
+    random_triangles,
+    transform,
     with_quality,
 )
 
-BOTH = pytest.mark.parametrize("base", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+BOTH = pytest.mark.parametrize("base", [SMALL_SETTINGS, SMALL_SHADOW_MAPS], ids=["rays", "maps"])
 
 
 @pytest.mark.parametrize("offset", [1e4, 1e6])
@@ -32,29 +32,36 @@ def test_far_from_the_worlds_origin_the_picture_is_the_same(device, base, offset
     """Camera, lights and meshes moved together."""
     far = np.array([offset, -offset, offset])
     lamp = light(position=(0.3, 0.0, 2.0))
-    here = draw(device, stage([rubble(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], lamp), look((3, -3, 2)), base)
+    here = draw(
+        device,
+        make_scene([random_triangles(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], lamp),
+        look_at((3, -3, 2)),
+        base,
+    )
     moved = replace(lamp, position=lamp.position + far)
-    scene = stage([rubble(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], moved, matrices=[placed(offset=far)] * 2)
-    there = draw(device, scene, look(far + (3, -3, 2), far), base)
+    scene = make_scene(
+        [random_triangles(), quad((-2, -2, -1), (4, 0, 0), (0, 4, 0))], moved, matrices=[transform(offset=far)] * 2
+    )
+    there = draw(device, scene, look_at(far + (3, -3, 2), far), base)
     assert reference.nrmse(there.color[..., :3], here.color[..., :3]) < 0.05
 
 
 @BOTH
 def test_no_meshes(device, base):
-    drawn = draw(device, stage([], light(), world=0.2), look((3, -3, 2)), base)
+    drawn = draw(device, make_scene([], light(), world=0.2), look_at((3, -3, 2)), base)
     assert drawn.color == pytest.approx(np.broadcast_to([0.2, 0.2, 0.2, 1.0], (24, 32, 4)))
 
 
 @BOTH
 def test_no_lights(device, base):
-    drawn = draw(device, stage([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0))], world=0.5), look((3, -3, 6)), base)
+    drawn = draw(device, make_scene([quad((-9, -9, 0), (18, 0, 0), (0, 18, 0))], world=0.5), look_at((3, -3, 6)), base)
     assert drawn.color[..., :3] == pytest.approx(0.3, abs=1e-3)
     assert drawn.profile.rows["SplatMaps"].drawn == drawn.profile.rows["GatherLight"].drawn == 0
 
 
 @BOTH
 def test_neither_lights_nor_meshes_nor_a_world(device, base):
-    assert not draw(device, stage([]), look((3, -3, 2)), base).color[..., :3].any()
+    assert not draw(device, make_scene([]), look_at((3, -3, 2)), base).color[..., :3].any()
 
 
 def floor_and_plate():
@@ -66,21 +73,26 @@ def test_an_unshadowed_light_among_others(device, base):
     """Each light is as it would be alone, with its shadow or without."""
     one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0))
     settings = with_quality(base, virtual_lights=32)
-    together = draw(device, stage(floor_and_plate(), both(one, other)), look((3, -3, 3)), settings).color
-    apart = [draw(device, stage(floor_and_plate(), lamp), look((3, -3, 3)), settings).color for lamp in (one, other)]
+    together = draw(device, make_scene(floor_and_plate(), join_lights(one, other)), look_at((3, -3, 3)), settings).color
+    apart = [
+        draw(device, make_scene(floor_and_plate(), lamp), look_at((3, -3, 3)), settings).color for lamp in (one, other)
+    ]
     assert reference.nrmse(together[..., :3], apart[0][..., :3] + apart[1][..., :3]) < 0.15
     bright = draw(
-        device, stage(floor_and_plate(), replace(one, casts_shadow=np.array([True]))), look((3, -3, 3)), settings
+        device,
+        make_scene(floor_and_plate(), replace(one, casts_shadow=np.array([True]))),
+        look_at((3, -3, 3)),
+        settings,
     ).color
     assert (apart[0] - bright)[..., :3].max() > 0.01
 
 
 @BOTH
 def test_what_casts_no_shadow_is_seen_and_throws_none(device, base):
-    scene = stage(floor_and_plate(), light())
+    scene = make_scene(floor_and_plate(), light())
     ghost = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True, False])))
-    open_floor = stage(floor_and_plate()[:1], light())
-    view = look((0.0, -6.0, 0.5), (0.0, 0.0, 0.5))
+    open_floor = make_scene(floor_and_plate()[:1], light())
+    view = look_at((0.0, -6.0, 0.5), (0.0, 0.0, 0.5))
     ours, bare = draw(device, ghost, view, base), draw(device, open_floor, view, base)
     floor = (ours.target("primitive")[..., 0] <= 2) & (ours.target("primitive")[..., 0] > 0)
     assert np.abs(ours.color - bare.color)[floor].max() < 0.01
@@ -89,11 +101,11 @@ def test_what_casts_no_shadow_is_seen_and_throws_none(device, base):
 
 @BOTH
 def test_what_is_unseen_may_throw_a_shadow(device, base):
-    scene = stage(floor_and_plate(), light())
+    scene = make_scene(floor_and_plate(), light())
     hidden = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    drawn = draw(device, hidden, look((0.0, -3.0, 4.0)), base)
+    drawn = draw(device, hidden, look_at((0.0, -3.0, 4.0)), base)
     assert set(np.unique(drawn.target("primitive")[..., 0])) <= {0, 1, 2}
-    bare = draw(device, stage(floor_and_plate()[:1], light()), look((0.0, -3.0, 4.0)), base)
+    bare = draw(device, make_scene(floor_and_plate()[:1], light()), look_at((0.0, -3.0, 4.0)), base)
     assert (bare.color - drawn.color).max() > 0.03
 
 
@@ -104,16 +116,24 @@ def points_only():
 
 
 DEGENERATE = {
-    "a mesh of points": lambda: stage([points_only()], light(), world=0.1),
-    "a flat instance": lambda: stage([rubble(20)], light(), matrices=[placed(np.diag([1.0, 1.0, 0.0]))], world=0.1),
-    "a light in the floor": lambda: stage(floor_and_plate(), light(position=(0.0, 0.0, 0.0)), world=0.1),
-    "a light of no size": lambda: stage(floor_and_plate(), light(axis_u=(1e-9, 0, 0), axis_v=(0, -1e-9, 0)), world=0.1),
-    "a light of no power": lambda: stage(floor_and_plate(), light(radiance=0.0), world=0.1),
-    "a huge light": lambda: stage(floor_and_plate(), light(axis_u=(1e5, 0, 0), axis_v=(0, -1e5, 0)), world=0.1),
-    "a very bright light": lambda: stage(floor_and_plate(), light(radiance=1e30), world=0.1),
-    "a narrow spread": lambda: stage(floor_and_plate(), light(spread=0.0), world=0.1),
-    "a tiny scene": lambda: stage([rubble(50)], light(), matrices=[placed(1e-6 * np.eye(3))], world=0.1),
-    "a vast scene": lambda: stage([rubble(50)], light(), matrices=[placed(1e7 * np.eye(3))], world=0.1),
+    "a mesh of points": lambda: make_scene([points_only()], light(), world=0.1),
+    "a flat instance": lambda: make_scene(
+        [random_triangles(20)], light(), matrices=[transform(np.diag([1.0, 1.0, 0.0]))], world=0.1
+    ),
+    "a light in the floor": lambda: make_scene(floor_and_plate(), light(position=(0.0, 0.0, 0.0)), world=0.1),
+    "a light of no size": lambda: make_scene(
+        floor_and_plate(), light(axis_u=(1e-9, 0, 0), axis_v=(0, -1e-9, 0)), world=0.1
+    ),
+    "a light of no power": lambda: make_scene(floor_and_plate(), light(radiance=0.0), world=0.1),
+    "a huge light": lambda: make_scene(floor_and_plate(), light(axis_u=(1e5, 0, 0), axis_v=(0, -1e5, 0)), world=0.1),
+    "a very bright light": lambda: make_scene(floor_and_plate(), light(radiance=1e30), world=0.1),
+    "a narrow spread": lambda: make_scene(floor_and_plate(), light(spread=0.0), world=0.1),
+    "a tiny scene": lambda: make_scene(
+        [random_triangles(50)], light(), matrices=[transform(1e-6 * np.eye(3))], world=0.1
+    ),
+    "a vast scene": lambda: make_scene(
+        [random_triangles(50)], light(), matrices=[transform(1e7 * np.eye(3))], world=0.1
+    ),
 }
 
 
@@ -121,7 +141,7 @@ DEGENERATE = {
 @BOTH
 def test_no_pixel_is_nan_or_negative(device, base, name):
     settings = replace(base, ssao=SSAO(), quality=replace(base.quality, samples=2))
-    color = draw(device, DEGENERATE[name](), look((0.0, -4.0, 3.0)), settings).color
+    color = draw(device, DEGENERATE[name](), look_at((0.0, -4.0, 3.0)), settings).color
     assert np.isfinite(color).all()
     assert color.min() >= 0.0
 
@@ -131,7 +151,7 @@ def test_no_pixel_is_nan_or_negative(device, base, name):
 )
 def test_the_least_quality_still_gives_a_picture(device, quality):
     scene, view = SMALL["sphere in corner"](24, 16)
-    color = draw(device, scene, view, with_quality(MAPS, **quality)).color
+    color = draw(device, scene, view, with_quality(SMALL_SHADOW_MAPS, **quality)).color
     assert np.isfinite(color).all()
     assert color[..., :3].mean() > 0.05
 

@@ -10,7 +10,7 @@ import pytest
 
 from ism_addon.gpu.gl import shader_compiler
 from tests.scenes.small import pillar_field
-from tests.support.jobs import LONG, begun, ended, request
+from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
 from tests.support.small_scenes import SMALL_SETTINGS
 
 
@@ -30,14 +30,14 @@ def edit(shader: Path, old: str, new: str) -> None:
 def test_shaders_are_read_again(worker, shaders):
     settings = replace(SMALL_SETTINGS, debug_view="base_color")
     before = worker.start(request(settings), "client")
-    assert ended(before)
+    assert wait_for_end(before)
     edit(shaders / "passes/film/debug_image.frag", "texel.rgb, 1.0);", "vec3(0.25), 1.0);")
     unaware = worker.start(request(settings, pillar_field), "client")
-    assert ended(unaware)
+    assert wait_for_end(unaware)
     assert unaware.picture().color[..., :3].max() > 0.26
     worker.reload()
     after = worker.start(request(settings), "client")
-    assert ended(after)
+    assert wait_for_end(after)
     assert after.error == ""
     assert after.picture().color[..., :3].max() == pytest.approx(0.25, abs=1e-3)
 
@@ -48,38 +48,38 @@ def test_a_mistake_in_a_shader_is_one_line_and_can_be_mended(worker, shaders):
     line = (shaders / "passes/film/shade.frag").read_text().splitlines().index("    nonsense;") + 1
     worker.reload()
     broken = worker.start(request(), "client")
-    assert ended(broken)
+    assert wait_for_end(broken)
     assert f"does not compile: shade.frag, line {line}: " in broken.error
     assert "nonsense" in broken.error
     assert "\n" not in broken.error
     (shaders / "passes/film/shade.frag").write_text(whole)
     worker.reload()
     mended = worker.start(request(), "client")
-    assert ended(mended)
+    assert wait_for_end(mended)
     assert mended.error == ""
 
 
 def test_a_mistake_is_found_in_the_file_that_is_included(worker, shaders):
     edit(shaders / "glsl/maths/luminance.glsl", "{", "{ nonsense;")
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert re.search(r"does not compile: luminance.glsl, line \d+: .*nonsense", job.error)
 
 
 def test_a_missing_shader_is_one_line(worker, shaders):
     (shaders / "passes/film/shade.frag").unlink()
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert "shade.frag does not compile: " in job.error
     assert "\n" not in job.error
 
 
 def test_reloading_leaves_a_running_job_alone(worker):
     long = worker.start(request(LONG), "final render")
-    assert begun(long)
+    assert wait_for_picture(long)
     done = long.samples_done
     for _ in range(3):
         worker.reload()
-        assert ended(worker.start(request(), "viewport"))
+        assert wait_for_end(worker.start(request(), "viewport"))
     assert not long.finished
     assert long.samples_done > done

@@ -12,10 +12,18 @@ from ism_addon.resources import INSTANCE_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO, DebugView, Method
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
-BY_MAPS = replace(MAPS, ssao=SSAO())
+BY_MAPS = replace(SMALL_SHADOW_MAPS, ssao=SSAO())
 METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, BY_MAPS), strict=True)}
 TREES = {"BuildBLAS", "UploadBLAS", "BuildTLAS"}
 STAGES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
@@ -80,8 +88,8 @@ def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
 def test_another_colour_uploads_no_image(device):
     texels = np.random.default_rng(0).integers(0, 256, (64, 64, 4), np.uint8)
     scene, view = (
-        stage([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], image=Image(texels)),
-        from_above(2.0),
+        make_scene([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], image=Image(texels)),
+        view_from_above(2.0),
     )
     first = draw(device, scene, view)
     materials = replace(scene.materials, base_color=scene.materials.base_color / 2.0)

@@ -12,8 +12,8 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.setting_limits import beyond_limits, within_limits
 from ism_addon.settings import SECTIONS, Quality, Settings, setting_fields
 from tests.scenes.small import box_over_plane
-from tests.support.jobs import begun, ended
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw
+from tests.support.jobs import wait_for_end, wait_for_picture
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw
 
 NUMBERS = [
     pytest.param(name, member, control, id=member.name)
@@ -31,7 +31,7 @@ def with_value(section: str, name: str, value: float) -> Settings:
     return replace(Settings(), **{section: replace(getattr(Settings(), section), **{name: value})})
 
 
-@pytest.mark.parametrize("settings", [Settings(), SMALL_SETTINGS, MAPS])
+@pytest.mark.parametrize("settings", [Settings(), SMALL_SETTINGS, SMALL_SHADOW_MAPS])
 def test_what_is_in_its_range_stays_as_it_is(settings):
     assert within_limits(settings) == settings
     assert beyond_limits(settings) == ()
@@ -62,9 +62,9 @@ def test_each_budget_has_a_sentence():
 
 
 def test_budgets_of_nothing_draw_a_picture(worker, device):
-    for settings in (SMALL_SETTINGS, MAPS):
+    for settings in (SMALL_SETTINGS, SMALL_SHADOW_MAPS):
         job = worker.start(Request(*box_over_plane(24, 16), replace(settings, quality=NOTHING)), "script")
-        assert ended(job)
+        assert wait_for_end(job)
         assert (job.error, job.samples, job.samples_done) == ("", 1, 1)
         least = replace(settings, quality=Quality(samples=1, virtual_lights=1, map_size=8, map_points=1))
         assert np.array_equal(job.picture().color, draw(device, *box_over_plane(24, 16), least).color)
@@ -72,19 +72,19 @@ def test_budgets_of_nothing_draw_a_picture(worker, device):
 
 @pytest.mark.parametrize("name", BUDGETS)
 def test_an_absurd_budget_is_begun_and_can_be_cancelled(worker, name):
-    quality = replace(MAPS.quality, **{"virtual_lights": 1, name: getattr(ABSURD, name)})
-    job = worker.start(Request(*box_over_plane(24, 16), replace(MAPS, quality=quality)), "script")
-    assert begun(job)
+    quality = replace(SMALL_SHADOW_MAPS.quality, **{"virtual_lights": 1, name: getattr(ABSURD, name)})
+    job = worker.start(Request(*box_over_plane(24, 16), replace(SMALL_SHADOW_MAPS, quality=quality)), "script")
+    assert wait_for_picture(job)
     job.cancel()
-    assert ended(job)
-    assert (job.error, job.samples) == ("", within_limits(replace(MAPS, quality=quality)).quality.samples)
+    assert wait_for_end(job)
+    assert (job.error, job.samples) == ("", within_limits(replace(SMALL_SHADOW_MAPS, quality=quality)).quality.samples)
 
 
 def test_a_snapshot_brings_them_too(tmp_path, worker):
     path = tmp_path / "scene.npz"
-    snapshot.save(path, *box_over_plane(24, 16), replace(MAPS, quality=NOTHING))
+    snapshot.save(path, *box_over_plane(24, 16), replace(SMALL_SHADOW_MAPS, quality=NOTHING))
     scene, view, settings = snapshot.load(path)
     assert settings.quality == NOTHING
     job = worker.start(Request(scene, view, settings), "script")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.picture() is not None

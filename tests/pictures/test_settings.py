@@ -9,7 +9,7 @@ import pytest
 from ism_addon.resources import DEBUG_VIEWS
 from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, help_text, setting_fields
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 
 #: For each setting that shapes light and shadow a value that changes the picture where it counts.
 OTHER = {
@@ -38,7 +38,7 @@ def changed(settings, section, name):
 @pytest.mark.parametrize(("section", "name", "method"), LIMITED)
 def test_a_setting_counts_for_the_methods_that_it_names(device, section, name, method):
     scene, view = box_over_plane(48, 32)
-    with_holes = with_quality(MAPS, map_size=128)
+    with_holes = with_quality(SMALL_SHADOW_MAPS, map_size=128)
     for settings in (with_quality(SMALL_SETTINGS, samples=2), with_holes):
         plain = draw(device, scene, view, settings).color
         other = draw(device, scene, view, changed(settings, section, name)).color
@@ -46,7 +46,9 @@ def test_a_setting_counts_for_the_methods_that_it_names(device, section, name, m
 
 
 def test_the_methods_draw_different_pictures(device):
-    one, other = (draw(device, *box_over_plane(48, 32), settings).color for settings in (SMALL_SETTINGS, MAPS))
+    one, other = (
+        draw(device, *box_over_plane(48, 32), settings).color for settings in (SMALL_SETTINGS, SMALL_SHADOW_MAPS)
+    )
     assert not np.array_equal(one, other)
 
 

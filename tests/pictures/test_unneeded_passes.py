@@ -17,19 +17,22 @@ from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import (
-    MAPS,
     SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
     draw,
-    from_above,
-    look,
-    prepared,
+    first_frame,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    stage,
+    random_triangles,
+    view_from_above,
     with_quality,
 )
 
-SETTINGS = {Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()), Method.SHADOW_MAPS: replace(MAPS, ssao=SSAO())}
+SETTINGS = {
+    Method.RAY_TRACED: replace(SMALL_SETTINGS, ssao=SSAO()),
+    Method.SHADOW_MAPS: replace(SMALL_SHADOW_MAPS, ssao=SSAO()),
+}
 SIZE = 64, 48
 
 RAYS = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
@@ -102,9 +105,9 @@ def test_without_images_no_texel_and_no_shader_for_them(device):
 @pytest.mark.parametrize("away", [None, -6.0, 6.0])
 def test_no_point_about_what_is_seen_is_farther_on_the_screen_than_is_said(device, away, across):
     generator, radius = np.random.default_rng(5), 0.2
-    view = look((0.0, away, 1.0), (0.2, 0.0, 0.0), SIZE, across) if away else from_above(2.0, SIZE)
-    scene = stage([rubble()])
-    prepared_renderer, _ = prepared(device, scene)
+    view = look_at((0.0, away, 1.0), (0.2, 0.0, 0.0), SIZE, across) if away else view_from_above(2.0, SIZE)
+    scene = make_scene([random_triangles()])
+    prepared_renderer, _ = first_frame(device, scene)
     drawn = draw(device, scene, view, renderer=prepared_renderer)
     frame = prepared_renderer.last[0]
     points = drawn.target("position")[drawn.target("position")[..., 3] != 0.0][:, :3]
@@ -125,8 +128,8 @@ def on_screen(clip, points):
 
 
 def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
-    room = stage([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
-    frame, _ = draw(device, room, look((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last
+    room = make_scene([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
+    frame, _ = draw(device, room, look_at((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last
     assert projected_radius(frame, 1e-3) == np.inf
 
 
@@ -135,7 +138,7 @@ def test_a_radius_of_less_than_half_a_pixel_is_too_small(device, radius, drawn):
     """In a view from above whose pixels are an eighth of a metre wide."""
     scene, _ = lit_stage()
     settings = with_ssao(SETTINGS[Method.RAY_TRACED], radius=radius)
-    rows = draw(device, scene, from_above(8.0, (64, 64)), settings).profile.rows
+    rows = draw(device, scene, view_from_above(8.0, (64, 64)), settings).profile.rows
     assert {rows[name].drawn for name in OCCLUSION} == {drawn}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.benchmark.error.curve import Point, error_at, medians, time_to
-from tests.benchmark.error.metrics import EPSILON, Error, flip, judge, noise, relmse, resolution, rmse
+from tests.benchmark.error.metrics import EPSILON, Error, errors, flip, noise, relmse, resolution, rmse
 
 SHAPE = (120, 160, 3)
 
@@ -57,7 +57,7 @@ def test_the_percentile_sees_what_the_mean_hides(truth):
     pytest.importorskip("flip_evaluator", reason="dev.py bench installs it")
     spotted = truth.copy()
     spotted[:, :4] += 1.0  # 2.5 % of all pixels
-    error = judge(spotted, np.stack([truth, truth]))
+    error = errors(spotted, np.stack([truth, truth]))
     assert error.percentile == pytest.approx(1.0 / truth.mean())
 
 

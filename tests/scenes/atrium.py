@@ -21,18 +21,18 @@ from tests.scenes.parts.shapes import Shape, box, ring
 from tests.scenes.parts.statue import statue_mesh
 from tests.tools.new_file import open_empty_file
 
-from .atrium_light import light, look
+from .atrium_light import add_lights, set_up_camera
 
 HALF_X, HALF_Y, DEPTH = 12.0, 4.0, 3.3  # m: arcade axes, depth of the galleries
 FLOOR, SPRINGING, STOREY = 0.15, 2.95, 4.6  # m: gallery floor, springing of its arches, upper floor
 UPPER_SPRINGING, TOP = 7.0, 9.1  # m
-LONG = np.arange(-10.5, 11.0, 3.0)  # m: middles of the bays
-SHORT = np.array([-8.0, 0.0, 8.0]) / 3.0
+BAYS_LONG = np.arange(-10.5, 11.0, 3.0)  # m: middles of the bays
+BAYS_SHORT = np.array([-8.0, 0.0, 8.0]) / 3.0
 SIDES = (  # distance and direction of each side's arcade, and its bays
-    (HALF_Y, 0.0, LONG),
-    (HALF_Y, math.pi, LONG),
-    (HALF_X, 0.5 * math.pi, SHORT),
-    (HALF_X, -0.5 * math.pi, SHORT),
+    (HALF_Y, 0.0, BAYS_LONG),
+    (HALF_Y, math.pi, BAYS_LONG),
+    (HALF_X, 0.5 * math.pi, BAYS_SHORT),
+    (HALF_X, -0.5 * math.pi, BAYS_SHORT),
 )
 CENTRE_Y = 0.3 + 0.5 * (DEPTH - 0.3)  # m: middle of a gallery, from its arcade's axis
 
@@ -49,19 +49,19 @@ Parts = Sequence[tuple[Shape, str]]
 def build(path: Path) -> None:
     """Write the atrium to a .blend; what was open is replaced."""
     open_empty_file()
-    mason = Mason()
+    mason = SceneBuilder()
     shell(mason)
     for middle, turn, bays in SIDES:
         side(mason, Matrix.Rotation(turn, 4, "Z") @ Matrix.Translation((0.0, middle, 0.0)), bays)
     corners(mason)
     furnish(mason)
     hang(mason)
-    light()
-    look()
+    add_lights()
+    set_up_camera()
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
 
 
-class Mason:
+class SceneBuilder:
     """Sets parts into the open scene; parts of one name share one mesh."""
 
     def __init__(self) -> None:
@@ -78,7 +78,7 @@ class Mason:
             bpy.context.scene.collection.objects.link(part)
 
 
-def shell(mason: Mason) -> None:
+def shell(mason: SceneBuilder) -> None:
     """What goes around the whole court: floors, outer walls, cornices, roof."""
     out = DEPTH + 0.25
     steps = [(out, -0.1), (-0.6, -0.1), (-0.6, FLOOR - 0.02), (-0.58, FLOOR), (out, FLOOR), (out, -0.1)]
@@ -96,10 +96,10 @@ def shell(mason: Mason) -> None:
     mason.set("Outer walls", [(ring(wall, HALF_X, HALF_Y), "Stone blocks")])
 
 
-def side(mason: Mason, frame: Matrix, bays: np.ndarray) -> None:
+def side(mason: SceneBuilder, frame: Matrix, bays: np.ndarray) -> None:
     """Both storeys of the galleries along one side; in its frame, x runs along the arcade and y outwards."""
     bay = float(bays[1] - bays[0])
-    kind, half, radius = ("long", 12.3, 1.15) if bays is LONG else ("short", 3.75, 0.98)
+    kind, half, radius = ("long", 12.3, 1.15) if bays is BAYS_LONG else ("short", 3.75, 0.98)
     for storey, springing, top in (("Ground", SPRINGING, STOREY - 0.1), ("Upper", UPPER_SPRINGING, TOP - 0.1)):
         wall = wall_over_arches(-half, half, bays, radius, (springing, top), THICKNESS)
         mason.set(f"{storey} arcade, {kind}", [(wall, "Stone blocks")], [frame])
@@ -111,13 +111,13 @@ def side(mason: Mason, frame: Matrix, bays: np.ndarray) -> None:
     middles = [frame @ Matrix.Translation((x, CENTRE_Y, 0.0)) for x in bays]
     mason.set(f"Vault, {kind}", [(vault, "Plaster")], middles)
     cross_ribs(mason, frame, [*between, bays[0] - 0.5 * bay, bays[-1] + 0.5 * bay])
-    rail = architecture.balustrade(bay - 0.36, 8 if bays is LONG else 7)
+    rail = architecture.balustrade(bay - 0.36, 8 if bays is BAYS_LONG else 7)
     mason.set(
         f"Balustrade, {kind}", [(rail, "Limestone")], [frame @ Matrix.Translation((x, 0.0, STOREY)) for x in bays]
     )
 
 
-def stand(mason: Mason, frame: Matrix, spots: np.ndarray) -> None:
+def stand(mason: SceneBuilder, frame: Matrix, spots: np.ndarray) -> None:
     """Pillars of both storeys at spots along a side."""
     storeys = (
         ("Pillar", FLOOR, architecture.pillar(SPRINGING - FLOOR, 0.25, 0.74, flutes=16)),
@@ -128,7 +128,7 @@ def stand(mason: Mason, frame: Matrix, spots: np.ndarray) -> None:
         mason.set(name, [(shaft, "Marble"), (ends, "Limestone")], places)
 
 
-def cross_ribs(mason: Mason, frame: Matrix, spots: Sequence[float]) -> None:
+def cross_ribs(mason: SceneBuilder, frame: Matrix, spots: Sequence[float]) -> None:
     """Arches across the lower gallery, their pilasters, and the beams of the upper ceiling."""
     half = 0.5 * DEPTH
     rib = wall_over_arches(-half, half, [0.0], 1.27, (SPRINGING, STOREY - 0.15), thickness=0.4)
@@ -141,7 +141,7 @@ def cross_ribs(mason: Mason, frame: Matrix, spots: Sequence[float]) -> None:
     mason.set("Pilaster", [(pilaster, "Limestone")], walls)
 
 
-def corners(mason: Mason) -> None:
+def corners(mason: SceneBuilder) -> None:
     """Square piers where the arcades meet, and the vaults of the galleries' corners."""
     lower = architecture.pier(SPRINGING - FLOOR, 0.36)
     upper = architecture.pier(UPPER_SPRINGING - STOREY, 0.36)
@@ -154,7 +154,7 @@ def corners(mason: Mason) -> None:
     mason.set("Corner vault", [(vault, "Plaster")], bays)
 
 
-def furnish(mason: Mason) -> None:
+def furnish(mason: SceneBuilder) -> None:
     """The statue on its plinth, and jars along the court."""
     profile = [(0.004, -0.02), (0.95, -0.02), (0.95, 0.14), (0.93, 0.16), (0.8, 0.16), (0.8, 0.3), (0.78, 0.32)]
     profile += [(0.64, 0.32), (0.62, 0.36), (0.57, 0.4), (0.55, 0.44), (0.55, 1.1), (0.58, 1.14), (0.65, 1.18)]
@@ -168,7 +168,7 @@ def furnish(mason: Mason) -> None:
     mason.set("Jar", [(architecture.urn(0.95), "Terracotta")], [Matrix.Translation((x, y, -0.005)) for x, y in spots])
 
 
-def hang(mason: Mason) -> None:
+def hang(mason: SceneBuilder) -> None:
     """Curtains in the lower arches, banners from the upper floor, swags from side to side."""
     colors = ("Red damask", "Green damask", "Blue damask")
     for number, (x, way) in enumerate(CURTAINS):

@@ -10,7 +10,7 @@ from mathutils import Vector
 WARM = (1.0, 0.64, 0.34)
 
 
-def light() -> None:
+def add_lights() -> None:
     """A low sun and a soft sky over the roof, lamps in the galleries, a dim blue world."""
     area("Sun", "DISK", (-6.0, 4.4, 17.0), (2.5, -1.5, 0.0), 5400.0, (1.0, 0.87, 0.70), (1.1, 1.1))
     area("Sky", "RECTANGLE", (0.0, 0.6, 10.6), (0.0, -0.3, 0.0), 420.0, (0.78, 0.89, 1.0), (18.0, 5.0))
@@ -50,7 +50,7 @@ def aim(position: Sequence[float], target: Sequence[float]) -> object:
     return (Vector(target) - Vector(position)).to_track_quat("-Z", "Y").to_euler()
 
 
-def look() -> None:
+def set_up_camera() -> None:
     """The camera at eye height, and a plain view transform that is the same in every Blender."""
     scene = bpy.context.scene
     lens = bpy.data.cameras.new("Camera")
@@ -68,6 +68,6 @@ def look() -> None:
         scene.render.engine = "ISM"
 
 
-def occlusion(ssao: bpy.types.PropertyGroup) -> None:
+def set_up_ssao(ssao: bpy.types.PropertyGroup) -> None:
     """The engine's ambient occlusion for a room of this size."""
     ssao.radius, ssao.intensity, ssao.attenuation = 1.5, 2.0, 0.5

@@ -11,28 +11,28 @@ from tests.scenes.parts.architecture import groin_vault, pier, pillar, urn
 from tests.scenes.parts.shapes import box
 from tests.scenes.parts.solids import ball
 
-from . import scenery
-from .atrium import Mason
-from .scenery import COOL, WARM, WHITE, Lamp
+from . import blend_file
+from .atrium import SceneBuilder
+from .blend_file import COOL, WARM, WHITE, AreaLight
 
 HALF, HEIGHT, BAY, BAYS = 1.25, 2.9, 1.8, 7  # m: to the walls, to the vaults, from pillar to pillar; and bays
 INSET = 0.27  # m, from a wall to its pillars' axes
 
 # One shines down from the vaults, one up a wall from 6 cm, one on a pillar from 8 cm, one on a crate from 5 mm.
-LAMPS = (
+LIGHTS = (
     (
-        Lamp("RECTANGLE", (0.0, 3.6, 2.72), (0.0, 3.6, 0.0), 100.0, (0.5, 1.2), WHITE),
-        Lamp("RECTANGLE", (-1.19, 2.7, 0.5), (-1.15, 2.7, 2.0), 17.0, (1.3, 0.03), WARM),
-        Lamp("SQUARE", (0.63, 5.4, 1.2), (0.98, 5.4, 1.25), 2.3, (0.3, 0.3), COOL),
-        Lamp("DISK", (0.55, 2.2, 0.505), (0.55, 2.2, 0.0), 0.08, (0.12, 0.12), WARM),
-        Lamp("ELLIPSE", (0.2, 10.6, 2.3), (0.0, 8.6, 0.4), 150.0, (0.5, 0.2), WARM, 130.0),
+        AreaLight("RECTANGLE", (0.0, 3.6, 2.72), (0.0, 3.6, 0.0), 100.0, (0.5, 1.2), WHITE),
+        AreaLight("RECTANGLE", (-1.19, 2.7, 0.5), (-1.15, 2.7, 2.0), 17.0, (1.3, 0.03), WARM),
+        AreaLight("SQUARE", (0.63, 5.4, 1.2), (0.98, 5.4, 1.25), 2.3, (0.3, 0.3), COOL),
+        AreaLight("DISK", (0.55, 2.2, 0.505), (0.55, 2.2, 0.0), 0.08, (0.12, 0.12), WARM),
+        AreaLight("ELLIPSE", (0.2, 10.6, 2.3), (0.0, 8.6, 0.4), 150.0, (0.5, 0.2), WARM, 130.0),
     ),
     (
-        Lamp("SQUARE", (0.1, 5.4, 2.75), (0.1, 5.4, 0.0), 110.0, (0.7, 0.7), WHITE),
-        Lamp("RECTANGLE", (1.17, 4.5, 0.35), (1.13, 4.5, 2.0), 18.0, (1.2, 0.025), COOL),
-        Lamp("ELLIPSE", (-0.6, 3.6, 1.4), (-0.98, 3.6, 1.35), 2.0, (0.35, 0.2), WARM),
-        Lamp("RECTANGLE", (-0.55, 2.6, 0.506), (-0.55, 2.6, 0.0), 0.08, (0.2, 0.06), WARM),
-        Lamp("DISK", (-0.2, 11.2, 2.2), (0.0, 9.0, 0.4), 150.0, (0.35, 0.35), WARM, 120.0),
+        AreaLight("SQUARE", (0.1, 5.4, 2.75), (0.1, 5.4, 0.0), 110.0, (0.7, 0.7), WHITE),
+        AreaLight("RECTANGLE", (1.17, 4.5, 0.35), (1.13, 4.5, 2.0), 18.0, (1.2, 0.025), COOL),
+        AreaLight("ELLIPSE", (-0.6, 3.6, 1.4), (-0.98, 3.6, 1.35), 2.0, (0.35, 0.2), WARM),
+        AreaLight("RECTANGLE", (-0.55, 2.6, 0.506), (-0.55, 2.6, 0.0), 0.08, (0.2, 0.06), WARM),
+        AreaLight("DISK", (-0.2, 11.2, 2.2), (0.0, 9.0, 0.4), 150.0, (0.35, 0.35), WARM, 120.0),
     ),
 )
 CAMERAS = (((0.35, -0.6, 1.45), (-0.1, 4.0, 1.15), 24.0), ((-0.45, 0.2, 1.2), (0.15, 5.0, 1.2), 24.0))
@@ -40,8 +40,8 @@ CAMERAS = (((0.35, -0.6, 1.45), (-0.1, 4.0, 1.15), 24.0), ((-0.45, 0.2, 1.2), (0
 
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
-    scenery.start()
-    mason, random = Mason(), np.random.default_rng(400 + variant)
+    blend_file.new_file()
+    mason, random = SceneBuilder(), np.random.default_rng(400 + variant)
     length = BAY * BAYS
     shell = [box((-HALF - 0.3, -2.0, -0.2), (HALF + 0.3, length + 0.3, 0.0))]
     shell += [box((s - 0.15, -2.0, -0.1), (s + 0.15, length + 0.3, 3.6)) for s in (-HALF - 0.15, HALF + 0.15)]
@@ -49,12 +49,12 @@ def build(path: Path, variant: int = 0) -> None:
         mason.set(f"Wall {len(mason.meshes)}", [(wall, "Concrete")])
     colonnade(mason)
     furnish(mason, random, 1.0 - 2.0 * variant)
-    scenery.light(LAMPS[variant])
-    scenery.look(*CAMERAS[variant])
-    scenery.save(path)
+    blend_file.add_lights(LIGHTS[variant])
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
 
 
-def colonnade(mason: Mason) -> None:
+def colonnade(mason: SceneBuilder) -> None:
     """Pillars along both walls, vaults over them and ribs between the vaults."""
     shaft, ends = pillar(2.2, 0.13, 0.36, flutes=12)
     spots = [Matrix.Translation((s * (HALF - INSET), BAY * bay, 0.0)) for s in (-1, 1) for bay in range(BAYS + 1)]
@@ -66,7 +66,7 @@ def colonnade(mason: Mason) -> None:
     mason.set("Vault", [(vault, "Paper")], places)
 
 
-def furnish(mason: Mason, random: np.random.Generator, side: float) -> None:
+def furnish(mason: SceneBuilder, random: np.random.Generator, side: float) -> None:
     """Crates, jars and balls along the walls, and the crate that the lowest lamp nearly touches."""
     mason.set("Crate", [(box((-0.22, -0.22, 0.0), (0.22, 0.22, 0.5)), "Ochre")], [
         Matrix.Translation((0.55 * side, 2.4 - 0.2 * side, 0.0)) @ Matrix.Rotation(0.3, 4, "Z"),

@@ -9,25 +9,25 @@ import numpy as np
 from tests.scenes.parts.shapes import Shape
 from tests.scenes.parts.solids import ball
 
-from . import scenery
-from .atrium import Mason
-from .scenery import COOL, WARM, Lamp, large_mesh
+from . import blend_file
+from .atrium import SceneBuilder
+from .blend_file import COOL, WARM, AreaLight, large_mesh
 
 SIDE, REACH = 620, 6.0  # quads along the ground's side, and half of the side in m
 BOULDER = 72  # quads along a boulder's side
 
-LAMPS = (
+LIGHTS = (
     (
-        Lamp("DISK", (-5.0, -1.5, 4.6), (0.2, 0.5, 0.3), 260.0, (0.8, 0.8), WARM),
-        Lamp("RECTANGLE", (4.6, 3.2, 4.0), (0.0, 0.6, 0.2), 231.0, (2.4, 0.8), COOL),
-        Lamp("SQUARE", (0.5, 1.6, 5.5), (0.3, 0.9, 0.0), 165.0, (2.2, 2.2)),
-        Lamp("ELLIPSE", (2.3, -1.6, 1.7), (1.0, 0.8, 0.3), 23.0, (0.3, 0.15), WARM, 100.0),
+        AreaLight("DISK", (-5.0, -1.5, 4.6), (0.2, 0.5, 0.3), 260.0, (0.8, 0.8), WARM),
+        AreaLight("RECTANGLE", (4.6, 3.2, 4.0), (0.0, 0.6, 0.2), 231.0, (2.4, 0.8), COOL),
+        AreaLight("SQUARE", (0.5, 1.6, 5.5), (0.3, 0.9, 0.0), 165.0, (2.2, 2.2)),
+        AreaLight("ELLIPSE", (2.3, -1.6, 1.7), (1.0, 0.8, 0.3), 23.0, (0.3, 0.15), WARM, 100.0),
     ),
     (
-        Lamp("SQUARE", (4.6, -2.2, 4.2), (0.0, 0.6, 0.3), 280.0, (0.7, 0.7), WARM),
-        Lamp("ELLIPSE", (-4.4, 3.4, 3.6), (0.0, 0.6, 0.2), 231.0, (2.0, 1.0), COOL),
-        Lamp("RECTANGLE", (-0.5, 0.8, 5.2), (-0.3, 0.9, 0.0), 148.0, (3.0, 1.4)),
-        Lamp("DISK", (-2.1, -1.4, 1.6), (-1.0, 0.9, 0.3), 20.0, (0.25, 0.25), WARM),
+        AreaLight("SQUARE", (4.6, -2.2, 4.2), (0.0, 0.6, 0.3), 280.0, (0.7, 0.7), WARM),
+        AreaLight("ELLIPSE", (-4.4, 3.4, 3.6), (0.0, 0.6, 0.2), 231.0, (2.0, 1.0), COOL),
+        AreaLight("RECTANGLE", (-0.5, 0.8, 5.2), (-0.3, 0.9, 0.0), 148.0, (3.0, 1.4)),
+        AreaLight("DISK", (-2.1, -1.4, 1.6), (-1.0, 0.9, 0.3), 20.0, (0.25, 0.25), WARM),
     ),
 )
 CAMERAS = (((0.5, -3.9, 2.1), (0.1, 0.6, 0.45), 34.0), ((-1.2, -3.8, 2.0), (-0.1, 0.8, 0.45), 34.0))
@@ -35,28 +35,28 @@ CAMERAS = (((0.5, -3.9, 2.1), (0.1, 0.6, 0.45), 34.0), ((-1.2, -3.8, 2.0), (-0.1
 
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
-    scenery.start()
+    blend_file.new_file()
     random = np.random.default_rng(300 + variant)
-    materials = Mason().materials
+    materials = SceneBuilder().materials
     line = np.linspace(-REACH, REACH, SIDE + 1)
     x, y = np.meshgrid(line, line, indexing="ij")
     bed = rocks(np.stack([x, y, np.zeros_like(x)], axis=-1), random)
     index = np.arange(x.size).reshape(x.shape)
     quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    stand("Canyon", large_mesh("Canyon", bed.reshape(-1, 3), quads, materials["Sandstone"]))
+    place("Canyon", large_mesh("Canyon", bed.reshape(-1, 3), quads, materials["Sandstone"]))
     for number, (spot, radius) in enumerate(boulders(random)):
         column, row = (np.array(spot) + REACH) / (2.0 * REACH) * SIDE
         height = bed[int(column), int(row), 2] + 0.55 * radius
         shape = boulder(radius, random)
         color = ("Concrete", "Clay", "Marble")[number % 3]
         solid = large_mesh(f"Boulder {number + 1}", shape.positions + (*spot, height), shape.quads, materials[color])
-        stand(solid.name, solid)
-    scenery.light(LAMPS[variant])
-    scenery.look(*CAMERAS[variant])
-    scenery.save(path)
+        place(solid.name, solid)
+    blend_file.add_lights(LIGHTS[variant])
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
 
 
-def stand(name: str, mesh: bpy.types.Mesh) -> None:
+def place(name: str, mesh: bpy.types.Mesh) -> None:
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import bpy
 
-from . import atrium, scenery
-from .scenery import COOL, WARM, Lamp
+from . import atrium, blend_file
+from .blend_file import COOL, WARM, AreaLight
 
-OTHER_LAMPS = (
-    Lamp("SQUARE", (5.0, -3.8, 16.0), (-2.0, 1.2, 0.0), 5000.0, (0.9, 0.9), (1.0, 0.9, 0.76)),
-    Lamp("ELLIPSE", (-1.0, -0.4, 10.4), (-0.5, 0.2, 0.0), 420.0, (16.0, 4.4), COOL),
-    Lamp("DISK", (-4.5, 5.7, 3.5), (-4.6, 5.4, 0.0), 55.0, (0.3, 0.3), WARM),
-    Lamp("RECTANGLE", (1.5, -5.7, 3.5), (1.4, -5.4, 0.0), 60.0, (0.7, 0.15), WARM),
-    Lamp("SQUARE", (-13.6, 0.5, 3.5), (-13.4, 0.4, 0.0), 55.0, (0.4, 0.4), WARM),
+OTHER_LIGHTS = (
+    AreaLight("SQUARE", (5.0, -3.8, 16.0), (-2.0, 1.2, 0.0), 5000.0, (0.9, 0.9), (1.0, 0.9, 0.76)),
+    AreaLight("ELLIPSE", (-1.0, -0.4, 10.4), (-0.5, 0.2, 0.0), 420.0, (16.0, 4.4), COOL),
+    AreaLight("DISK", (-4.5, 5.7, 3.5), (-4.6, 5.4, 0.0), 55.0, (0.3, 0.3), WARM),
+    AreaLight("RECTANGLE", (1.5, -5.7, 3.5), (1.4, -5.4, 0.0), 60.0, (0.7, 0.15), WARM),
+    AreaLight("SQUARE", (-13.6, 0.5, 3.5), (-13.4, 0.4, 0.0), 55.0, (0.4, 0.4), WARM),
 )
 OTHER_CAMERA = (10.6, 1.6, 2.1), (-2.0, -0.4, 2.6), 22.0
 
@@ -21,10 +21,10 @@ OTHER_CAMERA = (10.6, 1.6, 2.1), (-2.0, -0.4, 2.6), 22.0
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
     atrium.build(path)
-    scenery.darken()
+    blend_file.black_world()
     if variant:
         for thing in [each for each in bpy.data.objects if each.type in {"LIGHT", "CAMERA"}]:
             bpy.data.objects.remove(thing)
-        scenery.light(OTHER_LAMPS)
-        scenery.look(*OTHER_CAMERA)
-    scenery.save(path)
+        blend_file.add_lights(OTHER_LIGHTS)
+        blend_file.add_camera(*OTHER_CAMERA)
+    blend_file.save(path)

@@ -11,9 +11,9 @@ from tests.scenes.parts.architecture import urn
 from tests.scenes.parts.shapes import Shape, box, grid, join
 from tests.scenes.parts.solids import ball, tube
 
-from . import scenery
-from .atrium import Mason
-from .scenery import COOL, WARM, WHITE, Lamp, Point
+from . import blend_file
+from .atrium import SceneBuilder
+from .blend_file import COOL, WARM, WHITE, AreaLight, Point
 
 STALLS = ((-2.1, 1.2, 0.25), (0.3, 2.0, -0.1), (2.5, 1.1, -0.4))  # x and y m, turned by rad
 SHAPES = ("SQUARE", "DISK", "RECTANGLE", "ELLIPSE")
@@ -23,8 +23,8 @@ COUNT = 20
 
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
-    scenery.start()
-    mason, random = Mason(), np.random.default_rng(500 + variant)
+    blend_file.new_file()
+    mason, random = SceneBuilder(), np.random.default_rng(500 + variant)
     mason.set("Street", [(box((-7.0, -6.0, -0.2), (7.0, 6.0, 0.0)), "Concrete")])
     mason.set("House", [(box((-7.0, 3.6, 0.0), (7.0, 4.0, 5.0)), "Paper")])
     goods = {
@@ -43,12 +43,12 @@ def build(path: Path, variant: int = 0) -> None:
         size = random.uniform(0.6, 1.3)
         place = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(random.uniform(0.0, 3.0), 4, "Z")
         mason.set("Crate", [(crate(), "Ochre")], [place @ Matrix.Scale(size, 4)])
-    scenery.light(lamps(random))
-    scenery.look(*CAMERAS[variant])
-    scenery.save(path)
+    blend_file.add_lights(lamps(random))
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
 
 
-def lamps(random: np.random.Generator) -> list[Lamp]:
+def lamps(random: np.random.Generator) -> list[AreaLight]:
     """Two under each awning, the others on strings over the street; 3 to 40 cm wide, spread 40° to 180°."""
     spots: list[Point] = []
     for x, y, turn in STALLS:
@@ -65,7 +65,7 @@ def lamps(random: np.random.Generator) -> list[Lamp]:
         watts = (9.0 if z < 2.0 else 20.0) * (0.45 if spread < 90.0 else 1.0)
         color = (WARM, WARM, WHITE, COOL)[number % 4]
         place, target = (x, y, z), (x + aside[0], y + aside[1], 0.0)
-        found.append(Lamp(SHAPES[number % 4], place, target, watts, (size, 0.5 * size), color, spread))
+        found.append(AreaLight(SHAPES[number % 4], place, target, watts, (size, 0.5 * size), color, spread))
     return found
 
 
@@ -97,7 +97,7 @@ def crate() -> Shape:
     return join(parts)
 
 
-def lay_out(mason: Mason, goods: dict[str, Shape], table: Matrix, random: np.random.Generator) -> None:
+def lay_out(mason: SceneBuilder, goods: dict[str, Shape], table: Matrix, random: np.random.Generator) -> None:
     """Heaps of goods on a stall."""
     for column in range(9):
         name = list(goods)[random.integers(len(goods))]

@@ -11,22 +11,22 @@ from tests.scenes.parts.architecture import urn
 from tests.scenes.parts.shapes import Shape, grid, lathe
 from tests.scenes.parts.solids import ball, knot, lowest
 
-from . import scenery
-from .atrium import Mason
-from .scenery import COOL, WARM, Lamp
+from . import blend_file
+from .atrium import SceneBuilder
+from .blend_file import COOL, WARM, AreaLight
 
 COUNT, REACH = 190, 3.2  # objects, and m that they are strewn about
 
-LAMPS = (
+LIGHTS = (
     (
-        Lamp("DISK", (-3.4, -2.2, 3.6), (0.0, 0.4, 0.2), 198.0, (0.5, 0.5), WARM),
-        Lamp("RECTANGLE", (3.6, 0.6, 2.4), (0.2, 0.3, 0.2), 156.0, (2.6, 0.25), COOL),
-        Lamp("SQUARE", (0.4, 2.6, 4.2), (0.0, 0.0, 0.0), 144.0, (1.6, 1.6), spread=120.0),
+        AreaLight("DISK", (-3.4, -2.2, 3.6), (0.0, 0.4, 0.2), 198.0, (0.5, 0.5), WARM),
+        AreaLight("RECTANGLE", (3.6, 0.6, 2.4), (0.2, 0.3, 0.2), 156.0, (2.6, 0.25), COOL),
+        AreaLight("SQUARE", (0.4, 2.6, 4.2), (0.0, 0.0, 0.0), 144.0, (1.6, 1.6), spread=120.0),
     ),
     (
-        Lamp("ELLIPSE", (3.0, -3.0, 3.0), (0.0, 0.2, 0.2), 180.0, (0.9, 0.3), WARM),
-        Lamp("SQUARE", (-3.8, 0.2, 2.0), (0.0, 0.3, 0.2), 144.0, (0.35, 0.35), COOL),
-        Lamp("RECTANGLE", (-0.4, 1.8, 4.0), (0.0, 0.2, 0.0), 180.0, (2.2, 1.0)),
+        AreaLight("ELLIPSE", (3.0, -3.0, 3.0), (0.0, 0.2, 0.2), 180.0, (0.9, 0.3), WARM),
+        AreaLight("SQUARE", (-3.8, 0.2, 2.0), (0.0, 0.3, 0.2), 144.0, (0.35, 0.35), COOL),
+        AreaLight("RECTANGLE", (-0.4, 1.8, 4.0), (0.0, 0.2, 0.0), 180.0, (2.2, 1.0)),
     ),
 )
 CAMERAS = (((1.1, -5.6, 2.3), (0.0, 0.0, 0.3), 40.0), ((-2.4, -4.6, 1.5), (0.1, 0.3, 0.35), 36.0))
@@ -35,13 +35,13 @@ COLORS = ("Marble", "Clay", "Ochre", "Teal", "Plum", "Leaf")
 
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
-    scenery.start()
-    mason = Mason()
+    blend_file.new_file()
+    mason = SceneBuilder()
     mason.set("Backdrop", [(backdrop(), "Paper")])
-    strew(mason, np.random.default_rng(100 + variant))
-    scenery.light(LAMPS[variant])
-    scenery.look(*CAMERAS[variant])
-    scenery.save(path)
+    scatter(mason, np.random.default_rng(100 + variant))
+    blend_file.add_lights(LIGHTS[variant])
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
 
 
 def backdrop() -> Shape:
@@ -73,7 +73,7 @@ def forms() -> dict[str, Shape]:
     }
 
 
-def strew(mason: Mason, random: np.random.Generator) -> None:
+def scatter(mason: SceneBuilder, random: np.random.Generator) -> None:
     """Set objects of all sizes on the floor, some of them tumbled, large ones first; small ones fill the gaps."""
     shapes = forms()
     names = list(shapes)

@@ -23,7 +23,7 @@ def corner_of(room: tuple[int, ...]) -> np.ndarray:
     return (np.array(room) - SEEN) * (SIZE + WALL)
 
 
-def here() -> list[Lamp]:
+def lights_of_the_room() -> list[Lamp]:
     """The five that matter."""
     below = (0.0, 0.0, -1.0)
     places = [(1.2, 1.2, 2.8), (4.8, 1.3, 2.7), (3.0, 2.5, 2.9), (1.3, 3.8, 2.6), (4.7, 3.9, 2.8)]
@@ -75,7 +75,7 @@ IDLE: dict[str, Callable[[int], Lamp]] = {
 
 def rooms(idle: dict[str, int], width: int = 640, height: int = 360) -> tuple[Scene, View]:
     """The room with the five lamps, and numbers of the others by why they are idle."""
-    lamps = here() + [IDLE[why](number) for why, count in idle.items() for number in range(count)]
+    lamps = lights_of_the_room() + [IDLE[why](number) for why, count in idle.items() for number in range(count)]
     meshes = [
         subdivided_box(np.full(3, -WALL), (SIZE[0], 0.0, SIZE[2]), 8),
         subdivided_box(np.full(3, -WALL), (0.0, SIZE[1], SIZE[2]), 8),

@@ -9,19 +9,19 @@ from mathutils import Matrix
 from tests.scenes.parts.shapes import Shape, box, grid, join
 from tests.scenes.parts.solids import tube
 
-from . import scenery
-from .atrium import Mason
-from .scenery import COOL, WARM, Lamp
+from . import blend_file
+from .atrium import SceneBuilder
+from .blend_file import COOL, WARM, AreaLight
 
 TUFTS, BLADES = 330, 45  # of grass, and blades in each
-LAMPS = (
+LIGHTS = (
     (
-        Lamp("DISK", (-2.6, -2.4, 3.4), (0.1, 0.4, 0.2), 450.0, (0.35, 0.35), WARM),
-        Lamp("RECTANGLE", (1.9, 4.2, 2.3), (0.0, 0.2, 0.2), 495.0, (1.6, 0.7), COOL),
+        AreaLight("DISK", (-2.6, -2.4, 3.4), (0.1, 0.4, 0.2), 450.0, (0.35, 0.35), WARM),
+        AreaLight("RECTANGLE", (1.9, 4.2, 2.3), (0.0, 0.2, 0.2), 495.0, (1.6, 0.7), COOL),
     ),
     (
-        Lamp("SQUARE", (2.8, -2.0, 2.8), (0.0, 0.4, 0.2), 390.0, (0.3, 0.3), WARM),
-        Lamp("ELLIPSE", (-2.2, 4.0, 2.0), (0.0, 0.3, 0.2), 480.0, (1.2, 0.5), COOL),
+        AreaLight("SQUARE", (2.8, -2.0, 2.8), (0.0, 0.4, 0.2), 390.0, (0.3, 0.3), WARM),
+        AreaLight("ELLIPSE", (-2.2, 4.0, 2.0), (0.0, 0.3, 0.2), 480.0, (1.2, 0.5), COOL),
     ),
 )
 CAMERAS = (((0.4, -1.7, 0.62), (0.02, 0.6, 0.42), 30.0), ((-0.7, -1.6, 0.85), (0.1, 0.6, 0.36), 30.0))
@@ -29,8 +29,8 @@ CAMERAS = (((0.4, -1.7, 0.62), (0.02, 0.6, 0.42), 30.0), ((-0.7, -1.6, 0.85), (0
 
 def build(path: Path, variant: int = 0) -> None:
     """Write the scene to a .blend; what was open is replaced."""
-    scenery.start()
-    mason, random = Mason(), np.random.default_rng(200 + variant)
+    blend_file.new_file()
+    mason, random = SceneBuilder(), np.random.default_rng(200 + variant)
     mason.set("Ground", [(ground(random), "Earth")])
     mason.set("Wall", [(box((-6.0, 5.2, -0.5), (6.0, 5.4, 3.2)), "Concrete")])
     plant_grass(mason, random)
@@ -42,9 +42,9 @@ def build(path: Path, variant: int = 0) -> None:
         place = Matrix.Translation((x * side, y, 0.0)) @ Matrix.Rotation(turn, 4, "Z")
         bark, leaves = sapling(random)
         mason.set(f"Sapling at {x}", [(bark, "Bark"), (leaves, "Leaf")], [place])
-    scenery.light(LAMPS[variant])
-    scenery.look(*CAMERAS[variant])
-    scenery.save(path)
+    blend_file.add_lights(LIGHTS[variant])
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
 
 
 def ground(random: np.random.Generator) -> Shape:
@@ -70,7 +70,7 @@ def blade(height: float, width: float, lean: float, turn: float, steps: int = 6)
     return shape.moved(turn=turn)
 
 
-def plant_grass(mason: Mason, random: np.random.Generator) -> None:
+def plant_grass(mason: SceneBuilder, random: np.random.Generator) -> None:
     """Tufts of a few kinds, with a path between them."""
     kinds = [tuft(random) for _ in range(6)]
     for index in range(TUFTS):

@@ -10,7 +10,7 @@ import platform
 import struct
 from collections import Counter
 
-from tests.support.gl_stand_in import StandIn, stand_in
+from tests.support.gl_wrapper import ContextWrapper, wrap_contexts
 
 #: What changes nothing but a counter, and goes on to the function: both addresses are put in. By processor.
 STUBS = {
@@ -27,7 +27,7 @@ STUBS = {
 }
 
 #: Where stubs and counters lie: more than OpenGL has functions.
-ROOM = 4096
+MAX_FUNCTIONS = 4096
 STRIDE = 64
 
 #: What waits for the GPU, or may do so.
@@ -38,15 +38,15 @@ def word(address: int) -> bytes:
     return struct.pack("<Q", address)
 
 
-class Calls(StandIn):
+class CallCounter(ContextWrapper):
     """Of one context: it gives moderngl, and whoever asks, the counters in place of functions."""
 
     def __init__(self, context: object):
         super().__init__(context)
         self.stub = STUBS[platform.machine()]
-        self.page = mmap.mmap(-1, ROOM * STRIDE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
+        self.page = mmap.mmap(-1, MAX_FUNCTIONS * STRIDE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
         self.start = ctypes.addressof(ctypes.c_char.from_buffer(self.page))
-        self.counters = (ctypes.c_uint64 * ROOM)()
+        self.counters = (ctypes.c_uint64 * MAX_FUNCTIONS)()
         self.places: dict[str, int] = {}
 
     def load(self, name: str) -> int:
@@ -60,16 +60,16 @@ class Calls(StandIn):
         return self.start + place * STRIDE
 
     @property
-    def so_far(self) -> Counter:
+    def counts(self) -> Counter:
         """How often each function was called."""
         return Counter({name: self.counters[place] for name, place in self.places.items()})
 
 
-def counting(monkeypatch) -> list[Calls]:
+def count_calls(monkeypatch) -> list[CallCounter]:
     """Lets all contexts that are opened from now on count: they are in the list."""
-    return stand_in(monkeypatch, Calls)
+    return wrap_contexts(monkeypatch, CallCounter)
 
 
-def made(calls: Counter) -> int:
+def objects_created(calls: Counter) -> int:
     """Textures, buffers, framebuffers, vertex arrays, queries and programs."""
     return sum(count for name, count in calls.items() if name.startswith(("glGen", "glCreate")))

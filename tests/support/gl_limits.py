@@ -9,7 +9,7 @@ import ctypes
 from collections.abc import Callable
 from typing import Any
 
-from tests.support.gl_stand_in import StandIn
+from tests.support.gl_wrapper import ContextWrapper
 
 #: By the number of the question: its name, and the least that OpenGL 4.1 may answer.
 MINIMUMS = {
@@ -47,7 +47,7 @@ SIGNATURES = {
 }
 
 
-class Limited(StandIn):
+class LimitedContext(ContextWrapper):
     """Of one context. What a driver with these limits would refuse is noted in `faults`."""
 
     def __init__(self, context: Any, bytes_of: dict[int, int]):
@@ -63,9 +63,9 @@ class Limited(StandIn):
         if not address or name not in SIGNATURES:
             return address
         kind = ctypes.CFUNCTYPE(None, *SIGNATURES[name])
-        stand_in = kind(getattr(self, f"_{name}")(kind(address)))
-        self._kept.append(stand_in)
-        return ctypes.cast(stand_in, ctypes.c_void_p).value or 0
+        wrapper = kind(getattr(self, f"_{name}")(kind(address)))
+        self._kept.append(wrapper)
+        return ctypes.cast(wrapper, ctypes.c_void_p).value or 0
 
     def keep_below(self, what: str, count: int, name: str) -> None:
         if count > LIMITS[name]:

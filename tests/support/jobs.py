@@ -16,7 +16,7 @@ def request(settings=SMALL_SETTINGS, make=box_over_plane, size=(24, 16)) -> Requ
     return Request(*make(*size), settings, RENDER_PASSES)
 
 
-def ended(job: Job, limit: float = 30.0) -> bool:
+def wait_for_end(job: Job, limit: float = 30.0) -> bool:
     """Wait for the job's end, up to `limit` s."""
     until = time.monotonic() + limit
     while not job.finished and time.monotonic() < until:
@@ -24,7 +24,7 @@ def ended(job: Job, limit: float = 30.0) -> bool:
     return job.finished
 
 
-def begun(job: Job) -> bool:
+def wait_for_picture(job: Job) -> bool:
     """Wait for the job's first picture."""
     until = time.monotonic() + 30.0
     while job.picture() is None and not job.finished and time.monotonic() < until:

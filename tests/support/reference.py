@@ -11,7 +11,7 @@ from ism_addon.scene import Lights, LightShape, Scene, View
 from ism_addon.spaces import orthonormal
 
 #: Pairs of a ray and a triangle that are tested at a time, so that they stay in the processor's cache.
-PRODUCTS = 1 << 16
+PAIRS_AT_A_TIME = 1 << 16
 
 
 # --- rays and triangles
@@ -27,7 +27,7 @@ def world_triangles(scene: Scene, which: np.ndarray) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def crossings(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def intersections(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """(N,T): how many directions away each ray (N,3) + t (N,3) meets each triangle; inf where it does not.
 
     A line passes a triangle where it passes its three edges on the same side (Plücker's product).
@@ -49,10 +49,10 @@ def crossings(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray
 def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first triangle (N,) that each ray meets, -1: none; and how many directions away (N,), inf: none."""
     index, along = np.full(len(origins), -1), np.full(len(origins), np.inf)
-    step = max(PRODUCTS // max(len(triangles), 1), 1)
+    step = max(PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
     for first in range(0, len(origins) if len(triangles) else 0, step):
         rows = slice(first, first + step)
-        found = crossings(origins[rows], directions[rows], triangles)
+        found = intersections(origins[rows], directions[rows], triangles)
         index[rows] = found.argmin(1)
         along[rows] = found.min(1)
     return np.where(np.isfinite(along), index, -1), along
@@ -61,8 +61,8 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
 def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
     """(E,N) bool: whether no triangle is between emitters (E,3) and points (N,3), but for `slack` of both ends."""
     found = np.ones((len(emitters), len(points)), bool)
-    columns = max(PRODUCTS // max(len(triangles), 1), 1)
-    rows = max(PRODUCTS // max(len(triangles) * min(columns, len(points)), 1), 1)
+    columns = max(PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
+    rows = max(PAIRS_AT_A_TIME // max(len(triangles) * min(columns, len(points)), 1), 1)
     for row in range(0, len(emitters), rows):
         origins = emitters[row : row + rows]
         a, b, c = np.moveaxis(triangles - origins[:, None, None], 2, 0)
@@ -108,7 +108,9 @@ def spread_factor(spread: float, cosine: np.ndarray) -> np.ndarray:
     return np.maximum(np.tan(half) - tangent, 0.0) / (np.tan(half) - half)
 
 
-def sent(points: np.ndarray, normals: np.ndarray, emitters: np.ndarray, lights: Lights, light: int) -> np.ndarray:
+def irradiance_per_area(
+    points: np.ndarray, normals: np.ndarray, emitters: np.ndarray, lights: Lights, light: int
+) -> np.ndarray:
     """Irradiance (…) per area and radiance that receivers (…,3) get from places (…,3) on a light."""
     way = emitters - points
     square = (way**2).sum(-1)
@@ -126,7 +128,7 @@ def irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights, light: int
     size = max(np.linalg.norm(lights.axis_u[light]), np.linalg.norm(lights.axis_v[light]))
     if np.linalg.norm(lights.position[light] - point) > 1.5 * size:
         emitters, share = grid_on_light(lights, light, side)
-        return float(sent(point, normal, emitters, lights, light).sum() * share)
+        return float(irradiance_per_area(point, normal, emitters, lights, light).sum() * share)
     u, v = np.meshgrid(*[(np.arange(4 * side) + 0.5) / (2 * side) - 1.0] * 2)
     u, v = u[u**2 + v**2 < 1.0], v[u**2 + v**2 < 1.0]
     directions = np.column_stack([u, v, np.sqrt(1.0 - u**2 - v**2)]) @ np.stack([*orthonormal(normal), normal])
@@ -222,7 +224,7 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
     arriving = np.zeros((len(normals), 3))
     for light in range(len(scene.lights.shape)):
         emitters, share = grid_on_light(scene.lights, light, side)
-        parts = sent(surface.position, normals, emitters[:, None], scene.lights, light)
+        parts = irradiance_per_area(surface.position, normals, emitters[:, None], scene.lights, light)
         lit = np.flatnonzero(surface.seen & (parts > 0.0).any(0))
         parts = parts[:, lit]
         if scene.lights.casts_shadow[light]:

@@ -19,7 +19,7 @@ SMALL_SETTINGS = Settings(
 )
 
 #: The same by imperfect shadow maps.
-MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS))
+SMALL_SHADOW_MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS))
 
 
 @dataclass
@@ -38,11 +38,11 @@ class Drawn:
     def target(self, name: str) -> np.ndarray:
         """(H,W,components) of any target, bottom row first."""
         targets, target = self.renderer.graph.targets, RESOURCES[name]
-        found = texels(targets[target], targets.sizes.get(target, (1, 1)))
+        found = read_texels(targets[target], targets.sizes.get(target, (1, 1)))
         return found if found.dtype == np.uint32 else found.astype(float)
 
     @property
-    def part(self) -> np.ndarray:
+    def drawn_tiles(self) -> np.ndarray:
         """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
         blocks = self.renderer.graph[TILES]
         found = np.zeros(self.renderer.last[0].tiles[::-1], bool)
@@ -51,14 +51,14 @@ class Drawn:
         return found
 
 
-def texels(texture, size: tuple[int, int]) -> np.ndarray:
+def read_texels(texture, size: tuple[int, int]) -> np.ndarray:
     """(H,W,components) of a texture, which may be larger."""
     dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
     whole = np.frombuffer(texture.read(alignment=1), dtype).reshape(*texture.size[::-1], texture.components)
     return whole[: size[1], : size[0]]
 
 
-def put(texture, rows: np.ndarray) -> None:
+def write_texels(texture, rows: np.ndarray) -> None:
     """Write (H,W) or (H,W,components) into a texture, which may be larger."""
     texture.write(np.ascontiguousarray(rows), (0, 0, rows.shape[1], rows.shape[0]), alignment=1)
 
@@ -91,7 +91,7 @@ def quad(corner: Sequence[float], u: Sequence[float], v: Sequence[float], uv: fl
     return replace(flat, uvs=uvs)
 
 
-def stage(
+def make_scene(
     meshes: Sequence[Mesh],
     lights: Lights | None = None,
     matrices: np.ndarray | None = None,
@@ -152,12 +152,12 @@ def no_lights() -> Lights:
     return Lights(**{name: value[:0].copy() for name, value in vars(one).items()})
 
 
-def both(first: Lights, second: Lights) -> Lights:
+def join_lights(first: Lights, second: Lights) -> Lights:
     """The lights of two tables."""
     return Lights(**{name: np.concatenate([value, getattr(second, name)]) for name, value in vars(first).items()})
 
 
-def look(
+def look_at(
     position: Sequence[float],
     target: Sequence[float] = (0.0, 0.0, 0.0),
     size: tuple[int, int] = (32, 24),
@@ -173,7 +173,7 @@ def look(
     return View(clip_from_view, view_from_world, *size, **{"filter_width": 0.01, **more})
 
 
-def from_above(width_m: float, size: tuple[int, int] = (32, 32), height: float = 10.0, **more: object) -> View:
+def view_from_above(width_m: float, size: tuple[int, int] = (32, 32), height: float = 10.0, **more: object) -> View:
     """An orthographic camera over the origin that looks down; x to the right, y up, square pixels."""
     clip_from_view = np.diag([2.0 / width_m, 2.0 / width_m * size[0] / size[1], -1.0 / height, 1.0])
     clip_from_view[2, 3] = -1.0
@@ -182,7 +182,7 @@ def from_above(width_m: float, size: tuple[int, int] = (32, 32), height: float =
     return View(clip_from_view, view_from_world, *size, **{"filter_width": 0.01, **more})
 
 
-def placed(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+def transform(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0, 0.0)) -> np.ndarray:
     """(4,4) of a linear map (3,3) and an offset."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.eye(3) if linear is None else linear
@@ -190,21 +190,21 @@ def placed(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0
     return matrix
 
 
-def shadows(**changes: object) -> Settings:
-    """MAPS with other shadows."""
-    return replace(MAPS, shadow=replace(MAPS.shadow, **changes))
+def with_shadow(**changes: object) -> Settings:
+    """SHADOW_MAPS with other shadows."""
+    return replace(SMALL_SHADOW_MAPS, shadow=replace(SMALL_SHADOW_MAPS.shadow, **changes))
 
 
-def prepared(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
+def first_frame(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
     """A renderer that has drawn nothing, and the frame of its first sample: for tests that feed one pass by hand."""
     from ism_addon.gpu.profile import Profile
     from ism_addon.gpu.renderer import Renderer
 
     renderer = Renderer(device)
-    return renderer, renderer.frame(scene, look((0.0, -4.0, 3.0), size=size), settings, 0, Profile())
+    return renderer, renderer.frame(scene, look_at((0.0, -4.0, 3.0), size=size), settings, 0, Profile())
 
 
-def rubble(count: int = 200, reach: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
+def random_triangles(count: int = 200, reach: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
     """Random triangles about the origin."""
     random = np.random.default_rng(seed)
     corners = random.uniform(-reach, reach, (count, 1, 3)) + random.uniform(-size, size, (count, 3, 3))

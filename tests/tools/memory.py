@@ -14,7 +14,7 @@ def peak() -> int:
     return _told("VmHWM")
 
 
-def forget_peak() -> None:
+def reset_peak() -> None:
     """Count the peak from here on, on Linux."""
     if (reset := Path("/proc/self/clear_refs")).exists():
         reset.write_text("5")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ism_addon.gpu.passes.shadow_maps.atlas import ATLAS_TEXELS, MAP_SIZE_MULTIPLE, batches
 from tests.scenes.small import box_over_plane
 from tests.support.reference import nrmse
-from tests.support.small_scenes import MAPS, draw, with_quality
+from tests.support.small_scenes import SMALL_SHADOW_MAPS, draw, with_quality
 
 
 @settings(deadline=None, max_examples=40, derandomize=True)
@@ -39,7 +39,7 @@ def test_no_light_point_still_makes_one_batch():
 
 def test_several_batches_give_the_picture_of_one(device):
     scene, view = box_over_plane(48, 32)
-    quality = with_quality(MAPS, virtual_lights=40, map_size=32, map_points=2048)
+    quality = with_quality(SMALL_SHADOW_MAPS, virtual_lights=40, map_size=32, map_points=2048)
     whole = draw(device, scene, view, quality)
     narrow = replace(device, texture_size=96)
     parts = draw(narrow, scene, view, quality)
@@ -51,6 +51,6 @@ def test_several_batches_give_the_picture_of_one(device):
 def test_a_map_wider_than_any_texture_becomes_as_wide_as_one(device):
     scene, view = box_over_plane(24, 16)
     narrow = replace(device, texture_size=64)
-    large = draw(narrow, scene, view, with_quality(MAPS, virtual_lights=3, map_size=4096))
-    fitting = draw(narrow, scene, view, with_quality(MAPS, virtual_lights=3, map_size=64))
+    large = draw(narrow, scene, view, with_quality(SMALL_SHADOW_MAPS, virtual_lights=3, map_size=4096))
+    fitting = draw(narrow, scene, view, with_quality(SMALL_SHADOW_MAPS, virtual_lights=3, map_size=64))
     assert np.array_equal(large.color, fitting.color)

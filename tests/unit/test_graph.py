@@ -13,7 +13,7 @@ from ism_addon.resource_types import Channel, Lifetime, Resource, Target
 from ism_addon.resources import ATLAS_BATCH, DEPTH, MEAN_LUMINANCE, NORMAL, RESOURCES, TILES
 from ism_addon.scene import Change
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import SMALL_SETTINGS, draw, prepared
+from tests.support.small_scenes import SMALL_SETTINGS, draw, first_frame
 
 
 def plan(direct) -> list[type[Pass]]:
@@ -39,7 +39,7 @@ class Told(Reads):
 @pytest.fixture
 def execute(device):
     """execute(kind, act, sample=0): what `act` gives, with the frame that a pass of this class is handed."""
-    renderer, _ = prepared(device, box_over_plane(24, 16)[0])
+    renderer, _ = first_frame(device, box_over_plane(24, 16)[0])
     drawn = draw(device, *box_over_plane(24, 16), renderer=renderer)
 
     def execute(kind: type[Pass], act, sample: int = 0) -> list:

@@ -16,13 +16,15 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Lights
 from ism_addon.settings import SSAO
 from tests.scenes.small import box_over_plane
-from tests.support.jobs import ended, request
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+from tests.support.jobs import request, wait_for_end
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 
-LARGE_MAPS = with_quality(MAPS, virtual_lights=40, map_size=256)
+LARGE_MAPS = with_quality(SMALL_SHADOW_MAPS, virtual_lights=40, map_size=256)
 
 
-@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"])
+@pytest.mark.parametrize(
+    "settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"]
+)
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 20.0])
 def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
     """Of targets, whose bytes are counted: lights and pictures on their way are left out here."""
@@ -47,10 +49,10 @@ def test_a_picture_that_takes_more_than_there_is_is_refused(worker, tmp_path):
     snapshot.save(path, replace(scene, lights=many), replace(view, width=16384, height=16384), SMALL_SETTINGS)
     assert path.stat().st_size < 1_000_000
     job = worker.start(Request(*snapshot.load(path)), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error.startswith("The picture could not be drawn: 16384×16384 pixels under 1000 lights that cast")
     assert re.search(r"take 3\d{3}\.\d GB of memory, of which [\d.]+ GB are free: a smaller picture .*$", job.error)
-    assert ended(job := worker.start(request(), "client"))
+    assert wait_for_end(job := worker.start(request(), "client"))
     assert job.error == ""
 
 

@@ -15,7 +15,7 @@ from ism_addon.scene import Materials, Scene, View
 from tests.pictures.test_cli import call as call
 from tests.scenes.small import sphere_in_corner, view
 from tests.support import reference
-from tests.support.jobs import ended
+from tests.support.jobs import wait_for_end
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
 #: Rows that the product's table has not, of targets that exist.
@@ -94,7 +94,7 @@ def test_a_job_has_the_passes_that_were_asked_for(worker, device):
     """Of all samples what is filtered, of the first one what is not."""
     scene, view = two_colours()
     job = worker.start(Request(scene, view, SETTINGS, (COMBINED, *ADDED)), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert [*job.picture().passes] == [COMBINED.name, *(each.name for each in ADDED)]
     one, all_samples = Renderer(device), Renderer(device)
     first = draw(device, scene, view, SETTINGS, one, last=0).renderer.images(ADDED)

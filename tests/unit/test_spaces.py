@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 
 from ism_addon.spaces import anchor_of, camera_position, orthonormal, view_from_anchor
-from tests.support.small_scenes import look
+from tests.support.small_scenes import look_at
 
 
 def test_the_camera_is_where_the_view_says():
-    assert camera_position(look((3.0, -2.0, 1.0)).view_from_world) == pytest.approx([3.0, -2.0, 1.0])
+    assert camera_position(look_at((3.0, -2.0, 1.0)).view_from_world) == pytest.approx([3.0, -2.0, 1.0])
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e3, 1e6, 1e9])
 def test_anchor_space_is_near_the_camera_and_loses_nothing(offset):
     camera = np.array([offset + 3.0, -offset - 2.0, 1.0])
-    view = look(camera, camera + (-3.0, 2.0, -1.0)).view_from_world
+    view = look_at(camera, camera + (-3.0, 2.0, -1.0)).view_from_world
     anchor = anchor_of(camera, 10.0)
     assert np.abs(camera - anchor).max() <= 8.0
     from_anchor = view_from_anchor(view, anchor)

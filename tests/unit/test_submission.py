@@ -17,7 +17,7 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from tests.scenes.small import box_over_plane
 from tests.support import gl_calls
-from tests.support.small_scenes import SMALL_SETTINGS, both, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, join_lights, with_quality
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() not in gl_calls.STUBS, reason="counts by machine code, under Linux"
@@ -30,7 +30,7 @@ ORDINARY = range(20, 28)
 @pytest.fixture
 def counted(monkeypatch):
     """A device, and how often each function of OpenGL's was called so far."""
-    opened = gl_calls.counting(monkeypatch)
+    opened = gl_calls.count_calls(monkeypatch)
     device = open_device()
     yield device, opened[0]
     device.close()
@@ -44,7 +44,7 @@ def samples(counted):
     lights = one = scene.lights
     for number in range(5):
         place = one.position + np.array([0.3 * number - 0.7, 0.2 * number, 0.1])
-        lights = both(lights, replace(one, position=place))
+        lights = join_lights(lights, replace(one, position=place))
     scene, view = replace(scene, lights=lights), replace(view, filter_width=1.5)
     settings = with_quality(SMALL_SETTINGS, samples=64)
 
@@ -54,9 +54,9 @@ def samples(counted):
             if sample == ORDINARY.start:
                 renderer.submission.finish()
                 profile, start = Profile(), time.perf_counter()
-            before = calls.so_far
+            before = calls.counts
             list(renderer.sample(scene, view, settings, sample, profile if sample in ORDINARY else Profile()))
-            counts.append(calls.so_far - before)
+            counts.append(calls.counts - before)
         renderer.submission.finish()
         assert all(count["glDrawArraysInstanced"] > 10 for count in counts), "nothing was drawn, or counted"
         return [counts[sample] for sample in ORDINARY], profile, time.perf_counter() - start
@@ -71,7 +71,7 @@ def waits(calls: Counter) -> int:
 def test_an_ordinary_sample(samples, monkeypatch):
     monkeypatch.setattr(submission, "SHORT_SAMPLE", math.inf)  # however busy the machine is
     for count in samples()[0][1:]:
-        assert gl_calls.made(count) == 0, count
+        assert gl_calls.objects_created(count) == 0, count
         assert waits(count) == 1, count
         assert sum(count.values()) <= 400, count
 

@@ -13,13 +13,13 @@ from ism_addon.gpu.gl.context import Device, open_device
 from tests.docs import record
 
 from . import report
+from .benchmark_scene import SCENES, BenchmarkScene, set_up
 from .cycles import Cycles
 from .eevee import Eevee
 from .engines import Engine
 from .ism import VARIANTS, Ism
-from .race import Result, race
+from .measure import Result, measure
 from .record import told
-from .stage import SCENES, Stage, set_up
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,14 @@ def main() -> int:
     results = {}
     for name in scenes:
         stage = set_up(name, int(options.tuning), effort.size, effort.truth, options.output)
-        found = race(stage, engines(stage, effort, device, options.blender), effort.rounds)
+        found = measure(stage, engines(stage, effort, device, options.blender), effort.rounds)
         print(report.scene(name, found), flush=True)
         results[name] = found
     write(results, effort, device, options)
     return 0
 
 
-def engines(stage: Stage, effort: Effort, device: Device, blender: str) -> list[Engine]:
+def engines(stage: BenchmarkScene, effort: Effort, device: Device, blender: str) -> list[Engine]:
     """All that take part, in the order of the first round."""
     ours = [Ism(name, settings, device, stage, effort.seconds) for name, settings in VARIANTS.items()]
     cycles = [Cycles(stage, effort.cycles, denoise) for denoise in (False, True)]

@@ -18,14 +18,14 @@ import numpy as np
 from tests.demo.figure6 import quiet_stdout
 from tests.support import exr
 
-from .engines import Shot
-from .stage import SCENES, Stage
+from .benchmark_scene import SCENES, BenchmarkScene
+from .engines import Render
 
 
 class Cycles:
     """Counted: from the moment that sampling starts until the picture is done. Not counted: sync and BVH."""
 
-    def __init__(self, stage: Stage, samples: tuple[int, ...], denoise: bool):
+    def __init__(self, stage: BenchmarkScene, samples: tuple[int, ...], denoise: bool):
         self.name = "Cycles + OIDN" if denoise else "Cycles"
         self.stage, self.samples, self.denoise = stage, samples, denoise
 
@@ -36,7 +36,7 @@ class Cycles:
         again = render(1, self.denoise, seed=0)
         return {"sync and BVH s": first.whole - first.sampling, "memory MB": again.megabytes}
 
-    def shots(self, round: int) -> Iterator[Shot]:
+    def shots(self, round: int) -> Iterator[Render]:
         """A picture of each number of samples, each from the beginning, as users do."""
         for samples in self.samples:
             done = render(samples, self.denoise, seed=1 + round)
@@ -46,7 +46,7 @@ class Cycles:
                 path = Path(folder) / "picture.exr"
                 bpy.data.images["Render Result"].save_render(str(path))
                 channels = exr.read(path)  # to load it as an image would make Cycles read the scene again
-                yield Shot(samples, done.sampling, np.stack([channels[name] for name in "RGB"], axis=-1))
+                yield Render(samples, done.sampling, np.stack([channels[name] for name in "RGB"], axis=-1))
 
     def close(self) -> None:
         bpy.context.scene.render.use_persistent_data = False

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from tests.scenes.cycles import picture_in
 
-from .engines import Missing, Shot
-from .stage import Stage
+from .benchmark_scene import BenchmarkScene
+from .engines import Missing, Render
 
 INSIDE = Path(__file__).with_name("eevee_inside.py")
 TIMEOUT = 900  # s, for a whole round
@@ -23,7 +23,7 @@ class Eevee:
 
     name = "EEVEE"
 
-    def __init__(self, stage: Stage, samples: tuple[int, ...], blender: str):
+    def __init__(self, stage: BenchmarkScene, samples: tuple[int, ...], blender: str):
         self.stage, self.samples, self.blender = stage, samples, blender
 
     def start(self) -> dict[str, float]:
@@ -31,12 +31,12 @@ class Eevee:
         with tempfile.TemporaryDirectory(dir=self.stage.blend.parent) as folder:
             return {"done once s": self._render(Path(folder), ())["first"]}
 
-    def shots(self, round: int) -> Iterator[Shot]:
+    def shots(self, round: int) -> Iterator[Render]:
         """A picture of each number of samples."""
         with tempfile.TemporaryDirectory(dir=self.stage.blend.parent) as folder:
             seconds = self._render(Path(folder), self.samples)["seconds"]
             for samples, spent in zip(self.samples, seconds, strict=True):
-                yield Shot(samples, spent, picture_in(Path(folder) / f"{samples}.exr")[..., :3])
+                yield Render(samples, spent, picture_in(Path(folder) / f"{samples}.exr")[..., :3])
 
     def close(self) -> None:
         """Each round's Blender has ended by itself."""

@@ -9,7 +9,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
+class Render:
     """A picture on the way."""
 
     samples: int
@@ -29,7 +29,7 @@ class Engine(Protocol):
     def start(self) -> dict[str, float]:
         """Do all that is done once, and say what it took: name to seconds or megabytes. Raises Missing."""
 
-    def shots(self, round: int) -> Iterator[Shot]:
+    def shots(self, round: int) -> Iterator[Render]:
         """Pictures of more and more samples; `round` chooses the random numbers, where there are any."""
 
     def close(self) -> None:

@@ -11,8 +11,8 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import View
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
-from .engines import Shot
-from .stage import Stage
+from .benchmark_scene import BenchmarkScene
+from .engines import Render
 
 #: Without ambient occlusion, which the truth does not know.
 ALL_SAMPLES = Settings(ssao=SSAO(enabled=False), quality=Quality(error_threshold=0.0))
@@ -28,7 +28,7 @@ WARM_UP = 2
 class Ism:
     """Counted: every pass of every sample. Not counted: reading pictures back, and the first sample of all."""
 
-    def __init__(self, name: str, settings: Settings, device: Device, stage: Stage, seconds: float):
+    def __init__(self, name: str, settings: Settings, device: Device, stage: BenchmarkScene, seconds: float):
         self.name = name
         self.settings, self.stage, self.seconds = settings, stage, seconds
         self.renderer = Renderer(device)
@@ -41,7 +41,7 @@ class Ism:
         first, *_ = [self._draw(self.beside, sample) for sample in range(WARM_UP)]
         return {"reading the scene s": self.stage.seconds, "first sample of all s": first}
 
-    def shots(self, round: int) -> Iterator[Shot]:
+    def shots(self, round: int) -> Iterator[Render]:
         """A picture at each power of two of samples until the time is up."""
         for sample in range(WARM_UP):
             self._draw(self.beside, sample)
@@ -52,7 +52,7 @@ class Ism:
             if sample == due or spent >= self.seconds:
                 start = time.perf_counter()  # a picture needs its sums put together, once
                 picture = self.renderer.picture()[..., :3]
-                yield Shot(sample, spent + time.perf_counter() - start, picture)
+                yield Render(sample, spent + time.perf_counter() - start, picture)
                 due = 2 * sample
 
     def close(self) -> None:

@@ -27,7 +27,7 @@ class Error:
     flip: float  # mean, for a viewer at 67 pixels a degree
 
 
-def judge(picture: np.ndarray, halves: np.ndarray) -> Error:
+def errors(picture: np.ndarray, halves: np.ndarray) -> Error:
     """All of a picture's errors against the truth's halves (2,H,W,3)."""
     truth = halves.mean(0)
     off = np.abs(picture - truth)

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from .curve import Point, time_to
+from .measure import Result
 from .metrics import Error
-from .race import Result
 from .report import GOAL, wins
 
 

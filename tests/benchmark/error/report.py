@@ -5,8 +5,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from .curve import Point, error_at, time_to
+from .measure import Result
 from .metrics import EPSILON
-from .race import Result
 
 Curves = Mapping[str, Sequence[Point]]  # by the engine's name
 

@@ -26,7 +26,7 @@ from ism_addon.settings import Method, Settings
 from tests.demo.figure6 import quiet_stdout
 from tests.tools import memory
 
-from . import stage
+from . import scene as benchmark_scene
 from .series import SAMPLES, SERIES, Picture
 
 TREES = ("BuildBLAS", "UploadBLAS", "BuildTLAS")
@@ -45,7 +45,7 @@ def measure(picture: Picture) -> dict:
     opengl = memory.resident() - empty
     depsgraph = opened(picture)
     before = memory.resident()
-    memory.forget_peak()
+    memory.reset_peak()
     told = drawn(device, depsgraph, picture)
     return told | {"peak bytes": memory.peak() - before + opengl, "opengl bytes": opengl}
 
@@ -53,9 +53,9 @@ def measure(picture: Picture) -> dict:
 def opened(picture: Picture) -> bpy.types.Depsgraph:
     """Its scene, evaluated."""
     with quiet_stdout():
-        stage.build(picture.triangles, picture.objects, picture.lamps)
+        benchmark_scene.build(picture.triangles, picture.objects, picture.lamps)
     if picture.ssao_radius is not None:
-        stage.brighten()
+        benchmark_scene.add_world_light()
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = picture.size
     return bpy.context.evaluated_depsgraph_get()
 
@@ -89,7 +89,7 @@ def seconds_a_frame(renderer: Renderer, layer: persistent_data.LayerCache, setti
     """Of a camera that goes around the scene, reading included."""
     start = time.perf_counter()
     for number in range(count):
-        stage.turn(2.0 * math.pi * number / count)
+        benchmark_scene.turn(2.0 * math.pi * number / count)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         scene, view = layer.read(depsgraph, accept_all), camera.final_view(depsgraph)
         for k in range(SAMPLES):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
-from . import stage
+from . import scene
 
 #: Of each picture: the first has work of its own, further ones are alike.
 SAMPLES = 4
@@ -33,8 +33,8 @@ class Picture:
     @property
     def pixel(self) -> float:
         """Width of one in the middle of the picture, m."""
-        position, target, lens = stage.CAMERA
-        return math.dist(position, target) * stage.SENSOR / lens / self.size[0]
+        position, target, lens = scene.CAMERA
+        return math.dist(position, target) * scene.SENSOR / lens / self.size[0]
 
     def settings(self) -> Settings:
         """How it is drawn."""

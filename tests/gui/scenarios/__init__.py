@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Generator functions on a stage: each `yield` hands control back to Blender's main loop."""
+"""Generator functions on a session: each `yield` hands control back to Blender's main loop."""

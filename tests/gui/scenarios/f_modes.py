@@ -9,119 +9,127 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from tests.gui import follow, scenery
+from tests.gui import scene_setup, updates
 from tests.gui.scenario import scenario
-from tests.gui.stage import Stage, Steps
+from tests.gui.session import Session, Steps
 
 RED = (0.9, 0.05, 0.05)
 
 
 @scenario(region=(480, 360))
-def frames(stage: Stage) -> Steps:
+def frames(session: Session) -> Steps:
     """A lamp and an object are animated: each frame is shown, at rest and in playback."""
-    scenery.studio()
+    scene_setup.studio()
     ball, lamp = bpy.data.objects["Ball"], bpy.data.objects["Lamp"]
     for frame, place, watts in ((1, (1.0, 0.2, 0.7), 400.0), (60, (0.2, -1.8, 0.7), 100.0)):
         ball.location, lamp.data.energy = place, watts
         ball.keyframe_insert("location", frame=frame)
         lamp.data.keyframe_insert("energy", frame=frame)
-    stage.scene.frame_start, stage.scene.frame_end = 1, 60
-    stage.scene.frame_set(1)
-    first = yield from follow.settle(stage)
-    yield from follow.changed(stage, "frame 40", lambda: stage.scene.frame_set(40), first)
-    yield from follow.same(stage, "frame 1", lambda: stage.scene.frame_set(1), first)
-    stage.watch.place = (0.5, 0.3)
+    session.scene.frame_start, session.scene.frame_end = 1, 60
+    session.scene.frame_set(1)
+    first = yield from updates.settle(session)
+    yield from updates.changed(session, "frame 40", lambda: session.scene.frame_set(40), first)
+    yield from updates.assert_unchanged(session, "frame 1", lambda: session.scene.frame_set(1), first)
+    session.calls.place = (0.5, 0.3)
     since = time.perf_counter()
-    with stage.in_viewport():
+    with session.in_viewport():
         bpy.ops.screen.animation_play()
-    yield from stage.wait(2.0)
-    with stage.in_viewport():
+    yield from session.wait(2.0)
+    with session.in_viewport():
         bpy.ops.screen.animation_cancel(restore_frame=False)
-    shown = {tuple(call.seen) for call in stage.watch.glimpses(since)}
-    stage.watch.place = None
-    stage.measured("pictures in 2 s of playback", len(shown))
+    shown = {tuple(call.seen) for call in session.calls.patch_colors(since)}
+    session.calls.place = None
+    session.measured("pictures in 2 s of playback", len(shown))
     assert len(shown) > 5, "playback is not shown"
-    yield from stage.rested()
-    assert stage.scene.frame_current != 1
-    stopped = stage.pixels("stopped")
-    yield from follow.right(stage, "stopped", stopped)
-    frame = stage.scene.frame_current
-    yield from follow.changed(stage, "frame 1 again", lambda: stage.scene.frame_set(1), stopped)
-    yield from follow.same(stage, "the frame where it stopped", lambda: stage.scene.frame_set(frame), stopped)
+    yield from session.until_idle()
+    assert session.scene.frame_current != 1
+    stopped = session.pixels("stopped")
+    yield from updates.assert_current(session, "stopped", stopped)
+    frame = session.scene.frame_current
+    yield from updates.changed(session, "frame 1 again", lambda: session.scene.frame_set(1), stopped)
+    yield from updates.assert_unchanged(
+        session, "the frame where it stopped", lambda: session.scene.frame_set(frame), stopped
+    )
 
 
 @scenario(region=(480, 360))
-def modes_with_brushes(stage: Stage) -> Steps:
+def modes_with_brushes(session: Session) -> Steps:
     """Sculpting and painting show before their modes are left; entering and leaving changes nothing."""
-    scenery.studio()
+    scene_setup.studio()
     ball = bpy.data.objects["Ball"]
     ball.data.materials.append(_painted())
     ball.data.uv_layers.new()
     ball.vertex_groups.new(name="Swollen")
     ball.modifiers.new("Swell", "DISPLACE").vertex_group = "Swollen"
-    stage.view_layer.objects.active = ball
-    brushes = stage.scene.tool_settings.unified_paint_settings
+    session.view_layer.objects.active = ball
+    brushes = session.scene.tool_settings.unified_paint_settings
     brushes.size, brushes.color, brushes.weight = 20, RED, 0.3
-    picture = yield from follow.settle(stage)
+    picture = yield from updates.settle(session)
     for mode, (_, use) in BRUSHED.items():
-        yield from _enter(stage, mode)
-        yield from follow.same(stage, f"{mode} entered", lambda: None, picture)
+        yield from _enter(session, mode)
+        yield from updates.assert_unchanged(session, f"{mode} entered", lambda: None, picture)
         if use is not None:
-            picture = yield from follow.changed(stage, f"{mode} used", lambda use=use: use(stage), picture)
-        yield from follow.same(stage, f"{mode} left", lambda: bpy.ops.object.mode_set(mode="OBJECT"), picture)
+            picture = yield from updates.changed(session, f"{mode} used", lambda use=use: use(session), picture)
+        yield from updates.assert_unchanged(
+            session, f"{mode} left", lambda: bpy.ops.object.mode_set(mode="OBJECT"), picture
+        )
 
 
 @scenario(region=(480, 360))
-def bones_and_hair(stage: Stage) -> Steps:
+def bones_and_hair(session: Session) -> Steps:
     """A bone is turned in Pose Mode, and what hangs on it follows; Particle Edit changes nothing."""
-    scenery.studio()
-    rig, cube, ball = _rig(stage), bpy.data.objects["Cube"], bpy.data.objects["Ball"]
+    scene_setup.studio()
+    rig, cube, ball = _rig(session), bpy.data.objects["Cube"], bpy.data.objects["Ball"]
     cube.vertex_groups.new(name="Bone").add(range(len(cube.data.vertices)), 1.0, "REPLACE")
     cube.modifiers.new("Bones", "ARMATURE").object = rig
     ball.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings.type = "HAIR"
-    first = yield from follow.settle(stage)
-    yield from follow.same(stage, "Pose Mode entered", lambda: bpy.ops.object.mode_set(mode="POSE"), first)
+    first = yield from updates.settle(session)
+    yield from updates.assert_unchanged(
+        session, "Pose Mode entered", lambda: bpy.ops.object.mode_set(mode="POSE"), first
+    )
     turn = lambda: setattr(rig.pose.bones["Bone"], "rotation_euler", (0.0, 0.8, 0.0))  # noqa: E731
-    posed = yield from follow.changed(stage, "bone turned", turn, first)
-    yield from follow.same(stage, "Pose Mode left", lambda: bpy.ops.object.mode_set(mode="OBJECT"), posed)
-    stage.view_layer.objects.active = ball
-    yield from follow.same(stage, "Particle Edit entered", _enter_particle_edit, posed)
-    yield from follow.same(stage, "Particle Edit left", bpy.ops.particle.particle_edit_toggle, posed)
+    posed = yield from updates.changed(session, "bone turned", turn, first)
+    yield from updates.assert_unchanged(
+        session, "Pose Mode left", lambda: bpy.ops.object.mode_set(mode="OBJECT"), posed
+    )
+    session.view_layer.objects.active = ball
+    yield from updates.assert_unchanged(session, "Particle Edit entered", _enter_particle_edit, posed)
+    yield from updates.assert_unchanged(session, "Particle Edit left", bpy.ops.particle.particle_edit_toggle, posed)
 
 
 @scenario(region=(480, 360))
-def modifiers_and_instances(stage: Stage) -> Steps:
+def modifiers_and_instances(session: Session) -> Steps:
     """Shapes that Blender makes of others change, and so does what they are made of."""
-    scenery.studio()
+    scene_setup.studio()
     cube = bpy.data.objects["Cube"]
-    group = scenery.collection("Group", bpy.data.objects["Ball"])
+    group = scene_setup.collection("Group", bpy.data.objects["Ball"])
     bpy.data.objects["Ball"].location = (0.0, 0.0, 0.7)
-    holder = scenery.add("Holder", None, (1.0, 0.2, 0.0))
+    holder = scene_setup.add("Holder", None, (1.0, 0.2, 0.0))
     holder.instance_type, holder.instance_collection = "COLLECTION", group
-    picture = yield from follow.settle(stage)
+    picture = yield from updates.settle(session)
     smooth, array = (cube.modifiers.new(kind, kind) for kind in ("SUBSURF", "ARRAY"))
     array.relative_offset_displace = (-0.9, 0.5, 0.0)
-    row = scenery.add("Row", bpy.data.meshes.new("Nothing"), (-2.5, -1.6, 0.2))
-    row.modifiers.new("Row", "NODES").node_group = nodes = _row_of(scenery.cube(0.4))
+    row = scene_setup.add("Row", bpy.data.meshes.new("Nothing"), (-2.5, -1.6, 0.2))
+    row.modifiers.new("Row", "NODES").node_group = nodes = _row_of(scene_setup.cube(0.4))
     _count(row, 2)
     text = bpy.data.curves.new("Text", "FONT")
     text.body, text.extrude = "one", 0.1
-    scenery.add("Text", text, (-1.0, -2.6, 0.0)).rotation_euler = scenery.EYE
+    scene_setup.add("Text", text, (-1.0, -2.6, 0.0)).rotation_euler = scene_setup.VIEW_ROTATION
     acts = {
         "made": lambda: None,
         "subdivision level": lambda: setattr(smooth, "levels", 3),
         "array count": lambda: setattr(array, "count", 3),
         "collection's instance moved": lambda: setattr(holder, "location", (1.5, -0.8, 0.0)),
-        "mesh in the collection edited": lambda: scenery.stretch(bpy.data.meshes["Ball"]),
+        "mesh in the collection edited": lambda: scene_setup.stretch(bpy.data.meshes["Ball"]),
         "object in the collection moved": lambda: setattr(bpy.data.objects["Ball"], "location", (0.0, 1.0, 0.7)),
-        "object added to the collection": lambda: group.objects.link(scenery.add("More", scenery.cube(0.5))),
+        "object added to the collection": lambda: group.objects.link(scene_setup.add("More", scene_setup.cube(0.5))),
         "more of the nodes' instances": lambda: _count(row, 6),
         "the nodes' instances lengthened": lambda: _lengthen(nodes),
         "text typed": lambda: setattr(text, "body", "two three"),
         "text thickened": lambda: setattr(text, "extrude", 0.5),
     }
     for name, act in acts.items():
-        picture = yield from follow.changed(stage, name, act, picture)
+        picture = yield from updates.changed(session, name, act, picture)
 
 
 def _enter_particle_edit() -> None:
@@ -129,26 +137,26 @@ def _enter_particle_edit() -> None:
     bpy.ops.wm.tool_set_by_id(name="builtin.select_box")  # has no brush to be seen
 
 
-def _enter(stage: Stage, mode: str) -> Steps:
+def _enter(session: Session, mode: str) -> Steps:
     """Switch to a mode, with a brush of our own, as there are Blenders without theirs, and nothing of it to be seen."""
     brush = bpy.data.brushes.new(mode, mode=mode)
     brush.strength = 1.0
     brush.asset_mark()
-    with stage.in_viewport():
+    with session.in_viewport():
         bpy.ops.object.mode_set(mode=mode)
         bpy.ops.brush.asset_activate(asset_library_type="LOCAL", relative_asset_identifier=f"Brush/{mode}")
-    getattr(stage.scene.tool_settings, BRUSHED[mode][0]).show_brush = False
-    yield from stage.turns()
-    stage.space.show_region_asset_shelf = False
+    getattr(session.scene.tool_settings, BRUSHED[mode][0]).show_brush = False
+    yield from session.main_loop()
+    session.space.show_region_asset_shelf = False
 
 
-def _stroke(stage: Stage, operator: Callable) -> None:
+def _stroke(session: Session, operator: Callable) -> None:
     """Draw a line over the ball from left to right, where it faces the view."""
     stroke = []
     for x in np.linspace(-0.5, 0.5, 20):
-        location = stage.view.view_rotation @ Vector((x, 0.0, math.sqrt(0.49 - x * x)))
-        u, v = stage.place_of(bpy.data.objects["Ball"].location + location)
-        mouse = u * stage.region.width, v * stage.region.height
+        location = session.view.view_rotation @ Vector((x, 0.0, math.sqrt(0.49 - x * x)))
+        u, v = session.pixel_of(bpy.data.objects["Ball"].location + location)
+        mouse = u * session.region.width, v * session.region.height
         pen = {"pressure": 1.0, "size": 20.0, "pen_flip": False, "x_tilt": 0.0, "y_tilt": 0.0}
         place = {"location": location, "mouse": mouse, "mouse_event": mouse, "time": x}
         stroke.append({"name": "", **place, **pen, "is_start": not stroke})
@@ -156,17 +164,17 @@ def _stroke(stage: Stage, operator: Callable) -> None:
 
 
 #: Modes in which a mesh is worked on with brushes: where Blender keeps theirs, and what is done with one.
-BRUSHED: dict[str, tuple[str, Callable[[Stage], object] | None]] = {
-    "SCULPT": ("sculpt", lambda stage: _stroke(stage, bpy.ops.sculpt.brush_stroke)),
+BRUSHED: dict[str, tuple[str, Callable[[Session], object] | None]] = {
+    "SCULPT": ("sculpt", lambda session: _stroke(session, bpy.ops.sculpt.brush_stroke)),
     "WEIGHT_PAINT": ("weight_paint", lambda _stage: bpy.ops.paint.weight_set()),
     "VERTEX_PAINT": ("vertex_paint", None),
-    "TEXTURE_PAINT": ("image_paint", lambda stage: _stroke(stage, bpy.ops.paint.image_paint)),
+    "TEXTURE_PAINT": ("image_paint", lambda session: _stroke(session, bpy.ops.paint.image_paint)),
 }
 
 
 def _painted() -> bpy.types.Material:
     """A material coloured by an image that is to be painted on."""
-    made = scenery.material("Painted", (1.0, 1.0, 1.0))
+    made = scene_setup.material("Painted", (1.0, 1.0, 1.0))
     tree = made.node_tree
     texture = tree.nodes.active = tree.nodes.new("ShaderNodeTexImage")
     texture.image = bpy.data.images.new("Painted", 64, 64)
@@ -175,11 +183,11 @@ def _painted() -> bpy.types.Material:
     return made
 
 
-def _rig(stage: Stage) -> bpy.types.Object:
+def _rig(session: Session) -> bpy.types.Object:
     """An active armature with one bone that stands upright in the middle."""
-    rig = scenery.add("Rig", bpy.data.armatures.new("Rig"))
-    stage.view_layer.objects.active = rig
-    with stage.in_viewport():
+    rig = scene_setup.add("Rig", bpy.data.armatures.new("Rig"))
+    session.view_layer.objects.active = rig
+    with session.in_viewport():
         bpy.ops.object.mode_set(mode="EDIT")
         rig.data.edit_bones.new("Bone").tail = (0.0, 0.0, 1.0)
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -189,7 +197,7 @@ def _rig(stage: Stage) -> bpy.types.Object:
 
 def _row_of(mesh: bpy.types.Mesh) -> bpy.types.NodeTree:
     """Geometry nodes that instance a mesh along a line, as often as they are told."""
-    pattern = scenery.add("Pattern", mesh)
+    pattern = scene_setup.add("Pattern", mesh)
     pattern.hide_viewport = True
     tree = bpy.data.node_groups.new("Row", "GeometryNodeTree")
     tree.interface.new_socket("Count", in_out="INPUT", socket_type="NodeSocketInt")

@@ -9,34 +9,34 @@ from pathlib import Path
 import bpy
 
 from tests.gui.scenario import scenario
-from tests.gui.stage import Stage, Steps
+from tests.gui.session import Session, Steps
 
 ROOT = Path(__file__).parents[3]
 BUILD = "import sys; sys.path.insert(0, sys.argv[-2]); from tests.scenes import atrium; atrium.build(sys.argv[-1])"
 
 
 @scenario(region=(1280, 720), patience=240)
-def atrium(stage: Stage) -> Steps:
+def atrium(session: Session) -> Steps:
     """The atrium through its camera, with the engine's panels beside it."""
-    path = stage.folder / "atrium.blend"
+    path = session.folder / "atrium.blend"
     build = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", BUILD]
     # In another's folder than ours: Blender takes away the packages of extensions that it starts without.
-    elsewhere = {**os.environ, "BLENDER_USER_RESOURCES": str(stage.folder / "builder")}
+    elsewhere = {**os.environ, "BLENDER_USER_RESOURCES": str(session.folder / "builder")}
     subprocess.run([*build, "--", str(ROOT), str(path)], check=True, env=elsewhere)
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-    from tests.scenes.atrium_light import occlusion  # it uses what a file brings
+    from tests.scenes.atrium_light import set_up_ssao  # it uses what a file brings
 
-    occlusion(stage.scene.ism.ssao)
-    stage.view.view_perspective = "CAMERA"
-    stage.view.view_camera_zoom, stage.view.view_camera_offset = 30.2, (0.0, 0.0)
-    stage.space.overlay.show_overlays = stage.space.show_gizmo = False
-    properties = next(area for area in stage.window.screen.areas if area.type == "PROPERTIES")
+    set_up_ssao(session.scene.ism.ssao)
+    session.view.view_perspective = "CAMERA"
+    session.view.view_camera_zoom, session.view.view_camera_offset = 30.2, (0.0, 0.0)
+    session.space.overlay.show_overlays = session.space.show_gizmo = False
+    properties = next(area for area in session.window.screen.areas if area.type == "PROPERTIES")
     properties.spaces.active.context = "RENDER"
     began = time.perf_counter()
-    stage.rendered()
-    yield from stage.rested(200)
-    stage.measured("from opening to the last sample", time.perf_counter() - began, "s")
+    session.rendered()
+    yield from session.until_idle(200)
+    session.measured("from opening to the last sample", time.perf_counter() - began, "s")
     properties.tag_redraw()
-    yield from stage.wait(0.5)
-    seen = stage.pixels("atrium")
+    yield from session.wait(0.5)
+    seen = session.pixels("atrium")
     assert seen.std() > 0.1, "the atrium is not seen"

@@ -14,27 +14,27 @@ from ism_addon.gpu.gl.shader_compiler import bind
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.settings import SSAO, Method, Settings, Shadow
 from tests.scenes.small import SMALL, box_over_plane, sphere
-from tests.support.gl_limits import LIMITS, Limited
-from tests.support.gl_stand_in import stand_in
-from tests.support.jobs import ended
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, stage, with_quality
+from tests.support.gl_limits import LIMITS, LimitedContext
+from tests.support.gl_wrapper import wrap_contexts
+from tests.support.jobs import wait_for_end
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, make_scene, with_quality
 
 BYTES = {format: np.dtype(dtype).itemsize * components for (dtype, components), format in FORMATS.items()}
 BOTH = {method: replace(Settings(), shadow=Shadow(method=method)) for method in Method}
 
 
 @pytest.fixture(scope="module")
-def opened() -> Iterator[tuple[Device, Limited]]:
+def opened() -> Iterator[tuple[Device, LimitedContext]]:
     """A device of such an OpenGL, which draws all pictures here, and what stands before its context."""
     with pytest.MonkeyPatch.context() as patch:
-        contexts = stand_in(patch, lambda context: Limited(context, BYTES))
+        contexts = wrap_contexts(patch, lambda context: LimitedContext(context, BYTES))
         device = open_device()
     yield device, contexts[0]
     device.close()
 
 
 @pytest.fixture
-def limited(opened: tuple[Device, Limited]) -> Iterator[Device]:
+def limited(opened: tuple[Device, LimitedContext]) -> Iterator[Device]:
     """The device, current in this thread. A test that asks for more than OpenGL 4.1 guarantees has failed."""
     device, context = opened
     with device.gl as gl:
@@ -51,7 +51,7 @@ def test_the_limits_are_told_and_the_frames_block_is_below(limited):
     assert frame_uniforms.DTYPE.itemsize <= LIMITS["GL_MAX_UNIFORM_BLOCK_SIZE"]
 
 
-@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS], ids=list(Method))
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS], ids=list(Method))
 @pytest.mark.parametrize("name", SMALL)
 def test_pictures_are_the_same(device, limited, name, settings):
     """As without limits; with all that is drawn in some picture: creases, a filter, several samples."""
@@ -73,18 +73,18 @@ def test_a_final_picture_is_begun(limited, method):
 
 def test_a_scene_of_more_triangles_is_refused_with_a_sentence(monkeypatch, worker):
     """Three rows of normals each; and the next picture is drawn."""
-    stand_in(monkeypatch, lambda context: Limited(context, BYTES))
+    wrap_contexts(monkeypatch, lambda context: LimitedContext(context, BYTES))
     _, view = box_over_plane(24, 16)
-    large = stage([sphere((0.0, 0.0, 0.5), 0.5, 200, 100)])
+    large = make_scene([sphere((0.0, 0.0, 0.5), 0.5, 200, 100)])
     triangles = sum(len(mesh.triangles) for mesh in large.meshes)
     job = worker.start(Request(large, view, SMALL_SETTINGS), "script")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == (
         f"The picture could not be drawn: the meshes have {triangles:,} triangles, of which this OpenGL can draw "
         "21,845 (instances of a mesh count once)"
     )
     job = worker.start(Request(*box_over_plane(24, 16), SMALL_SETTINGS), "script")
-    assert ended(job)
+    assert wait_for_end(job)
     assert (job.error, job.samples_done) == ("", 1)
 
 

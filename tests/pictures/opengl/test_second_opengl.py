@@ -17,7 +17,7 @@ from ism_addon import snapshot
 from ism_addon.settings import SSAO, Method
 from tests.scenes.small import SMALL
 from tests.support.reference import nrmse
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 from tests.tools import machine, project
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zink over lavapipe is Mesa's, under Linux")
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zink over lavap
 MOST = 1e-3
 SETTINGS = {
     Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=16),
-    Method.SHADOW_MAPS: with_quality(MAPS, samples=4),
+    Method.SHADOW_MAPS: with_quality(SMALL_SHADOW_MAPS, samples=4),
 }
 
 

@@ -11,7 +11,7 @@ from ism_addon import addon
 from ism_addon.blender.render import read_settings
 from ism_addon.setting_limits import within_limits
 from tests.scenes.small import box_over_plane
-from tests.stress.pictures.comparisons import apart
+from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import SMALL_SETTINGS, draw
 from tests.tools.new_file import open_empty_file
@@ -95,7 +95,7 @@ def test_a_broken_value(device, within, broken, value):
     into_blender(*box_over_plane(48, 32))
     whole = drawn(device)
     broken(value)
-    within(apart(drawn(device), whole), 1e-5)
+    within(relative_difference(drawn(device), whole), 1e-5)
 
 
 @pytest.mark.parametrize("value", VALUES)

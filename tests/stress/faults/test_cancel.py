@@ -17,7 +17,7 @@ from ism_addon.gpu.estimators import RayTracedDirect, WorldLight
 from ism_addon.gpu.jobs.job import Request
 from tests.scenes.small import box_over_plane
 from tests.support import exr
-from tests.support.jobs import LONG, begun
+from tests.support.jobs import LONG, wait_for_picture
 from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.alone
@@ -149,7 +149,7 @@ def test_what_changed_before_a_cancelled_reading_is_read_by_the_next(cancelled, 
 def test_a_viewport_is_drawn_while_its_render_is_cancelled(worker):
     """Clients have nothing to do with one another."""
     jobs = [worker.start(Request(*box_over_plane(24, 16), LONG), client) for client in ("viewport", "final")]
-    assert all(begun(job) for job in jobs)
+    assert all(wait_for_picture(job) for job in jobs)
     jobs[1].cancel()
     before = jobs[0].samples_done
     while jobs[0].samples_done == before:

@@ -23,8 +23,8 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.render_passes import RenderPass
 from ism_addon.setting_limits import beyond_limits
 from tests.pictures.test_reload import edit, shaders  # noqa: F401 (a fixture)
-from tests.support.jobs import LONG, begun, ended, request
-from tests.support.small_scenes import MAPS
+from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
+from tests.support.small_scenes import SMALL_SHADOW_MAPS
 from tests.tools import project
 
 #: Asks twice, in an interpreter of its own, and prints both errors.
@@ -187,15 +187,15 @@ def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
 def test_context_lost_and_worker_killed(worker, at_pass, do, sentence, number):
     """All who wait are told, and keep the picture that they have; who asks next has a whole one."""
     done = worker.start(request(), "done")
-    assert ended(done)
+    assert wait_for_end(done)
     waiting = [worker.start(request(LONG), client) for client in ("one", "other")]
-    assert all(begun(job) for job in waiting)
+    assert all(wait_for_picture(job) for job in waiting)
     at_pass(number, do)
-    assert all(ended(job) for job in waiting)
+    assert all(wait_for_end(job) for job in waiting)
     assert [job.error for job in (done, *waiting)] == ["", sentence, sentence]
     assert all(np.isfinite(job.picture().color).all() for job in waiting)
     again = worker.start(request(), "one")
-    assert ended(again)
+    assert wait_for_end(again)
     assert again.error == ""
     assert np.array_equal(again.picture().color, done.picture().color)
 
@@ -203,7 +203,7 @@ def test_context_lost_and_worker_killed(worker, at_pass, do, sentence, number):
 def test_a_shader_that_is_broken(worker, shaders):  # noqa: F811 (a fixture)
     edit(shaders / "passes/film/shade.frag", "void main() {", "void main() {\n    nonsense;")
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert re.fullmatch(
         r"The picture could not be drawn: the shader .+ does not compile: shade\.frag, line \d+: .*nonsense.*",
         job.error,
@@ -213,7 +213,7 @@ def test_a_shader_that_is_broken(worker, shaders):  # noqa: F811 (a fixture)
 def test_a_picture_beyond_the_drivers_limit(worker, device):
     most = device.texture_size
     job = worker.start(request(size=(most + 1, 8)), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == (
         f"The picture could not be drawn: {most + 1}×8 pixels are more than the {most}×{most} "
         "that this OpenGL can draw at once"
@@ -226,7 +226,7 @@ def test_the_widest_picture(worker, device, turned):
     """Up to the limit, all are drawn."""
     most = device.texture_size
     job = worker.start(request(size=(8, most) if turned else (most, 8)), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == ""
     assert np.isfinite(job.picture().color).all()
 
@@ -241,16 +241,16 @@ def test_out_of_graphics_memory(worker, device, monkeypatch):
     if "llvmpipe" not in device.name:
         pytest.skip("only the software driver's limit is known")
     small = worker.start(request(LONG), "small")
-    assert begun(small)
+    assert wait_for_picture(small)
     job = worker.start(request(size=(device.texture_size, device.texture_size // 2)), "large")
-    assert ended(job, 120.0)
+    assert wait_for_end(job, 120.0)
     assert job.error == (
         "The picture could not be drawn: the graphics memory is too small for it; "
         "a smaller picture or smaller images take less"
     )
     assert not small.finished
     again = worker.start(request(), "large")
-    assert ended(again)
+    assert wait_for_end(again)
     assert again.error == ""
 
 
@@ -258,11 +258,11 @@ def test_what_opengl_refuses(worker, at_pass):
     """Drivers only note it, and go on: the picture would be wrong without a word."""
     at_pass(5, lambda loop: ctypes.CFUNCTYPE(None, ctypes.c_uint)(load(loop, "glEnable"))(0xFFFF))
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == "The picture could not be drawn: the graphics driver refuses it (GL_INVALID_ENUM)"
 
 
 def test_an_atlas_beyond_the_limit():
     """It is drawn in portions, see test_atlas.py; only a map by itself may be wider than any texture."""
-    asked = replace(MAPS, quality=replace(MAPS.quality, map_size=100_000))
+    asked = replace(SMALL_SHADOW_MAPS, quality=replace(SMALL_SHADOW_MAPS.quality, map_size=100_000))
     assert beyond_limits(asked) == ("Map Size cannot be 100,000: 4,096 is used instead.",)

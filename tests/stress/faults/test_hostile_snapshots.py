@@ -17,8 +17,8 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.render_passes import RENDER_PASSES
 from ism_addon.setting_limits import view_beyond_limits
 from tests.scenes.small import box_over_plane, pillar_field
-from tests.support.jobs import ended
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS
+from tests.support.jobs import wait_for_end
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS
 from tests.unit.test_snapshot import rewritten
 
 
@@ -171,7 +171,7 @@ def test_snapshots_of_any_numbers(worker, tmp_path, examples, scene):
     """Refused in a sentence, or drawn: no pixel is not finite, and no drawing fails."""
     path, chance, drawn = tmp_path / "scene.npz", random.Random(2026), 0
     for _ in range(examples):
-        snapshot.save(path, *scene(24, 16), chance.choice([SMALL_SETTINGS, MAPS]))
+        snapshot.save(path, *scene(24, 16), chance.choice([SMALL_SETTINGS, SMALL_SHADOW_MAPS]))
         with np.load(path) as members:
             arrays = {name: members[name] for name in members.files if name != "snapshot" and members[name].size}
         told = {chance.choice(TOLD): chance.choice([*ENDS, 0, -1, 10**400]) for _ in range(chance.randrange(3))}
@@ -181,7 +181,7 @@ def test_snapshots_of_any_numbers(worker, tmp_path, examples, scene):
         except snapshot.SnapshotError:
             continue
         job = worker.start(request, "client")
-        assert ended(job)
+        assert wait_for_end(job)
         assert job.error == ""
         assert all(np.isfinite(image).all() for image in job.picture().passes.values())
         drawn += 1
@@ -194,6 +194,6 @@ def test_a_snapshot_whose_filter_is_none(worker, path, width):
     nearest = 0 if width < 0.0 else 50
     assert view_beyond_limits(view) == (f"Filter Size cannot be {width:g} px: {nearest} px is used instead.",)
     job = worker.start(Request(scene, view, settings), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == ""
     assert np.isfinite(job.picture().color).all()

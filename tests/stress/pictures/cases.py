@@ -14,10 +14,10 @@ from tests.scenes.small import SMALL, mesh, sphere, subdivided_box
 from tests.stress.pictures.moves import moved
 from tests.stress.pictures.test_geometry import LAMP, shining_at_origin, slivers
 from tests.stress.pictures.test_similar import turn
-from tests.support.small_scenes import both, light, look, placed, quad, rubble, stage
+from tests.support.small_scenes import join_lights, light, look_at, make_scene, quad, random_triangles, transform
 
 SIZE = 64, 48
-VIEW = look((3.0, -3.6, 2.6), size=SIZE)
+VIEW = look_at((3.0, -3.6, 2.6), size=SIZE)
 FLOOR = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
 LOW = light(position=(-1.0, 0.3, 2.0), radiance=2.0)
 
@@ -26,7 +26,7 @@ def on_floor(
     *things: Mesh, lamp: Lights = LAMP, linear: np.ndarray | None = None, floor: Mesh = FLOOR, view: View = VIEW
 ) -> tuple[Scene, View]:
     """Things on a floor."""
-    return stage([floor, *things], lamp, [placed(), *[placed(linear) for _ in things]]), view
+    return make_scene([floor, *things], lamp, [transform(), *[transform(linear) for _ in things]]), view
 
 
 def ball(around: int) -> Mesh:
@@ -37,7 +37,8 @@ def grazing(degrees: float) -> tuple[Scene, View]:
     """A light so low."""
     angle = math.radians(degrees)
     return on_floor(
-        rubble(30, 0.3), lamp=shining_at_origin(6.0 * np.array([math.cos(angle), 0.2, math.sin(angle)]), 0.3, 3e3)
+        random_triangles(30, 0.3),
+        lamp=shining_at_origin(6.0 * np.array([math.cos(angle), 0.2, math.sin(angle)]), 0.3, 3e3),
     )
 
 
@@ -55,7 +56,7 @@ def blades(width: float) -> tuple[Scene, View]:
 def light_of(size: float) -> tuple[Scene, View]:
     """A light so wide, of one power as long as it is less than a metre."""
     lamp = light(position=(0.8, -0.6, 3.2), axis_u=(size, 0, 0), axis_v=(0, -size, 0), radiance=5.0 / min(size**2, 1.0))
-    return on_floor(rubble(60, 0.6), lamp=lamp)
+    return on_floor(random_triangles(60, 0.6), lamp=lamp)
 
 
 def spread_of(angle: float) -> tuple[Scene, View]:
@@ -77,14 +78,14 @@ def box_and(lamp: Lights) -> tuple[Scene, View]:
 def room() -> tuple[Scene, View]:
     """Seen from within, and lit."""
     walls = subdivided_box((-2.0, -2.0, -0.1), (2.0, 2.0, 2.5), 3)
-    view = look((1.5, -1.6, 1.6), (0.0, 0.0, 0.6), SIZE, math.radians(80.0))
-    return stage([walls, ball(24)], light(position=(0.3, 0.2, 2.3), radiance=5.0)), view
+    view = look_at((1.5, -1.6, 1.6), (0.0, 0.0, 0.6), SIZE, math.radians(80.0))
+    return make_scene([walls, ball(24)], light(position=(0.3, 0.2, 2.3), radiance=5.0)), view
 
 
 LONG = light(position=(0.2, 0.0, 2.5), axis_u=(2.0, 0, 0), axis_v=(0, -0.02, 0), radiance=100.0)
 ELLIPSE = light(LightShape.ELLIPSE, (0.4, -0.5, 2.5), (1.5, 0, 0), (0, -0.2, 0), radiance=10.0)
 CLOSE = light(position=(0.0, 0.0, 0.501), axis_u=(0.4, 0, 0), axis_v=(0, -0.4, 0), radiance=5.0)
-FOUR = both(both(LAMP, LOW), both(light(position=(1.0, 1.3, 1.0), radiance=0.5), ELLIPSE))
+FOUR = join_lights(join_lights(LAMP, LOW), join_lights(light(position=(1.0, 1.3, 1.0), radiance=0.5), ELLIPSE))
 WIDE = quad((-500, -500, 0), (1000, 0, 0), (0, 1000, 0))
 LINEAR = {
     "mirrored": np.diag([-1.0, 1.0, 1.0]),
@@ -107,14 +108,14 @@ CASES: dict[str, Callable[[], tuple[Scene, View]]] = {
     "a light a hundred times as long as it is wide": partial(on_floor, ball(48), lamp=LONG),
     "an ellipse of light": partial(on_floor, ball(48), lamp=ELLIPSE),
     "a light that a box cuts": partial(on_floor, subdivided_box((-0.2, -1.5, 3.1), (0.8, 0.5, 3.3), 2)),
-    "a light a millimetre above a box": partial(box_and, both(LAMP, CLOSE)),
+    "a light a millimetre above a box": partial(box_and, join_lights(LAMP, CLOSE)),
     "a light that nothing shadows": partial(
-        on_floor, ball(48), lamp=both(LAMP, replace(LOW, casts_shadow=np.zeros(1, bool)))
+        on_floor, ball(48), lamp=join_lights(LAMP, replace(LOW, casts_shadow=np.zeros(1, bool)))
     ),
     "a light in a closed box": partial(on_floor, subdivided_box((-0.4, -1.2, 2.6), (2.0, 0.0, 3.8), 2)),
-    "four lights": partial(on_floor, rubble(80, 0.7), lamp=FOUR),
+    "four lights": partial(on_floor, random_triangles(80, 0.7), lamp=FOUR),
     "slivers of half a millimetre": partial(on_floor, slivers(8000), ball(24), linear=turn((1.0, 2.0, 3.0), 0.05)),
-    "a crowd of small triangles": partial(on_floor, rubble(5000, 1.0, 0.02)),
+    "a crowd of small triangles": partial(on_floor, random_triangles(5000, 1.0, 0.02)),
     "a kilometre of floor": partial(on_floor, ball(24), floor=WIDE),
     "two sheets a millimetre apart": partial(on_floor, quad((-1, -1, 1e-3), (2, 0, 0), (0, 2, 0))),
     "a camera in a room": room,

@@ -8,7 +8,7 @@ import numpy as np
 from ism_addon.scene import Scene
 
 
-def apart(picture: np.ndarray, other: np.ndarray) -> float:
+def relative_difference(picture: np.ndarray, other: np.ndarray) -> float:
     """Root mean square of the difference of two (H,W,4), over the other's mean; infinite where it is not finite."""
     difference, mean = picture[..., :3] - other[..., :3], float(np.abs(other[..., :3]).mean())
     off = float(np.sqrt((difference.astype(np.float64) ** 2).mean()))

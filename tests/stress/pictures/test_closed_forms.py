@@ -13,7 +13,16 @@ from ism_addon.scene import Lights, LightShape
 from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
 from tests.support import reference_irradiance
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 from tests.unit.environment.test_ambient_occlusion import FULL, corner, half_resolution_surface, mean_occlusion
 
 FLOOR = quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))
@@ -32,7 +41,7 @@ def places(width: float, pixels: int) -> np.ndarray:
 def test_light_on_a_floor(device, within, shape, size):
     """Of a light so large, a metre above it: from next to nothing to touching all of it."""
     lamp = light(shape, (0.0, 0.0, 1.0), (size, 0, 0), (0, -0.7 * size, 0), radiance=1.0 / min(size**2, 1.0))
-    picture = draw(device, stage([FLOOR], lamp), from_above(4.0, (9, 1))).color[0, :, 0]
+    picture = draw(device, make_scene([FLOOR], lamp), view_from_above(4.0, (9, 1))).color[0, :, 0]
     points = np.column_stack([places(4.0, 9), np.zeros((9, 2))])
     truth = [REFLECTED * lamp.radiance[0, 0] * reference_irradiance.irradiance(point, UP, lamp) for point in points]
     within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
@@ -42,7 +51,7 @@ def test_light_on_a_floor(device, within, shape, size):
 def test_a_light_that_almost_touches(device, within, height):
     """Half a sky of light, below its middle, from a hair's breadth."""
     lamp = light(position=(0.0, 0.0, height))
-    picture = draw(device, stage([FLOOR], lamp), from_above(0.8, (9, 1))).color[0, :, 0]
+    picture = draw(device, make_scene([FLOOR], lamp), view_from_above(0.8, (9, 1))).color[0, :, 0]
     points = np.column_stack([places(0.8, 9), np.zeros((9, 2))])
     truth = [REFLECTED * reference_irradiance.irradiance(point, UP, lamp) for point in points]
     within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
@@ -57,7 +66,7 @@ def strip(lamp: Lights, part: float) -> Lights:
     ("settings", "bound"),
     [
         (with_quality(SMALL_SETTINGS, samples=256), 5e-3),
-        (with_quality(MAPS, samples=8, virtual_lights=32, map_size=128, map_points=1 << 15), 5e-2),
+        (with_quality(SMALL_SHADOW_MAPS, samples=8, virtual_lights=32, map_size=128, map_points=1 << 15), 5e-2),
     ],
     ids=["rays", "maps"],
 )
@@ -65,9 +74,9 @@ def test_the_penumbra_of_a_half_plane(device, within, settings, bound):
     """Halfway between the floor and the light: of the light, as much is hidden as the receiver is below the plane."""
     lamp = light(position=(0.0, 0.0, 2.0))
     plane = quad((-4, -4, 1), (4, 0, 0), (0, 8, 0))
-    scene = stage([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plane], lamp)
+    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plane], lamp)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    picture = draw(device, scene, from_above(1.6, (48, 8)), settings).color[..., 0]
+    picture = draw(device, scene, view_from_above(1.6, (48, 8)), settings).color[..., 0]
     truth = np.zeros((8, 48))
     for row, column in np.ndindex(truth.shape):
         x, y = places(1.6, 48)[column], places(1.6 / 6.0, 8)[row]
@@ -100,9 +109,9 @@ def test_penumbrae_have_no_floor(device, within, degrees):
     angle, size = math.radians(degrees), (48, 48)
     edge, along = np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
     plate = quad(np.array([0.0, 0.0, 1.0]) - 4.0 * edge - 4.0 * along, 4.0 * edge, 8.0 * along)
-    scene = stage([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], light())
+    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], light())
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    view, axis = from_above(1.0, size, filter_width=1.5), places(1.0, 48)
+    view, axis = view_from_above(1.0, size, filter_width=1.5), places(1.0, 48)
     whole = reference_irradiance.irradiance(np.zeros(3), UP, light())
     truth = np.array([[part_before_an_edge(x, y, edge[:2]) for x in axis] for y in axis]) / whole
     penumbra = (truth > 0.02) & (truth < 0.98)
@@ -148,7 +157,7 @@ def test_a_furnace(device, within, name, ssao):
     """White things under a white sky cannot be told from it; ambient occlusion may only darken."""
     scene, view = SMALL[name](96, 64)
     white = replace(
-        stage(scene.meshes, world=1.0, base_color=(1.0, 1.0, 1.0)),
+        make_scene(scene.meshes, world=1.0, base_color=(1.0, 1.0, 1.0)),
         instances=scene.instances,
     )
     picture = draw(device, white, view, replace(SMALL_SETTINGS, ssao=ssao)).color[..., :3]

@@ -6,7 +6,7 @@ import pytest
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.cycles import direct_light
 from tests.stress.pictures.cases import CASES
-from tests.stress.pictures.comparisons import apart
+from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import draw, with_quality
 
@@ -32,4 +32,4 @@ def test_cycles_agrees(device, within, name):
     scene, view = out_of_blender()
     assert not scene.warnings
     settings = with_quality(SETTINGS, samples=effort * SETTINGS.quality.samples)
-    within(apart(draw(device, scene, view, settings).color, truth), 0.05)
+    within(relative_difference(draw(device, scene, view, settings).color, truth), 0.05)

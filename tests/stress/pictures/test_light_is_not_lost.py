@@ -14,10 +14,10 @@ from ism_addon.scene import LightShape, Scene, View
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.cycles import direct_light
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
-from tests.support.small_scenes import draw, from_above, light, look, placed, quad, stage, with_quality
+from tests.support.small_scenes import draw, light, look_at, make_scene, quad, transform, view_from_above, with_quality
 
 RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=32, error_threshold=0.0))
-MAPS = replace(
+SMALL_SHADOW_MAPS = replace(
     RAYS,
     shadow=Shadow(method=Method.SHADOW_MAPS),
     quality=replace(RAYS.quality, samples=16, virtual_lights=16, map_size=64, map_points=8192),
@@ -43,10 +43,10 @@ def over_a_plate(shape: str, size: float, degrees: float, seen: bool) -> tuple[S
     reach = 1.2 * min(size / 2.0 + 3.5 * math.tan(min(spread, 2.0) / 2.0), 8.0)
     floor = quad((0.3 - 5 * reach, 0.2 - 5 * reach, 0), (10 * reach, 0, 0), (0, 10 * reach, 0))
     plate = quad((0.3 - 3 * reach, 0.2 - 3 * reach, 0.7), (3.1 * reach, 0, 0), (0, 3 * reach, 0))
-    view = from_above(2 * reach, (80, 80), filter_width=FILTER)
-    scene = stage([floor, plate], lamp)
+    view = view_from_above(2 * reach, (80, 80), filter_width=FILTER)
+    scene = make_scene([floor, plate], lamp)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, seen])))
-    return scene, replace(view, view_from_world=view.view_from_world @ placed(offset=(-0.3, -0.2, 0.0)))
+    return scene, replace(view, view_from_world=view.view_from_world @ transform(offset=(-0.3, -0.2, 0.0)))
 
 
 def ratio_to_cycles(device, scene: Scene, view: View, settings: Settings, samples: int = 32) -> float:
@@ -71,13 +71,13 @@ def test_spreads_by_shadow_maps(device, within, shape, size, degrees):
 
     Of shadows, which imperfect maps let light into, see tests/unit/lights/test_spread_shadows.py.
     """
-    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees, True), MAPS) - 1.0), 0.03)
+    within(abs(ratio_to_cycles(device, *over_a_plate(shape, size, degrees, True), SMALL_SHADOW_MAPS) - 1.0), 0.03)
 
 
 def behind_a_floor(size: float, part: float) -> tuple[Scene, View]:
     """A standing panel, of whose height so much looks over the floor."""
     lamp = light(LightShape.RECTANGLE, (0.0, 1.5, (part - 0.5) * size), (size, 0, 0), (0, 0, size))
-    return stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lamp), look((0.0, -6.0, 5.0), size=(96, 54))
+    return make_scene([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lamp), look_at((0.0, -6.0, 5.0), size=(96, 54))
 
 
 @pytest.mark.parametrize("size", [1.0, 10.0, 100.0])
@@ -99,4 +99,4 @@ def test_something_stands_before_a_panel(device, within, part):
 
 def into_stage(scene: Scene, view: View, mesh) -> tuple[Scene, View]:
     """The scene with one more mesh."""
-    return stage([*scene.meshes, mesh], scene.lights), view
+    return make_scene([*scene.meshes, mesh], scene.lights), view

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from ism_addon import snapshot
 from ism_addon.settings import SSAO, Method, Settings
 from tests.scenes.small import mesh
-from tests.stress.pictures.comparisons import apart, unshadowed
+from tests.stress.pictures.comparisons import relative_difference, unshadowed
 from tests.stress.pictures.moves import Picture
 from tests.stress.pictures.random_pictures import pictures
 from tests.support import reference
@@ -92,9 +92,9 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
         reference.picture(scene, each, side)[0].reshape(view.height, view.width, 3)
         for each, side in ((view, 12), (replace(view, clip_from_view=moved), 17), (view, 17))
     )
-    if not truth.any() or max(apart(few, truth), apart(beside, truth)) > 0.01:
+    if not truth.any() or max(relative_difference(few, truth), relative_difference(beside, truth)) > 0.01:
         return None
-    return apart(draw(device, scene, view, plain, renderer).color, truth)
+    return relative_difference(draw(device, scene, view, plain, renderer).color, truth)
 
 
 def test_random_pictures_against_rays(device, within, examples):

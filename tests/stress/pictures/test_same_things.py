@@ -9,12 +9,12 @@ import pytest
 from ism_addon.scene import LightShape, Mesh, Scene
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.small import grid_triangles, mesh, sphere
-from tests.stress.pictures.comparisons import apart
+from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.test_similar import turn
-from tests.support.small_scenes import both, draw, light, look, placed, quad, rubble, stage
+from tests.support.small_scenes import draw, join_lights, light, look_at, make_scene, quad, random_triangles, transform
 
 SETTINGS = Settings(quality=Quality(samples=16, error_threshold=0.0))
-VIEW = look((3.0, -3.6, 2.6), size=(64, 44))
+VIEW = look_at((3.0, -3.6, 2.6), size=(64, 44))
 LAMP = light(position=(0.8, -0.6, 3.2), radiance=5.0)
 TILTED = turn((1.0, 2.0, 3.0), 0.4)
 
@@ -28,15 +28,17 @@ def plane(parts: int) -> Mesh:
 
 def above(thing: Mesh, linear: np.ndarray | None = None) -> Scene:
     """It, with a ball and rubble over it."""
-    meshes = [thing, sphere((0.5, 0.5, 0.8), 0.4, 24, 16), rubble(60, 0.5)]
-    return stage(meshes, LAMP, [placed(linear), placed(linear), placed(offset=(-0.7, 0.0, 0.9))], world=0.1)
+    meshes = [thing, sphere((0.5, 0.5, 0.8), 0.4, 24, 16), random_triangles(60, 0.5)]
+    return make_scene(
+        meshes, LAMP, [transform(linear), transform(linear), transform(offset=(-0.7, 0.0, 0.9))], world=0.1
+    )
 
 
 @pytest.mark.parametrize("linear", [np.eye(3), TILTED, 1e3 * TILTED], ids=["level", "tilted", "large"])
 @pytest.mark.parametrize("parts", [3, 40, 316])
 def test_a_plane_of_many_triangles(device, within, parts, linear):
     one, many = (above(plane(count), linear) for count in (1, parts))
-    within(apart(draw(device, many, VIEW, SETTINGS).color, draw(device, one, VIEW, SETTINGS).color), 1e-3)
+    within(relative_difference(draw(device, many, VIEW, SETTINGS).color, draw(device, one, VIEW, SETTINGS).color), 1e-3)
 
 
 def heap(count: int) -> tuple[list[Mesh], np.ndarray]:
@@ -46,12 +48,14 @@ def heap(count: int) -> tuple[list[Mesh], np.ndarray]:
     angles = random.uniform(0.0, 6.0, count)
     axes = random.normal(size=(count, 3))
     turns = [turn(tuple(axis), angle) for axis, angle in zip(axes, angles, strict=True)]
-    return [rubble(12, 0.05, 0.05)], np.array([placed(each, at) for each, at in zip(turns, places, strict=True)])
+    return [random_triangles(12, 0.05, 0.05)], np.array(
+        [transform(each, at) for each, at in zip(turns, places, strict=True)]
+    )
 
 
 def with_floor(meshes: list[Mesh], matrices: np.ndarray, ids: np.ndarray) -> Scene:
     floor = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
-    return stage([floor, *meshes], LAMP, [placed(), *matrices], [0, *(1 + ids)], world=0.1)
+    return make_scene([floor, *meshes], LAMP, [transform(), *matrices], [0, *(1 + ids)], world=0.1)
 
 
 def test_instances_of_a_mesh_or_meshes(device, within):
@@ -60,21 +64,23 @@ def test_instances_of_a_mesh_or_meshes(device, within):
     (original,) = meshes
     instances = draw(device, with_floor(meshes, matrices, np.zeros(1000, int)), VIEW, SETTINGS).color
     own = with_floor([replace(original) for _ in matrices], matrices, np.arange(1000))
-    within(apart(draw(device, own, VIEW, SETTINGS).color, instances), 1e-3)
+    within(relative_difference(draw(device, own, VIEW, SETTINGS).color, instances), 1e-3)
     points = np.einsum("nij,pj->npi", matrices[:, :3, :3], original.positions) + matrices[:, None, :3, 3]
     count = len(original.positions)
     merged = mesh(
         points.reshape(-1, 3), np.concatenate([original.triangles + count * row for row in range(len(matrices))])
     )
     whole = with_floor([merged], np.eye(4)[None], np.zeros(1, int))
-    within(apart(draw(device, whole, VIEW, SETTINGS).color, instances), 5e-3)
+    within(relative_difference(draw(device, whole, VIEW, SETTINGS).color, instances), 5e-3)
 
 
 def test_the_order_of_objects(device, within):
     meshes, matrices = heap(50)
     row = np.random.default_rng(4).permutation(50)
     one, other = (with_floor(meshes, matrices[rows], np.zeros(50, int)) for rows in (np.arange(50), row))
-    within(apart(draw(device, other, VIEW, SETTINGS).color, draw(device, one, VIEW, SETTINGS).color), 1e-3)
+    within(
+        relative_difference(draw(device, other, VIEW, SETTINGS).color, draw(device, one, VIEW, SETTINGS).color), 1e-3
+    )
 
 
 def test_the_order_of_triangles(device, within):
@@ -86,7 +92,9 @@ def test_the_order_of_triangles(device, within):
         normals = thing.normals if thing.normals.ndim == 2 else thing.normals[row]
         shuffled.append(replace(thing, triangles=thing.triangles[row], normals=normals, materials=thing.materials[row]))
     other = replace(scene, meshes=tuple(shuffled))
-    within(apart(draw(device, other, VIEW, SETTINGS).color, draw(device, scene, VIEW, SETTINGS).color), 1e-3)
+    within(
+        relative_difference(draw(device, other, VIEW, SETTINGS).color, draw(device, scene, VIEW, SETTINGS).color), 1e-3
+    )
 
 
 @pytest.mark.parametrize(("corners", "side"), [([1, 2, 0], 1.0), ([0, 2, 1], -1.0)], ids=["turned", "flipped"])
@@ -98,7 +106,9 @@ def test_the_order_of_corners(device, within, corners, side):
         normals = side * (thing.normals if thing.normals.ndim == 2 else thing.normals[:, corners])
         turned.append(replace(thing, triangles=np.ascontiguousarray(thing.triangles[:, corners]), normals=normals))
     other = replace(scene, meshes=tuple(turned))
-    within(apart(draw(device, other, VIEW, SETTINGS).color, draw(device, scene, VIEW, SETTINGS).color), 1e-3)
+    within(
+        relative_difference(draw(device, other, VIEW, SETTINGS).color, draw(device, scene, VIEW, SETTINGS).color), 1e-3
+    )
 
 
 def quarters() -> list[dict]:
@@ -113,21 +123,25 @@ def test_a_light_of_four_quarters(device, within, samples, bound):
     """But for the noise, which falls."""
     first, *others = (light(**each) for each in quarters())
     for other in others:
-        first = both(first, other)
+        first = join_lights(first, other)
     settings = replace(SETTINGS, quality=replace(SETTINGS.quality, samples=samples))
     whole = above(plane(1))
     parts = replace(whole, lights=first)
-    within(apart(draw(device, parts, VIEW, settings).color, draw(device, whole, VIEW, settings).color), bound)
+    within(
+        relative_difference(draw(device, parts, VIEW, settings).color, draw(device, whole, VIEW, settings).color), bound
+    )
 
 
 def test_unshadowed_light_of_four_quarters(device, within):
     first, *others = (light(**each, casts_shadow=False) for each in quarters())
     for other in others:
-        first = both(first, other)
+        first = join_lights(first, other)
     whole = above(plane(1))
     whole = replace(whole, lights=replace(LAMP, casts_shadow=np.array([False])))
     parts = replace(whole, lights=first)
-    within(apart(draw(device, parts, VIEW, SETTINGS).color, draw(device, whole, VIEW, SETTINGS).color), 1e-5)
+    within(
+        relative_difference(draw(device, parts, VIEW, SETTINGS).color, draw(device, whole, VIEW, SETTINGS).color), 1e-5
+    )
 
 
 @pytest.mark.parametrize("shape", list(LightShape), ids=["rectangle", "ellipse"])
@@ -139,4 +153,6 @@ def test_a_lights_axes(device, within, shape, which):
     settings = replace(SETTINGS, quality=replace(SETTINGS.quality, samples=256), ssao=SSAO(enabled=False))
     scene = replace(above(plane(1)), lights=lamp)
     other = replace(scene, lights=replace(lamp, axis_u=axes[0], axis_v=axes[1]))
-    within(apart(draw(device, other, VIEW, settings).color, draw(device, scene, VIEW, settings).color), 5e-3)
+    within(
+        relative_difference(draw(device, other, VIEW, settings).color, draw(device, scene, VIEW, settings).color), 5e-3
+    )

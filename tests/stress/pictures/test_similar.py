@@ -12,7 +12,7 @@ import pytest
 
 from ism_addon.settings import Method, Quality, Settings, Shadow
 from tests.scenes.small import SMALL
-from tests.stress.pictures.comparisons import apart
+from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.moves import Picture, moved
 from tests.support.small_scenes import draw, with_quality
 
@@ -48,7 +48,7 @@ def off(device, originals):
         if key not in originals:
             originals[key] = draw(device, *picture).color
         there = draw(device, *moved(picture, linear, offset)).color
-        return apart(there[:, ::-1] if np.linalg.det(linear) < 0.0 else there, originals[key])
+        return relative_difference(there[:, ::-1] if np.linalg.det(linear) < 0.0 else there, originals[key])
 
     return off
 

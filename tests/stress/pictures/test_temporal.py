@@ -15,7 +15,7 @@ from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.cycles import direct_light
 from tests.scenes.small import SMALL
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
-from tests.support.small_scenes import draw, look
+from tests.support.small_scenes import draw, look_at
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=16, error_threshold=0.0))
 FILTER = 1.5  # px
@@ -26,7 +26,7 @@ def camera_moves(part: float) -> tuple[Scene, View]:
     """About the pillars, a twentieth of a turn."""
     scene, _ = SMALL["pillar field"](*SIZE)
     angle = -1.0 + 0.3 * part
-    return scene, look((4.9 * np.cos(angle), 4.9 * np.sin(angle), 2.7), (0.0, 0.0, 0.4), SIZE)
+    return scene, look_at((4.9 * np.cos(angle), 4.9 * np.sin(angle), 2.7), (0.0, 0.0, 0.4), SIZE)
 
 
 def light_moves(part: float) -> tuple[Scene, View]:

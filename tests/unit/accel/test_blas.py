@@ -15,8 +15,8 @@ from ism_addon.gpu.buffers.small_meshes import SMALL_MESH, small_mesh_groups
 from ism_addon.gpu.buffers.small_meshes import TRIANGLES_AT_A_TIME as TOGETHER
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS
 from tests.scenes.small import grid_triangles, mesh
-from tests.support.rays import compare, occluded, rays
-from tests.support.small_scenes import light, rubble, stage
+from tests.support.rays import assert_agree, occluded, random_rays
+from tests.support.small_scenes import light, make_scene, random_triangles
 
 
 def bumps(side: int, order: np.ndarray | None = None):
@@ -35,7 +35,7 @@ MANY = 261
 def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
     sheet = bumps(MANY)
     assert len(sheet.triangles) > SORT_ALL_BELOW
-    compare(device, stage([sheet, rubble(50, seed=1)], light()), *rays(150))
+    assert_agree(device, make_scene([sheet, random_triangles(50, seed=1)], light()), *random_rays(150))
     tree = BuildBLAS.kept[sheet].blas
     assert tree.order is None
     assert tree.triangles_per_leaf * len(np.unique(tree.leaf_starts)) >= len(sheet.triangles)
@@ -45,13 +45,13 @@ def test_a_large_mesh_in_no_order_is_sorted(device):
     shuffled = bumps(MANY, np.random.default_rng(0).permutation(MANY**2))
     tree = build_blas(shuffled)
     assert np.array_equal(np.sort(tree.order), np.arange(len(shuffled.triangles)))
-    compare(device, stage([shuffled], light()), *rays(100))
+    assert_agree(device, make_scene([shuffled], light()), *random_rays(100))
 
 
 def test_runs_are_bounded_wherever_portions_of_them_end():
     """Two meshes share a portion, and no run ends with one: each box is around its triangles."""
     sheet = bumps(MANY)
-    meshes = (rubble(5), sheet)
+    meshes = (random_triangles(5), sheet)
     trees = tuple(map(build_blas, meshes))
     order = TriangleOrder(meshes, trees)
     list(order.map_portions(lambda pieces: [piece.positions() for piece in pieces], with_vertices=True))
@@ -89,10 +89,10 @@ def no_memory(*_arguments):
 def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
     """As when another mesh of the scene has changed."""
     sheet = bumps(MANY)
-    scene, (starts, ends) = stage([sheet], light()), rays(150)
+    scene, (starts, ends) = make_scene([sheet], light()), random_rays(150)
     before = occluded(device, scene, starts, ends)
     assert BuildBLAS.kept[sheet].boxes.size == 0
-    more = stage([rubble(3, size=1e-3), sheet], light())
+    more = make_scene([random_triangles(3, size=1e-3), sheet], light())
     assert np.array_equal(occluded(device, more, starts, ends), before)
 
 
@@ -105,7 +105,7 @@ def same_tree(one: BLAS, other: BLAS) -> bool:
 def test_the_trees_of_small_meshes_are_the_same_alone_and_together():
     """Of all small shapes of trees, several of a shape with different counts, and large ones between them."""
     counts = [*range(1, 70), 255, 256, 257, 1000, SMALL_MESH, SMALL_MESH + 1, 5000, *range(69, 0, -1)]
-    meshes = [rubble(count, seed=number) for number, count in enumerate(counts)]
+    meshes = [random_triangles(count, seed=number) for number, count in enumerate(counts)]
     together = build_all_blas(meshes)
     assert all(same_tree(tree, build_blas(mesh)) for tree, mesh in zip(together, meshes, strict=True))
 
@@ -125,13 +125,13 @@ def test_small_neighbours_are_in_groups_and_others_alone(counts):
 def test_small_meshes_with_a_large_one_cast_their_shadows(device):
     """Rays find all of them where the tree over the instances has boxes of meshes of several sizes."""
     counts = (1, 3, 12, 30, 100, SMALL_MESH + 500)
-    meshes = [rubble(count, size=0.5 if count < 50 else 0.1, seed=count) for count in counts]
-    compare(device, stage(meshes, light()), *rays(1000))
+    meshes = [random_triangles(count, size=0.5 if count < 50 else 0.1, seed=count) for count in counts]
+    assert_agree(device, make_scene(meshes, light()), *random_rays(1000))
 
 
 @pytest.mark.parametrize("count", [5, 6, 17, 24, 65, 96, 1030, 4200])
 def test_leaves_are_filled(count):
     """Also of meshes of a few triangles more than a power of four, times four: leaves would hold hardly one each."""
-    tree = build_blas(rubble(count))
+    tree = build_blas(random_triangles(count))
     assert tree.triangles_per_leaf <= 6
     assert tree.leaves == 1 or 1.5 * tree.leaves <= count

@@ -10,7 +10,7 @@ from ism_addon.gpu.buffers import instance_buffers
 from ism_addon.gpu.buffers.instance_buffers import DrawCall, MultiDrawCall, portions
 from ism_addon.resources import INSTANCE_BUFFERS
 from ism_addon.scene import Scene
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look, placed, rubble, stage
+from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, random_triangles, transform
 
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
 
@@ -46,17 +46,17 @@ def test_portions_are_all_ranges_once(most):
 def assorted() -> Scene:
     """Small meshes that stand once, some that nobody sees, between one that stands often and a large one."""
     random = np.random.default_rng(2)
-    meshes = [rubble(1 + k % 12, size=0.5, seed=k) for k in range(60)]
-    meshes[20], meshes[40] = rubble(1500, size=0.1), rubble(30, size=0.2)
+    meshes = [random_triangles(1 + k % 12, size=0.5, seed=k) for k in range(60)]
+    meshes[20], meshes[40] = random_triangles(1500, size=0.1), random_triangles(30, size=0.2)
     numbers = np.concatenate([random.permutation(60), np.full(5, 40)])
-    places = [placed(0.4 * SHEAR, offset) for offset in random.uniform(-2.0, 2.0, (len(numbers), 3))]
-    scene = stage(meshes, light(), places, numbers)
+    places = [transform(0.4 * SHEAR, offset) for offset in random.uniform(-2.0, 2.0, (len(numbers), 3))]
+    scene = make_scene(meshes, light(), places, numbers)
     return replace(scene, instances=replace(scene.instances, visible=np.arange(65) % 9 != 0))
 
 
 @pytest.mark.parametrize("skip", [True, False])
 def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(device, monkeypatch, skip):
-    scene, view = assorted(), look((1.5, -1.5, 1.0))
+    scene, view = assorted(), look_at((1.5, -1.5, 1.0))
     settings = replace(SMALL_SETTINGS, shortcuts=skip)
     calls: dict[bool, list] = {True: [], False: []}
     for draw_call in ("draw", "draw_ranges"):
@@ -76,7 +76,7 @@ def test_small_meshes_are_drawn_together_and_the_picture_is_that_of_each_alone(d
 
 def test_an_instance_that_moves_leaves_what_its_small_mesh_is_known_by(device):
     """Only what stands elsewhere is uploaded."""
-    scene, view = assorted(), look((1.5, -1.5, 1.0))
+    scene, view = assorted(), look_at((1.5, -1.5, 1.0))
     first = draw(device, scene, view)
     matrices = scene.instances.world_from_object.copy()
     matrices[3, :3, 3] += 0.1

@@ -10,7 +10,7 @@ from ism_addon import setting_limits
 from ism_addon.gpu.buffers.material_buffers import mip_chain
 from ism_addon.scene import Image, Materials
 from ism_addon.setting_limits import images_beyond_limits, images_within_limits, lines_for
-from tests.support.small_scenes import draw, from_above, quad, stage
+from tests.support.small_scenes import draw, make_scene, quad, view_from_above
 
 
 def noise(height: int, width: int, seed: int = 0) -> Image:
@@ -25,8 +25,8 @@ def painted(*images: Image):
     meshes = [quad((k - whole / 2.0, -0.5, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) for k in range(whole)]
     meshes = [replace(mesh, materials=np.full(2, k, np.uint32)) for k, mesh in enumerate(meshes)]
     materials = Materials(np.ones((whole, 3), np.float32), np.arange(whole, dtype=np.int32))
-    scene = replace(stage(meshes, world=1.0), images=images, materials=materials)
-    return scene, from_above(float(whole), (128 * whole, 128))
+    scene = replace(make_scene(meshes, world=1.0), images=images, materials=materials)
+    return scene, view_from_above(float(whole), (128 * whole, 128))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 300), (64, 64), (5, 1), (33, 1024)])

@@ -12,7 +12,7 @@ from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers,
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.scene import Image
 from tests.scenes.small import sphere
-from tests.support.small_scenes import draw, from_above, light, quad, rubble, stage
+from tests.support.small_scenes import draw, light, make_scene, quad, random_triangles, view_from_above
 
 
 def uploaded(made: MeshBuffers) -> tuple[np.ndarray, np.ndarray]:
@@ -33,7 +33,12 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
     ball = sphere((0.3, 0.0, 1.0), 0.5, 16, 8)
     smooth = np.zeros_like(ball.positions)
     smooth[ball.triangles] = ball.normals
-    meshes = (rubble(5), rubble(TRIANGLES_AT_A_TIME + 100, seed=1), replace(ball, normals=smooth), rubble(7, seed=2))
+    meshes = (
+        random_triangles(5),
+        random_triangles(TRIANGLES_AT_A_TIME + 100, seed=1),
+        replace(ball, normals=smooth),
+        random_triangles(7, seed=2),
+    )
     trees = dict(enumerate(map(build_blas, meshes))) if sorted_by_trees else {}
     made = MeshBuffers(device, meshes, sorted_by_trees)
     for some in wanted:
@@ -50,7 +55,7 @@ def test_every_triangle_is_where_its_number_says(device, sorted_by_trees, wanted
 @pytest.mark.parametrize("portion", [0, 1])
 def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
     """Another renderer may use the same geometry."""
-    meshes = rubble(5), rubble(TRIANGLES_AT_A_TIME, seed=1), rubble(7, seed=2)
+    meshes = random_triangles(5), random_triangles(TRIANGLES_AT_A_TIME, seed=1), random_triangles(7, seed=2)
     made, done = MeshBuffers(device, meshes, in_blas_order=False), []
 
     def some(pieces):
@@ -74,7 +79,7 @@ def test_what_has_failed_on_its_way_comes_again(monkeypatch, device, portion):
 
 def test_texture_coordinates_that_have_failed_on_their_way_come_again(monkeypatch, device):
     meshes = tuple(
-        replace(rubble(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, TRIANGLES_AT_A_TIME, 7)
+        replace(random_triangles(n, seed=n), uvs=np.full((n, 3, 2), n, np.float32)) for n in (5, TRIANGLES_AT_A_TIME, 7)
     )
     made = MeshBuffers(device, meshes, in_blas_order=False)
     coordinates, done = UVBuffers(device, made), []
@@ -105,7 +110,7 @@ def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(devic
     random = np.random.default_rng(0)
     counts = (3, 12, 40, 7)
     uvs = [random.random((count if k != 1 else 0, 3, 2), np.float32) for k, count in enumerate(counts)]
-    meshes = tuple(replace(rubble(count, seed=k), uvs=uvs[k]) for k, count in enumerate(counts))
+    meshes = tuple(replace(random_triangles(count, seed=k), uvs=uvs[k]) for k, count in enumerate(counts))
     trees = dict(enumerate(map(build_blas, meshes))) if sorted_by_trees else {}
     made = MeshBuffers(device, meshes, sorted_by_trees)
     made.add(range(4), trees)
@@ -127,8 +132,8 @@ def test_portions_are_whole_but_for_the_last():
 
 def test_texture_coordinates_are_uploaded_with_images_alone(device):
     plate = quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
-    plain, view = stage([plate], light()), from_above(2.0)
-    painted = stage([plate], light(), image=Image(np.full((2, 2, 4), 255, np.uint8)))
+    plain, view = make_scene([plate], light()), view_from_above(2.0)
+    painted = make_scene([plate], light(), image=Image(np.full((2, 2, 4), 255, np.uint8)))
     assert draw(device, plain, view).profile.rows["UploadUVs"].drawn == 0
     assert draw(device, painted, view).profile.rows["UploadUVs"].drawn == 1
 
@@ -140,7 +145,11 @@ def test_too_many_triangles_are_refused_with_a_sentence(device, monkeypatch, lim
         monkeypatch.setattr(mesh_buffers, "MAX_TRIANGLES", 100)
     else:
         monkeypatch.setattr(device.buffer_textures, "max_rows", 302)
-    made = MeshBuffers(device, (rubble(60), rubble(41), rubble(30), rubble(10)), in_blas_order=False)
+    made = MeshBuffers(
+        device,
+        (random_triangles(60), random_triangles(41), random_triangles(30), random_triangles(10)),
+        in_blas_order=False,
+    )
     assert made.add((0,), {}) == 44 * 60
     with pytest.raises(ValueError, match="the meshes have 101 triangles, of which this OpenGL can draw 100"):
         made.add((0, 1), {})

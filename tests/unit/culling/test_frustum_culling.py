@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.culling.frustum_culling import in_view, runs
-from tests.support.small_scenes import draw, look, placed, rubble, stage
+from tests.support.small_scenes import draw, look_at, make_scene, random_triangles, transform
 
 #: A grid around the origin.
 PLACES = np.array([(x, y, z) for x in (-6, 0, 6) for y in (-6, 0, 6) for z in (-6, 0, 6)], float)
@@ -20,7 +20,7 @@ def turned(generator: np.random.Generator) -> np.ndarray:
 def test_no_box_with_a_point_in_the_picture_is_left_out(perspective):
     generator = np.random.default_rng(3)
     half_sizes, matrices = generator.uniform(0.0, 2.0, (400, 3)), np.zeros((400, 4, 4))
-    matrices[:] = [placed(turned(generator), generator.normal(size=3) * 8.0) for _ in range(400)]
+    matrices[:] = [transform(turned(generator), generator.normal(size=3) * 8.0) for _ in range(400)]
     clip = np.array([[1.2, 0, 0, 0], [0, 1.9, 0, 0], [0, 0, -1.002, -0.2], [0, 0, -1, 0]])
     if not perspective:
         clip = np.diag([0.3, 0.4, -0.05, 1.0])
@@ -49,12 +49,12 @@ def test_a_run_is_of_one_kind_and_what_is_of_none_is_in_no_run():
 
 def test_what_is_beside_the_picture_is_not_drawn_and_not_missed(device):
     """Many instances, seen from amid them, together and each alone."""
-    matrices, stones = np.array([placed(offset=place) for place in PLACES]), rubble(60)
+    matrices, stones = np.array([transform(offset=place) for place in PLACES]), random_triangles(60)
     for target in ((0.0, 0.0, 0.0), (4.0, 30.0, 8.0)):
-        view = look((0.5, -1.5, 2.0), target, (48, 32))
-        together = draw(device, stage([stones], None, matrices, [0] * len(matrices), world=1.0), view)
+        view = look_at((0.5, -1.5, 2.0), target, (48, 32))
+        together = draw(device, make_scene([stones], None, matrices, [0] * len(matrices), world=1.0), view)
         assert 60 <= together.profile.counts["triangles_drawn"] < 0.6 * 60 * len(PLACES)
-        alone = [draw(device, stage([stones], None, one[None], [0], world=1.0), view) for one in matrices]
+        alone = [draw(device, make_scene([stones], None, one[None], [0], world=1.0), view) for one in matrices]
         nearest = np.min([each.target("depth") for each in alone], axis=0)
         assert (nearest < 1e9).any()
         assert np.array_equal(together.target("depth"), nearest)

@@ -6,7 +6,7 @@ import pytest
 
 from ism_addon.gpu.culling.frustum_slices import MARGIN, visible_slices
 from ism_addon.spaces import anchor_of, camera_position
-from tests.support.small_scenes import draw, from_above, look, placed, rubble, stage
+from tests.support.small_scenes import draw, look_at, make_scene, random_triangles, transform, view_from_above
 
 
 def all_within(points: np.ndarray, parts: np.ndarray, shrunk: float) -> bool:
@@ -20,10 +20,10 @@ def all_within(points: np.ndarray, parts: np.ndarray, shrunk: float) -> bool:
 def test_all_that_is_seen_is_in_them(device, seed):
     """Without their margin, which is for rays that start above what is seen."""
     random = np.random.default_rng(seed)
-    places = np.stack([placed(random.normal(size=(3, 3)), 4.0 * random.normal(size=3)) for _ in range(80)])
-    scene = stage([rubble(50, seed=seed)], None, places, np.zeros(80, int))
+    places = np.stack([transform(random.normal(size=(3, 3)), 4.0 * random.normal(size=3)) for _ in range(80)])
+    scene = make_scene([random_triangles(50, seed=seed)], None, places, np.zeros(80, int))
     size = (48, 32)
-    view = look(6.0 * random.normal(size=3), random.normal(size=3), size) if seed % 4 else from_above(5.0, size)
+    view = look_at(6.0 * random.normal(size=3), random.normal(size=3), size) if seed % 4 else view_from_above(5.0, size)
     anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
     low, high = scene.meshes[0].box
     corners = np.array([low, high])[np.indices((2, 2, 2)).reshape(3, -1), np.arange(3)[:, None]].T
@@ -40,7 +40,7 @@ def test_all_that_is_seen_is_in_them(device, seed):
 
 def test_what_is_beside_the_picture_is_in_none():
     wide = np.array([[-100.0, -100.0, -1.0], [100.0, 100.0, 0.0]])[..., None]
-    low, high = visible_slices(wide, from_above(2.0), np.zeros(3))
+    low, high = visible_slices(wide, view_from_above(2.0), np.zeros(3))
     assert np.abs([low[:2], high[:2]]).max() < 1.0 + 2.0 * MARGIN + 0.2
     aside = np.array([[5.0, 5.0, -1.0], [6.0, 6.0, 0.0]])[..., None]
-    assert visible_slices(aside, from_above(2.0), np.zeros(3)).shape == (2, 3, 0)
+    assert visible_slices(aside, view_from_above(2.0), np.zeros(3)).shape == (2, 3, 0)

@@ -6,7 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.support.small_scenes import SMALL_SETTINGS, draw, from_above, light, placed, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    transform,
+    view_from_above,
+    with_quality,
+)
 
 SETTINGS = with_quality(SMALL_SETTINGS, samples=4)
 
@@ -17,10 +26,10 @@ def picture(device, offset: float, gap: float, settings=SETTINGS):
         quad((offset - size / 2.0, offset - size / 2.0, height), (size, 0.0, 0.0), (0.0, size, 0.0))
         for size, height in ((2.0, 0.0), (1.6, gap))
     )
-    scene = stage([floor, sheet], light(position=(offset, offset, 2.0)))
+    scene = make_scene([floor, sheet], light(position=(offset, offset, 2.0)))
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    view = from_above(1.0, (16, 16), height=1.0)
-    view = replace(view, view_from_world=view.view_from_world @ placed(offset=(-offset, -offset, 0.0)))
+    view = view_from_above(1.0, (16, 16), height=1.0)
+    view = replace(view, view_from_world=view.view_from_world @ transform(offset=(-offset, -offset, 0.0)))
     return draw(device, scene, view, settings).color[..., :3]
 
 

@@ -11,7 +11,17 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.resources import POSITION, PREDICTED_VISIBILITY, PROBES
 from tests.scenes.small import box_over_plane
 from tests.support import reference
-from tests.support.small_scenes import SMALL_SETTINGS, draw, from_above, light, put, quad, stage, texels, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    read_texels,
+    view_from_above,
+    with_quality,
+    write_texels,
+)
 
 FLOOR = quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))
 LAMP = light(position=(0.0, 0.0, 5.0))
@@ -23,7 +33,7 @@ def prediction(renderer) -> np.ndarray:
     size = renderer.graph.targets.sizes[POSITION]
     if 0 not in renderer.graph[PREDICTED_VISIBILITY]:
         return np.zeros((*size[::-1], 2))
-    return texels(renderer.graph[PREDICTED_VISIBILITY][0], size).astype(float)
+    return read_texels(renderer.graph[PREDICTED_VISIBILITY][0], size).astype(float)
 
 
 def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None = None) -> np.ndarray:
@@ -31,7 +41,7 @@ def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None 
     drawn = draw(device, scene, view)
     rays = np.ones_like(arrived) if rays is None else rays
     pairs = np.stack([arrived, rays], -1)
-    put(drawn.renderer.graph[PROBES][0], (255 * pairs).astype(np.uint8))
+    write_texels(drawn.renderer.graph[PROBES][0], (255 * pairs).astype(np.uint8))
     drawn.renderer.graph.instance(PredictVisibility).execute(
         drawn.renderer.frame(scene, view, SMALL_SETTINGS, 0, Profile())
     )
@@ -42,14 +52,14 @@ def predicted(device, scene, view, arrived: np.ndarray, rays: np.ndarray | None 
 @pytest.mark.parametrize("part", [0.0, 1.0])
 def test_where_all_neighbours_agree_there_is_no_doubt(device, size, part):
     rows = np.full((-(-size[1] // 2), -(-size[0] // 2)), part)
-    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0, size), rows)
+    found = predicted(device, make_scene([FLOOR], LAMP), view_from_above(4.0, size), rows)
     assert (found == (part, 0.0)).all()
 
 
 def test_one_ray_that_differs_is_felt_two_pixels_around_it(device):
     rows = np.ones((16, 16))
     rows[8, 5] = 0.0
-    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
+    found = predicted(device, make_scene([FLOOR], LAMP), view_from_above(4.0), rows)
     doubt = np.zeros((32, 32), bool)
     doubt[11:22, 5:16] = True  # two scouts to all sides, and the pixels between those and the next
     assert np.array_equal(found[..., 1] == 1.0, doubt)
@@ -61,7 +71,7 @@ def test_one_ray_that_differs_is_felt_two_pixels_around_it(device):
 def test_on_a_plane_neighbours_count_by_how_near_they_are(device):
     """Random rays: the mean of the 25 that are nearest; between scouts, the means between theirs."""
     rows = np.random.default_rng(0).integers(0, 2, (16, 16)).astype(float)
-    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), rows)
+    found = predicted(device, make_scene([FLOOR], LAMP), view_from_above(4.0), rows)
     padded = np.pad(rows, 2, mode="edge")
     weights = np.outer(TENT, TENT) / TENT.sum() ** 2
     means = sum(weights[y, x] * padded[y : y + 16, x : x + 16] for y in range(5) for x in range(5))
@@ -74,7 +84,7 @@ def test_on_a_plane_neighbours_count_by_how_near_they_are(device):
 def test_nothing_is_taken_from_another_surface(device):
     """A raised plate on the left is dark, the floor is lit: also beside the edge."""
     plate = quad((-10, -10, 1), (10 + 1 / 24, 0, 0), (0, 20, 0))
-    scene, view = stage([FLOOR, plate], LAMP), from_above(4.0, (48, 48))
+    scene, view = make_scene([FLOOR, plate], LAMP), view_from_above(4.0, (48, 48))
     heights = draw(device, scene, view).target("position")[..., 2]
     on_plate = heights > heights.mean()
     found = predicted(device, scene, view, np.where(on_plate[::2, ::2], 0.0, 1.0))
@@ -87,7 +97,7 @@ def test_nothing_is_taken_from_another_surface(device):
 def test_pixels_without_rays_are_not_counted(device):
     """Half of the neighbours had no ray: those are no shadow."""
     rays = np.indices((16, 16)).sum(0) % 2
-    found = predicted(device, stage([FLOOR], LAMP), from_above(4.0), 1.0 * rays, 1.0 * rays)
+    found = predicted(device, make_scene([FLOOR], LAMP), view_from_above(4.0), 1.0 * rays, 1.0 * rays)
     assert (found == (1.0, 0.0)).all()
 
 

@@ -13,7 +13,16 @@ from ism_addon.resources import LIGHT_INFLUENCE
 from ism_addon.sampling.dimensions import Dimension
 from ism_addon.sampling.pixel_grid import pixel_grid
 from ism_addon.scene import Scene, View
-from tests.support.small_scenes import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 from tests.unit.film.test_accumulate import blackman_harris
 
 #: Pixels along the square that is looked at, and how wide the filter reaches.
@@ -70,7 +79,7 @@ def before_an_edge(count: int, part: float) -> Scene:
     """
     lights = [light(casts_shadow=False), *[light(radiance=part)] * count]
     floor, plate = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), quad((-3, -3, 1), (3, 0, 0), (0, 6, 0))
-    scene = stage([floor, plate], reduce(both, lights))
+    scene = make_scene([floor, plate], reduce(join_lights, lights))
     return replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
 
 
@@ -92,7 +101,7 @@ def seen(device, monkeypatch):
 
 def test_no_two_rows_of_pixels_have_the_same_places(seen):
     """As far apart as they may be."""
-    arrived = seen(from_above(0.1, (8, 200)), 1, 1.0) > 0.5
+    arrived = seen(view_from_above(0.1, (8, 200)), 1, 1.0) > 0.5
     assert 0.3 < arrived.mean() < 0.7
     alike = [(arrived[apart:] == arrived[:-apart]).mean() for apart in range(1, 150)]
     assert max(alike) < 0.95
@@ -103,6 +112,6 @@ def test_lights_in_one_place_have_places_of_their_own(seen, part):
     """One ray to each of a dozen lights says as much as a dozen to one: their errors do not add up."""
     errors = {}
     for count in 1, 12:
-        found = seen(from_above(0.6, (32, 32)), count, part)
+        found = seen(view_from_above(0.6, (32, 32)), count, part)
         errors[count] = np.sqrt(((found - found.mean(0)) ** 2).mean())
     assert errors[12] < 0.3 * errors[1]

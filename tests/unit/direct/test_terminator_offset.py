@@ -9,7 +9,7 @@ import pytest
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER
 from tests.scenes.small import sphere
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look, stage, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, with_quality
 
 ASK = """
 in vec3 b;
@@ -95,11 +95,11 @@ def test_it_does_not_matter_which_corner_comes_first_nor_where_or_how_large_it_i
 @pytest.mark.parametrize("side", [(1, 0, 0.1), (-0.3, 1, 0.6), (0.6, -0.8, 0)])
 def test_a_ball_of_few_triangles_has_none_that_are_dark_at_its_terminator(device, around, side):
     """A convex thing throws no shadow on what faces the light: with shadows or without, it looks nearly the same."""
-    ball = stage(
+    ball = make_scene(
         [sphere((0, 0, 0), 1.0, around, around // 2)],
         facing(unit(np.array(side, float))),
     )
-    view, settings = look((2.5, -2.5, 1.5), size=(64, 64)), with_quality(SMALL_SETTINGS, samples=16)
+    view, settings = look_at((2.5, -2.5, 1.5), size=(64, 64)), with_quality(SMALL_SETTINGS, samples=16)
     lit = draw(device, replace(ball, lights=replace(ball.lights, casts_shadow=np.array([False]))), view, settings).color
     shaded = draw(device, ball, view, settings).color
     missing = (lit - shaded)[..., 0] / lit[..., 0].max()

@@ -23,16 +23,16 @@ from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
 from tests.support.small_scenes import (
     SMALL_SETTINGS,
-    both,
     draw,
-    from_above,
+    join_lights,
     light,
-    look,
-    put,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    stage,
+    random_triangles,
+    view_from_above,
     with_quality,
+    write_texels,
 )
 
 FLOOR = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))
@@ -118,16 +118,16 @@ def test_a_prediction_is_of_the_surface_that_the_pixel_showed(device):
     """A lit plate's edge over a floor in the shade, amid pixels: neighbours know of what samples show there."""
     edge, sun = 0.3 * 4.0 / 32.0, light(position=(2, 0, 5), axis_u=(1e-3, 0, 0), axis_v=(0, -1e-3, 0), radiance=1e6)
     plate, roof = quad((-10, -10, 1), (10 + edge, 0, 0), (0, 20, 0)), quad((1.117, -10, 3), (20, 0, 0), (0, 20, 0))
-    scene = stage([FLOOR, plate, roof], sun)
+    scene = make_scene([FLOOR, plate, roof], sun)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, True, False])))
-    view, settings = from_above(4.0, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=16)
+    view, settings = view_from_above(4.0, filter_width=1.5), with_quality(SMALL_SETTINGS, samples=16)
     renderer, profile = Renderer(device), Profile()
     for sample in range(16):
         for name in renderer.sample(scene, view, settings, sample, profile):
             if name == "PredictVisibility":
                 of = renderer.graph.targets.read(PREDICTION_SURFACE)
                 lit = of[..., 2] > of[..., 2].mean()
-                put(renderer.graph[PREDICTED_VISIBILITY][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
+                write_texels(renderer.graph[PREDICTED_VISIBILITY][0], np.stack([lit, 0 * lit], -1).astype(np.float16))
                 renderer.graph[TILE_VISIBILITY][0][:] = True
     predicted, corrections = means(renderer)
     columns = predicted[:, 0].reshape(32, 32).mean(0)
@@ -150,7 +150,9 @@ def test_more_samples_come_closer(device):
 def test_no_noise_where_all_is_seen_or_hidden(device, roof):
     """Not a bit of it."""
     meshes = [FLOOR, quad((-9, -9, 1.5), (18, 0, 0), (0, 18, 0))] if roof else [FLOOR]
-    drawn = draw(device, stage(meshes, light()), from_above(4.0, height=1.2), with_quality(SMALL_SETTINGS, samples=16))
+    drawn = draw(
+        device, make_scene(meshes, light()), view_from_above(4.0, height=1.2), with_quality(SMALL_SETTINGS, samples=16)
+    )
     predicted, corrections = means(drawn.renderer)
     assert not corrections.any()
     assert predicted.any() == (not roof)
@@ -161,7 +163,7 @@ def test_no_noise_where_all_is_seen_or_hidden(device, roof):
 def test_without_shadows_light_arrives_whole(device, shape, spread):
     """Of lights without shadows, with shadows off, where nothing casts any: the same, and as the reference says."""
     lamp = light(shape, (0.5, 0.3, 2.0), (0.8, 0.0, 0.3), (0.0, -0.6, 0.0), spread=spread)
-    scene, view = stage([FLOOR, rubble(20)], lamp), look((3.0, -3.0, 3.0))
+    scene, view = make_scene([FLOOR, random_triangles(20)], lamp), look_at((3.0, -3.0, 3.0))
     settings = with_quality(SMALL_SETTINGS, samples=3)
     open_scene = replace(scene, lights=replace(lamp, casts_shadow=np.array([False])))
     ghosts = replace(scene, instances=replace(scene.instances, casts_shadow=np.zeros(2, bool)))
@@ -181,10 +183,10 @@ def test_without_shadows_light_arrives_whole(device, shape, spread):
 def test_lights_add_up(device):
     """One with a shadow, one without: as each alone."""
     one, other = light(position=(1.0, 0.0, 2.0), casts_shadow=False), light(position=(-1.0, 0.0, 2.0), radiance=2.0)
-    meshes, view = [FLOOR, quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))], look((3.0, -3.0, 3.0))
+    meshes, view = [FLOOR, quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))], look_at((3.0, -3.0, 3.0))
     settings = with_quality(SMALL_SETTINGS, samples=128)
-    together = sum(means(draw(device, stage(meshes, both(one, other)), view, settings).renderer))
-    apart = [sum(means(draw(device, stage(meshes, lamp), view, settings).renderer)) for lamp in (one, other)]
+    together = sum(means(draw(device, make_scene(meshes, join_lights(one, other)), view, settings).renderer))
+    apart = [sum(means(draw(device, make_scene(meshes, lamp), view, settings).renderer)) for lamp in (one, other)]
     assert apart[0].any()
     assert reference.nrmse(together, apart[0] + apart[1]) < 0.02
 

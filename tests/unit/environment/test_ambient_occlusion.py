@@ -11,7 +11,7 @@ from ism_addon.resources import RAW_OCCLUSION
 from ism_addon.settings import SSAO
 from tests.scenes.small import subdivided_box
 from tests.support import reference
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look, quad, stage, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, quad, with_quality
 
 FULL = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
 
@@ -25,7 +25,9 @@ def mean_occlusion(device, scene, view, ssao: SSAO, samples: int = 24, target: s
 def corner():
     """A floor and a wall at right angles, seen along their bisector."""
     floor, wall = quad((-4, -4, 0), (8, 0, 0), (0, 4, 0)), quad((-4, 0, 0), (8, 0, 0), (0, 0, 4))
-    return stage([floor, wall], world=1.0), look((0.0, -4.0, 4.0), (0.0, 0.0, 0.0), (96, 96), math.radians(25.0))
+    return make_scene([floor, wall], world=1.0), look_at(
+        (0.0, -4.0, 4.0), (0.0, 0.0, 0.0), (96, 96), math.radians(25.0)
+    )
 
 
 def half_resolution_surface(scene, view):
@@ -37,8 +39,8 @@ def half_resolution_surface(scene, view):
 
 def test_an_open_plane_is_open(device):
     scene, view = (
-        stage([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0),
-        look((0.0, -4.0, 1.0), size=(64, 48)),
+        make_scene([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0),
+        look_at((0.0, -4.0, 1.0), size=(64, 48)),
     )
     for ssao in (FULL, SSAO(), replace(FULL, radius=5.0)):
         assert (mean_occlusion(device, scene, view, ssao, 4) == 1.0).all()
@@ -48,7 +50,7 @@ def test_an_open_ball_is_open(device):
     """A convex body has nothing above its own horizon, but for its facets' angles and the pixels' width."""
     from tests.scenes.small import sphere
 
-    scene, view = stage([sphere((0, 0, 0), 1.0, 64, 32)], world=1.0), look((0.0, -4.0, 1.0), size=(64, 48))
+    scene, view = make_scene([sphere((0, 0, 0), 1.0, 64, 32)], world=1.0), look_at((0.0, -4.0, 1.0), size=(64, 48))
     assert mean_occlusion(device, scene, view, FULL, 8).mean() > 0.98
 
 
@@ -62,8 +64,8 @@ def test_a_box_on_a_floor_against_rays(device, ssao):
         subdivided_box((0.7, -0.9, 0.0), (1.0, 0.9, 0.5), 1),
     ]
     scene, view = (
-        stage([floor, *boxes], world=1.0),
-        look((2.5, -4.0, 3.0), (0.2, 0.0, 0.2), (64, 48), math.radians(40.0)),
+        make_scene([floor, *boxes], world=1.0),
+        look_at((2.5, -4.0, 3.0), (0.2, 0.0, 0.2), (64, 48), math.radians(40.0)),
     )
     ours = mean_occlusion(device, scene, view, ssao, 32)
     surface, rows = half_resolution_surface(scene, view)
@@ -142,5 +144,5 @@ def test_far_occluders_do_not_darken(device):
     """A plate far before the wall, farther than the radius, leaves no halo."""
     wall = quad((-10, 3, -10), (20, 0, 0), (0, 0, 20))
     plate = quad((-0.5, 0, -0.5), (1, 0, 0), (0, 0, 1))
-    view = look((0.0, -4.0, 0.0), size=(64, 48))
-    assert (mean_occlusion(device, stage([wall, plate], world=1.0), view, FULL, 4) == 1.0).all()
+    view = look_at((0.0, -4.0, 0.0), size=(64, 48))
+    assert (mean_occlusion(device, make_scene([wall, plate], world=1.0), view, FULL, 4) == 1.0).all()

@@ -10,7 +10,7 @@ from ism_addon.gpu.passes.environment.blur import BlurOcclusion
 from ism_addon.gpu.profile import Profile
 from ism_addon.resources import RAW_OCCLUSION
 from ism_addon.settings import SSAO
-from tests.support.small_scenes import SMALL_SETTINGS, draw, from_above, look, put, quad, stage
+from tests.support.small_scenes import SMALL_SETTINGS, draw, look_at, make_scene, quad, view_from_above, write_texels
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 
@@ -19,7 +19,7 @@ def blurred(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
     """What the blur makes of (H/2,W/2) put in the place of the SSAO's result."""
     drawn = draw(device, scene, view, SETTINGS)
     renderer = drawn.renderer
-    put(renderer.graph[RAW_OCCLUSION], occlusion.astype(np.float16))
+    write_texels(renderer.graph[RAW_OCCLUSION], occlusion.astype(np.float16))
     frame = renderer.frame(scene, view, SETTINGS, 0, Profile())
     renderer.graph.instance(BlurOcclusion).execute(frame)
     return drawn.target("ambient_occlusion")[..., 0]
@@ -31,20 +31,22 @@ def floor():
 
 def test_noise_is_smoothed_and_the_mean_stays(device):
     noise = np.random.default_rng(0).random((24, 32))
-    found = blurred(device, stage([floor()], world=1.0), look((0.0, -4.0, 3.0), size=(64, 48)), noise)
+    found = blurred(device, make_scene([floor()], world=1.0), look_at((0.0, -4.0, 3.0), size=(64, 48)), noise)
     assert found.std() < 0.35 * noise.std()
     assert found.mean() == pytest.approx(noise.mean(), abs=0.01)
 
 
 def test_a_constant_stays(device):
-    found = blurred(device, stage([floor()], world=1.0), look((0.0, -4.0, 3.0), size=(64, 48)), np.full((24, 32), 0.25))
+    found = blurred(
+        device, make_scene([floor()], world=1.0), look_at((0.0, -4.0, 3.0), size=(64, 48)), np.full((24, 32), 0.25)
+    )
     assert found == pytest.approx(0.25, abs=1e-3)
 
 
 def test_it_is_a_triangle_of_seven_pixels_on_a_plane(device):
     dot = np.zeros((24, 24))
     dot[12, 12] = 1.0
-    found = blurred(device, stage([floor()], world=1.0), from_above(4.0, (48, 48)), dot)
+    found = blurred(device, make_scene([floor()], world=1.0), view_from_above(4.0, (48, 48)), dot)
     kernel = np.array([1, 2, 3, 4, 3, 2, 1]) / 16.0
     assert found[9:16, 9:16] == pytest.approx(np.outer(kernel, kernel), abs=1e-3)
     assert found.sum() == pytest.approx(1.0, abs=0.01)
@@ -55,23 +57,23 @@ def test_nothing_crosses_a_step(device, height):
     """The left half of the picture is a raised plate, as black as the floor is white."""
     plate = quad((-10, -10, height), (10, 0, 0), (0, 20, 0))
     black = np.repeat((np.arange(24) >= 12)[None], 24, 0).astype(float)
-    found = blurred(device, stage([floor(), plate], world=1.0), from_above(4.0, (48, 48)), black)
+    found = blurred(device, make_scene([floor(), plate], world=1.0), view_from_above(4.0, (48, 48)), black)
     assert np.array_equal(found, black)
 
 
 def test_nothing_crosses_a_fold(device):
     wall = quad((-10, 0, 0), (20, 0, 0), (0, 0, 20))
-    view = look((0.0, -4.0, 4.0), size=(48, 48))
+    view = look_at((0.0, -4.0, 4.0), size=(48, 48))
     rows = np.repeat((np.arange(24) >= 12)[:, None], 24, 1).astype(float)
-    found = blurred(device, stage([floor(), wall], world=1.0), view, rows)
+    found = blurred(device, make_scene([floor(), wall], world=1.0), view, rows)
     assert np.abs(found - rows).max() < 1e-3
 
 
 def test_the_background_gives_nothing(device):
     """A narrow plate before nothing, as black as the nothing is white, stays black."""
     plate = quad((-0.5, -10, 0), (1, 0, 0), (0, 20, 0))
-    view = from_above(4.0, (48, 48))
+    view = view_from_above(4.0, (48, 48))
     white = np.ones((24, 24))
     white[:, 9:15] = 0.0
-    found = blurred(device, stage([plate], world=1.0), view, white)
+    found = blurred(device, make_scene([plate], world=1.0), view, white)
     assert not found[:, 9:15].any()

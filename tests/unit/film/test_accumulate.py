@@ -16,16 +16,16 @@ from ism_addon.setting_limits import WIDEST_FILTER
 from tests.scenes.small import box_over_plane
 from tests.support import reference
 from tests.support.small_scenes import (
-    MAPS,
     SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
     Drawn,
     draw,
-    from_above,
-    look,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    stage,
-    texels,
+    random_triangles,
+    read_texels,
+    view_from_above,
     with_quality,
 )
 
@@ -45,10 +45,10 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
 
     And by the chance of the pixel's block, 0 if it is settled, over that of the sample's.
     """
-    chances = texels(drawn.renderer.graph[TILE_PROBABILITIES], drawn.renderer.last[0].tiles)
+    chances = read_texels(drawn.renderer.graph[TILE_PROBABILITIES], drawn.renderer.last[0].tiles)
     chances = chances.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)
     chance, own_chance = chances[..., :1], chances[..., 1:]
-    place = np.zeros((*drawn.part.shape, 2))
+    place = np.zeros((*drawn.drawn_tiles.shape, 2))
     blocks = drawn.renderer.graph[TILES]
     column, row = blocks["tile"].astype(int).T
     place[row, column] = blocks["subpixel_offset"]
@@ -56,7 +56,7 @@ def spread(values: np.ndarray, drawn, reach: float, power: int = 1) -> np.ndarra
     pixels = place.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[:height, :width]
     if filter_margin(reach) >= WIDE_MARGIN:  # all count as at the centres, and the filter is narrower by a pixel
         pixels, reach = np.zeros_like(pixels), math.sqrt(reach**2 - RELATIVE_VARIANCE)
-    part = drawn.part.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
+    part = drawn.drawn_tiles.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
     total, most = np.zeros(values.shape), math.ceil(reach + 0.5)
     for y in range(-most, most + 1):
         for x in range(-most, most + 1):
@@ -95,7 +95,7 @@ def test_the_sums_are_of_the_samples_that_a_block_took_part_in(device, reach, th
         sums["sum_headroom"] += headroom
         sums["sum_residual"][..., :3] += residuals
         sums["sum_residual"][..., 3:] += spread(amounts**2, drawn, reach, power=2)
-    assert not drawn.part.all(), "no block was left out of the last sample"
+    assert not drawn.drawn_tiles.all(), "no block was left out of the last sample"
     assert drawn.renderer.error.converged.any() == (threshold > 0.0)
     assert not drawn.renderer.error.converged.all()
     for name, expected in sums.items():
@@ -114,11 +114,11 @@ def filtered_edge(distance: np.ndarray, reach: float) -> np.ndarray:
 def test_edges_become_as_smooth_as_the_filter(device):
     """A plate that ends at 15.3 px, seen from straight above."""
     plate = quad((-50.0, -50.0, 0.0), (50.0 - 0.7 / 16.0, 0.0, 0.0), (0.0, 100.0, 0.0))
-    view = from_above(2.0, (32, 4), filter_width=1.5, transparent=True)
+    view = view_from_above(2.0, (32, 4), filter_width=1.5, transparent=True)
     truth = filtered_edge(15.3 - (np.arange(32) + 0.5), 1.5)
     errors = []
     for samples in (1, 8, 64):
-        alpha = draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=samples)).color[
+        alpha = draw(device, make_scene([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=samples)).color[
             ..., 3
         ]
         errors.append(np.abs(alpha - truth).max())
@@ -132,8 +132,8 @@ def test_edges_are_as_smooth_as_wide_filters(device, reach):
     """The same edge, in the middle of a picture that is wider than the filter."""
     width = 4 * math.ceil(reach)
     plate = quad((-50.0, -50.0, 0.0), (50.0 - 0.7 / 16.0, 0.0, 0.0), (0.0, 100.0, 0.0))
-    view = from_above(width / 16.0, (width, 4), filter_width=reach, transparent=True)
-    drawn = draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64))
+    view = view_from_above(width / 16.0, (width, 4), filter_width=reach, transparent=True)
+    drawn = draw(device, make_scene([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64))
     inside = slice(width // 4, -width // 4)
     truth = filtered_edge(width / 2 - 0.7 - (np.arange(width) + 0.5), reach)
     assert np.abs(drawn.color[:, inside, 3] - truth[inside]).max() < 0.006
@@ -157,7 +157,7 @@ def test_every_sample_adds_to_the_penumbra(device):
     truth, _ = reference.picture(scene, view, 10)
     errors = []
     for samples in (1, 4, 24):
-        settings = with_quality(MAPS, samples=samples, virtual_lights=3, map_size=96, map_points=16384)
+        settings = with_quality(SMALL_SHADOW_MAPS, samples=samples, virtual_lights=3, map_size=96, map_points=16384)
         color = draw(device, scene, view, settings).color[..., :3].reshape(-1, 3)
         errors.append(reference.nrmse(color, truth))
     assert errors[1] < 0.8 * errors[0]
@@ -166,7 +166,7 @@ def test_every_sample_adds_to_the_penumbra(device):
 
 
 def test_a_new_picture_starts_from_nothing(device):
-    scene, view = stage([rubble()], world=1.0), look((3.0, -3.0, 2.0))
+    scene, view = make_scene([random_triangles()], world=1.0), look_at((3.0, -3.0, 2.0))
     first = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=3))
     second = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=2), first.renderer)
     assert np.array_equal(second.color, draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=2)).color)

@@ -11,7 +11,7 @@ from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.resources import TILE_SIZE
 from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 
 SIZE = 96, 64
 
@@ -90,7 +90,7 @@ def test_it_is_not_above_one_on_average(picture, truth, name):
 
 def test_the_noise_of_shadow_maps_and_of_occlusion_is_estimated_too(device):
     """Not what is wrong with them for ever: the truth here is their own."""
-    settings, seen = replace(MAPS, ssao=SSAO()), small("sphere in corner")
+    settings, seen = replace(SMALL_SHADOW_MAPS, ssao=SSAO()), small("sphere in corner")
     drawn = draw(device, *seen, with_quality(settings, samples=16))
     errors = true_errors(drawn.color, draw(device, *seen, with_quality(settings, samples=128)).color)
     assert LEAST < np.sqrt((errors**2).mean()) / drawn.renderer.error.image_error < MOST

@@ -7,7 +7,7 @@ import pytest
 from ism_addon.gpu.passes.film.resolve import STRATIFICATION_EXPONENT
 from ism_addon.resources import SUM_COLOR, SUM_HEADROOM, SUM_RESIDUAL, SUM_WEIGHTS, TILE_SAMPLE_COUNTS, TILE_SIZE
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import SMALL_SETTINGS, draw, put, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality, write_texels
 
 WIDTH, HEIGHT = 40, 24
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -27,15 +27,15 @@ def resolved(
     samples = blocks.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
     whole = np.concatenate([means * samples, samples], 2)
     parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
-    put(renderer.graph[SUM_COLOR], whole.astype(np.float32))
-    put(renderer.graph[SUM_RESIDUAL], parts.astype(np.float32))
+    write_texels(renderer.graph[SUM_COLOR], whole.astype(np.float32))
+    write_texels(renderer.graph[SUM_RESIDUAL], parts.astype(np.float32))
     corrected = samples - 1.0  # each counts for its own pixel alone
     sizes = np.abs(corrections @ LUMINANCE) if sizes is None else sizes
     weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
-    put(renderer.graph[SUM_WEIGHTS], weights.astype(np.float32))
+    write_texels(renderer.graph[SUM_WEIGHTS], weights.astype(np.float32))
     room = np.broadcast_to((doubt if headroom is None else headroom) * samples, (HEIGHT, WIDTH, 1))
-    put(renderer.graph[SUM_HEADROOM], room.astype(np.float32))
-    put(renderer.graph[TILE_SAMPLE_COUNTS], blocks)
+    write_texels(renderer.graph[SUM_HEADROOM], room.astype(np.float32))
+    write_texels(renderer.graph[TILE_SAMPLE_COUNTS], blocks)
     color = drawn.color  # resolved now, for the first time since two samples
     assert color[..., 3] == pytest.approx(1.0)
     return color[..., :3]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.gl.depth import logarithm, nearness
-from tests.support.small_scenes import from_above, perspective
+from tests.support.small_scenes import perspective, view_from_above
 
 WAYS = {nearness: lambda x, y, w: x / w + y, logarithm: lambda x, y, w: x + y * np.log2(w)}
 
@@ -33,4 +33,4 @@ def test_float32_tells_apart_what_is_a_hundred_thousandth_farther(way):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_an_orthographic_view_has_linear_depth(way):
-    assert way(from_above(1.0).clip_from_view) == (0.0, 0.0)
+    assert way(view_from_above(1.0).clip_from_view) == (0.0, 0.0)

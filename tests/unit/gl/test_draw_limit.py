@@ -24,7 +24,7 @@ from ism_addon.scene import World
 from ism_addon.settings import SSAO
 from tests.scenes.small import box_over_plane, sphere_in_corner
 from tests.support import gl_calls
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, shadows, with_quality
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, join_lights, with_quality, with_shadow
 
 #: Rays: so few that all passes of a small picture are drawn in portions.
 FEW = 100
@@ -60,14 +60,16 @@ def lit_by_many(width: int, height: int):
     scene, view = sphere_in_corner(width, height)
     one = lights = scene.lights
     for k in range(4):
-        lights = both(lights, replace(one, position=one.position + 0.1 * k, radiance=one.radiance * np.float32(2e-3)))
+        lights = join_lights(
+            lights, replace(one, position=one.position + 0.1 * k, radiance=one.radiance * np.float32(2e-3))
+        )
     return replace(scene, lights=lights, world=World(np.full(3, 0.1, np.float32))), view
 
 
 CASES = {
     "by rays": (SMALL_SETTINGS, 1.5),
     "by a wide filter": (SMALL_SETTINGS, 9.0),
-    "by maps": (with_quality(MAPS, map_size=64, virtual_lights=12), 0.01),
+    "by maps": (with_quality(SMALL_SHADOW_MAPS, map_size=64, virtual_lights=12), 0.01),
 }
 
 
@@ -90,18 +92,18 @@ def test_a_picture_in_portions_is_the_same(device, monkeypatch, asked, case):
 @pytest.mark.parametrize("case", CASES)
 def test_every_draw_is_asked_for(monkeypatch, asked, case):
     """But for the triangles, which have portions of their own, so that none can be forgotten."""
-    calls = gl_calls.counting(monkeypatch)
+    calls = gl_calls.count_calls(monkeypatch)
     device = open_device()
     settings, filter_width = CASES[case]
     settings = replace(settings, ssao=SSAO(enabled=True))
     renderer, (scene, view) = Renderer(device), lit_by_many(120, 72)
     triangles, draw_triangles = [], device.draw
     object.__setattr__(device, "draw", lambda *parts: triangles.append(parts) or draw_triangles(*parts))
-    before = calls[0].so_far
+    before = calls[0].counts
     for sample in range(3):
         list(renderer.sample(scene, replace(view, filter_width=filter_width), settings, sample, Profile()))
     renderer.submission.finish()
-    drawn = calls[0].so_far - before
+    drawn = calls[0].counts - before
     assert drawn["glDrawArraysInstanced"] == sum(map(len, asked.values())) + len(triangles) > 20
     device.close()
 
@@ -159,8 +161,8 @@ def draws_of(count: int, rays: float) -> int:
 def test_discs_of_the_largest_maps(device, asked, monkeypatch):
     """Discs are drawn by number and by size: a few that are as large as the map take as long as many small ones."""
     scene, view = box_over_plane(16, 9)
-    small = with_quality(shadows(), virtual_lights=1, map_size=64, map_points=3000)
-    large = with_quality(shadows(splat_size=8.0), virtual_lights=1, map_size=1024, map_points=3000)
+    small = with_quality(with_shadow(), virtual_lights=1, map_size=64, map_points=3000)
+    large = with_quality(with_shadow(splat_size=8.0), virtual_lights=1, map_size=1024, map_points=3000)
     found = []
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 1 << 14)
     for settings in (small, large):

@@ -15,7 +15,17 @@ from ism_addon.gpu.gl import driver_variants
 from ism_addon.render_passes import RENDER_PASSES
 from ism_addon.resources import SUM_COLOR
 from ism_addon.settings import SSAO
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, light, look, quad, rubble, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    random_triangles,
+    with_quality,
+)
 from tests.tools import project
 
 #: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
@@ -29,12 +39,13 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_thread import RenderThread
 from ism_addon.scene import Image
 from ism_addon.settings import SSAO
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, light, look
-from tests.support.small_scenes import no_lights, quad, rubble, stage, with_quality
+from tests.support.small_scenes import SMALL_SHADOW_MAPS, SMALL_SETTINGS, join_lights, light, look_at
+from tests.support.small_scenes import no_lights, quad, random_triangles, make_scene, with_quality
 
 FLOOR, FOLDER = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), Path(os.environ["MESA_SHADER_CACHE_DIR"])
 CHECKS = Image(np.random.default_rng(0).integers(0, 255, (8, 8, 4), np.uint8), True)
-SETTINGS = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[1] == "rays" else with_quality(MAPS, samples=2)
+MAPS = with_quality(SMALL_SHADOW_MAPS, samples=2)
+SETTINGS = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[1] == "rays" else MAPS
 BURIED = light(position=(0.0, 0.0, -1.0), axis_v=(0.0, 1.0, 0.0))  # under the floor, where all looks hidden
 
 def files():
@@ -55,7 +66,7 @@ def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
     if faint:
         lamps = both(lamps, light(position=(0.2, 0.2, 1.5), radiance=0.002))
     rubbles = [rubble(triangles)] if triangles else []
-    scene = stage([FLOOR, *rubbles], lamps, world=0.3, image=image)
+    scene = make_scene([FLOOR, *rubbles], lamps, world=0.3, image=image)
     settings = replace(SETTINGS, ssao=SSAO(enabled=ssao))
     view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
     job = worker.start(Request(scene, view, settings, preview_pixel_size=pixel), len(said))
@@ -107,12 +118,12 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
     assert both == all_but_images == 0
 
 
-@pytest.mark.parametrize("settings", [SMALL_SETTINGS, MAPS], ids=["rays", "maps"])
+@pytest.mark.parametrize("settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS], ids=["rays", "maps"])
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 9.0])
 def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, monkeypatch, settings, filter_width):
     """Nobody looks at what is in the rest of them."""
-    scene = stage([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), rubble(300)], light(), world=0.5)
-    view = look((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
+    scene = make_scene([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), random_triangles(300)], light(), world=0.5)
+    view = look_at((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
     settings = replace(with_quality(settings, samples=6), ssao=SSAO())
     expected = draw(device, scene, view, settings)
     monkeypatch.setattr(driver_variants, "side", lambda texels: texels + 9)

@@ -20,12 +20,12 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import Scene, View, World
 from ism_addon.settings import SSAO, Settings
 from tests.scenes.small import box_over_plane
-from tests.support.jobs import ended
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, with_quality
+from tests.support.jobs import wait_for_end
+from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 from tests.unit.gl.test_draw_limit import FEW, lit_by_many
 
 RAYS = replace(with_quality(SMALL_SETTINGS, samples=3), ssao=SSAO(enabled=True))
-BY_MAPS = with_quality(MAPS, samples=3, map_size=64, virtual_lights=12)
+BY_MAPS = with_quality(SMALL_SHADOW_MAPS, samples=3, map_size=64, virtual_lights=12)
 
 
 class Watch:
@@ -210,7 +210,7 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
 
     monkeypatch.setattr(submission.Submission, "before_draw", ask_and_note)
     monkeypatch.setattr(submission.Submission, "check_cancelled", look_and_wait)
-    settings = with_quality(MAPS, virtual_lights=4096, map_size=1024, map_points=1 << 20)
+    settings = with_quality(SMALL_SHADOW_MAPS, virtual_lights=4096, map_size=1024, map_points=1 << 20)
     job = worker.start(Request(*box_over_plane(320, 180), settings), "client")
     (thread,) = (each for each in threading.enumerate() if each.name == "ISM renderer")
     assert reached.wait(60.0)
@@ -218,11 +218,11 @@ def test_the_largest_settings(worker, device, monkeypatch, stage, how):
     if how == "stop":
         thread.join(30.0)
         assert not thread.is_alive()
-    assert ended(job)
+    assert wait_for_end(job)
     assert (job.error, job.picture()) == ("", None)
     assert looks_after == [stage]
     assert sum(asked_after) <= draw_limit.MAX_RAYS_PER_DRAW
     monkeypatch.undo()
-    asked = Request(*box_over_plane(48, 32), MAPS)
-    assert ended(again := worker.start(asked, "client"))
+    asked = Request(*box_over_plane(48, 32), SMALL_SHADOW_MAPS)
+    assert wait_for_end(again := worker.start(asked, "client"))
     assert np.array_equal(again.picture().color, draw(device, asked.scene, asked.view, asked.settings).color)

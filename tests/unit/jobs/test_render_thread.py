@@ -17,14 +17,14 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.render_passes import RENDER_PASSES
 from ism_addon.scene import Scene
 from tests.scenes.small import pillar_field
-from tests.support.jobs import LONG, begun, ended, request
+from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
 
 def test_a_job_gives_a_picture(worker, device):
     asked = request(with_quality(SMALL_SETTINGS, samples=3))
     job = worker.start(asked, "client")
-    assert ended(job)
+    assert wait_for_end(job)
     picture = job.picture()
     assert job.error == ""
     assert (job.samples, job.samples_done, picture.samples) == (3, 3, 3)
@@ -40,8 +40,8 @@ def test_triangles_are_drawn_once_unless_somebody_waits_for_the_first_picture(wo
     asked = request(with_quality(SMALL_SETTINGS, samples=4))
     asked = replace(asked, view=replace(asked.view, filter_width=1.5))
     patient, waiting = (worker.start(replace(asked, preview_pixel_size=coarse), str(coarse)) for coarse in (0, 1))
-    assert ended(patient)
-    assert ended(waiting)
+    assert wait_for_end(patient)
+    assert wait_for_end(waiting)
     assert waiting.statistics["triangles_drawn"] == 2 * patient.statistics["triangles_drawn"] > 0
 
 
@@ -62,7 +62,7 @@ def test_a_coarse_picture_comes_first_and_leaves_no_trace(device):
 def test_depth_and_normals_are_metres_and_unit_vectors(worker):
     asked = request(size=(48, 32))
     job = worker.start(asked, "client")
-    assert ended(job)
+    assert wait_for_end(job)
     depth, normal = job.picture().passes["Depth"][..., 0], job.picture().passes["Normal"]
     seen = depth < 1e9
     assert 0 < seen.sum() < seen.size
@@ -74,7 +74,7 @@ def test_depth_and_normals_are_metres_and_unit_vectors(worker):
 
 def test_statistics_are_plain_numbers(worker):
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     told = job.statistics
     assert set(told) == {
         "passes",
@@ -94,9 +94,9 @@ def test_statistics_are_plain_numbers(worker):
 
 def test_cancel_ends_a_job(worker):
     job = worker.start(request(LONG), "client")
-    assert begun(job)
+    assert wait_for_picture(job)
     job.cancel()
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == ""
     assert 0 < job.samples_done < job.samples
 
@@ -104,16 +104,16 @@ def test_cancel_ends_a_job(worker):
 def test_a_job_may_be_cancelled_at_once(worker):
     job = worker.start(request(LONG), "client")
     job.cancel()
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.error == ""
 
 
 def test_a_newer_job_replaces_the_older_one(worker):
     older = worker.start(request(LONG), "client")
-    assert begun(older)
+    assert wait_for_picture(older)
     newer = worker.start(request(), "client")
-    assert ended(older)
-    assert ended(newer)
+    assert wait_for_end(older)
+    assert wait_for_end(newer)
     assert older.samples_done < older.samples
     assert newer.picture().samples == 1
 
@@ -122,9 +122,9 @@ def test_many_jobs_in_a_row_all_come_to_an_end(worker):
     """As while a slider is dragged: most are replaced before the worker has looked at them."""
     jobs = [worker.start(request(LONG), "client") for _ in range(40)]
     last = worker.start(request(), "client")
-    assert ended(last)
+    assert wait_for_end(last)
     assert last.error == ""
-    assert all(ended(job, 5.0) for job in jobs)
+    assert all(wait_for_end(job, 5.0) for job in jobs)
 
 
 def test_the_replacing_job_has_its_own_picture(worker, device):
@@ -133,9 +133,9 @@ def test_the_replacing_job_has_its_own_picture(worker, device):
     other = request(settings, pillar_field)
     expected = draw(device, other.scene, other.view, settings).color
     for _ in range(5):
-        assert begun(worker.start(request(LONG), "client"))
+        assert wait_for_picture(worker.start(request(LONG), "client"))
         job = worker.start(other, "client")
-        assert ended(job)
+        assert wait_for_end(job)
         assert np.array_equal(job.picture().color, expected)
 
 
@@ -144,31 +144,31 @@ def test_two_clients_at_once(worker, device):
     asked = [request(settings), request(settings, pillar_field)]
     jobs = [worker.start(each, client) for client, each in enumerate(asked)]
     for job, each in zip(jobs, asked, strict=True):
-        assert ended(job)
+        assert wait_for_end(job)
         assert np.array_equal(job.picture().color, draw(device, each.scene, each.view, settings).color)
 
 
 def test_a_long_job_does_not_keep_another_client_waiting(worker):
     long = worker.start(request(LONG), "final render")
-    assert begun(long)
+    assert wait_for_picture(long)
     short = worker.start(request(), "viewport")
-    assert ended(short)
+    assert wait_for_end(short)
     assert not long.finished
 
 
 def test_the_picture_is_one_object_until_there_is_a_newer_one(worker):
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.picture() is job.picture()
 
 
 def test_forgetting_a_client_ends_its_job_and_another_can_follow(worker):
     job = worker.start(request(LONG), "client")
     worker.forget("client")
-    assert ended(job)
+    assert wait_for_end(job)
     worker.forget("client")
     worker.forget("never seen")
-    assert ended(worker.start(request(), "client"))
+    assert wait_for_end(worker.start(request(), "client"))
 
 
 def test_stop_ends_all_jobs_and_a_later_start_starts_anew(worker):
@@ -177,7 +177,7 @@ def test_stop_ends_all_jobs_and_a_later_start_starts_anew(worker):
     assert all(job.finished for job in jobs)
     worker.stop()
     job = worker.start(request(), "a")
-    assert ended(job)
+    assert wait_for_end(job)
     assert job.picture() is not None
 
 
@@ -190,18 +190,18 @@ def test_a_start_while_another_thread_stops(worker):
         job = worker.start(request(), "other")
         stopping.join(20.0)
         assert not stopping.is_alive()
-        assert ended(job)
+        assert wait_for_end(job)
 
 
 def test_a_request_that_cannot_be_drawn_is_an_error_of_its_own(worker):
     broken = worker.start(request(replace(SMALL_SETTINGS, debug_view="nonsense")), "one")
     sound = worker.start(request(), "two")
-    assert ended(broken)
-    assert ended(sound)
+    assert wait_for_end(broken)
+    assert wait_for_end(sound)
     assert "nonsense" in broken.error
     assert broken.picture() is None
     assert sound.error == ""
-    assert ended(worker.start(request(), "one"))
+    assert wait_for_end(worker.start(request(), "one"))
 
 
 def with_lights(scene: Scene) -> Scene:
@@ -221,7 +221,7 @@ def test_the_picture_after_a_failed_one_is_that_of_a_new_renderer(worker, device
     """What was made before it failed is not taken for what had been there before, for the client's earlier picture."""
     asked = request(with_quality(SMALL_SETTINGS, samples=2), size=(48, 32))
     other = replace(asked, scene=change(asked.scene))
-    assert ended(worker.start(asked, "client"))
+    assert wait_for_end(worker.start(asked, "client"))
     draws = kind.execute
 
     def broken(step, frame):
@@ -231,16 +231,16 @@ def test_the_picture_after_a_failed_one_is_that_of_a_new_renderer(worker, device
     with monkeypatch.context() as breaks:
         breaks.setattr(kind, "execute", broken)
         failed = worker.start(other, "client")
-        assert ended(failed)
+        assert wait_for_end(failed)
     assert failed.error == "The picture could not be drawn: broken"
     again = worker.start(asked, "client")
-    assert ended(again)
+    assert wait_for_end(again)
     assert np.array_equal(again.picture().color, draw(device, asked.scene, asked.view, asked.settings).color)
 
 
 def test_waiting_is_told_of_news_and_otherwise_comes_back(worker):
     job = worker.start(request(), "client")
-    assert ended(job)
+    assert wait_for_end(job)
     job.wait(0.0)
     assert job.wait(0.0)  # finished: never waits again
     idle = Job(request(), threading.Condition())
@@ -261,5 +261,5 @@ def test_opengl_is_opened_before_anything_is_asked_for(worker, monkeypatch):
     worker.expect()
     assert opened.acquire(timeout=30.0)
     worker.expect()
-    assert ended(worker.start(request(), "client"))
+    assert wait_for_end(worker.start(request(), "client"))
     assert not opened.acquire(blocking=False)

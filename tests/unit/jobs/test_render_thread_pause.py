@@ -9,7 +9,7 @@ import pytest
 
 from ism_addon.gpu.jobs.render_thread import JOIN_TIMEOUT
 from ism_addon.gpu.passes.film.shade import Shade
-from tests.support.jobs import LONG, begun, ended, request
+from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
 from tests.tools.memory import resident
 
 pytestmark = pytest.mark.alone
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.alone
 
 def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
     job = worker.start(request(LONG), "client")
-    assert begun(job)
+    assert wait_for_picture(job)
     worker.pause(60.0)
     until = time.monotonic() + 5.0
     while not worker.is_idle and time.monotonic() < until:
@@ -35,7 +35,7 @@ def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
 def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
     assert worker.is_idle
     worker.pause(0.2)
-    assert ended(worker.start(request(), "client"), 5.0)
+    assert wait_for_end(worker.start(request(), "client"), 5.0)
     worker.pause(60.0)
     job = worker.start(request(), "client")
     began = time.monotonic()
@@ -65,12 +65,12 @@ def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
     assert time.monotonic() - began < JOIN_TIMEOUT + 1.0
     assert job.finished
     later = worker.start(request(), "client")
-    assert ended(later)
+    assert wait_for_end(later)
     assert later.error == ""
     released.set()
     caught[0].join(10.0)
     assert not caught[0].is_alive()
-    assert ended(again := worker.start(request(), "client"))
+    assert wait_for_end(again := worker.start(request(), "client"))
     assert np.array_equal(again.picture().color, later.picture().color)
 
 
@@ -79,7 +79,7 @@ def test_stop_gives_all_memory_back(worker):
     """Also what drivers keep in main memory: with software OpenGL that is all of it."""
     sizes = []
     for _ in range(16):
-        assert ended(worker.start(request(size=(640, 480)), "client"))
+        assert wait_for_end(worker.start(request(size=(640, 480)), "client"))
         worker.stop()
         sizes.append(resident())
     # The allocator keeps some of it, not always as much; a context that is left behind is 60 MB a round.

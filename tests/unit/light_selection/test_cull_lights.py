@@ -18,7 +18,16 @@ from ism_addon.settings import SSAO, Settings
 from tests.scenes.rooms import IDLE, rooms
 from tests.scenes.small import basis, box_over_plane, subdivided_box
 from tests.support import reference
-from tests.support.small_scenes import SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 SIZE = 160, 96
 WITHOUT_NOISE = 1e-6
@@ -101,8 +110,8 @@ def test_without_its_bounds_the_test_above_would_fail(device, monkeypatch):
 def test_a_room_in_the_dark_is_lit_by_its_faint_lamp(device):
     """Outside a light a million times as bright: no light that arrives there, so nothing to be left out for."""
     room = subdivided_box((-3, -3, 0), (3, 3, 3), 2)
-    lamps = both(light(position=(0, 0, 2.5)), light(position=(0, 0, 9.0), radiance=1e6))
-    scene, view = stage([room], lamps), from_above(4.0, SIZE, height=2.8)
+    lamps = join_lights(light(position=(0, 0, 2.5)), light(position=(0, 0, 9.0), radiance=1e6))
+    scene, view = make_scene([room], lamps), view_from_above(4.0, SIZE, height=2.8)
     view = replace(view, view_from_world=np.eye(4) + np.pad([[0], [0], [-2.0]], ((0, 1), (3, 0))))
     alone = draw(device, replace(scene, lights=light(position=(0, 0, 2.5))), view, SMALL_SETTINGS).color
     assert alone[..., :3].mean() > 0.01
@@ -122,10 +131,10 @@ def test_light_through_a_hole_that_no_first_ray_finds_is_found_in_the_end(device
     lamps = light(position=(0, 0, 0.95))
     for number in range(20):
         place = 0.3 + 0.02 * number, 0.3, 3.0
-        lamps = both(lamps, light(position=place, axis_u=(0.4, 0, 0), axis_v=(0, -0.4, 0), radiance=radiance))
+        lamps = join_lights(lamps, light(position=place, axis_u=(0.4, 0, 0), axis_v=(0, -0.4, 0), radiance=radiance))
     scene, view = (
-        stage([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], lamps),
-        from_above(4.0, (64, 64), height=0.9),
+        make_scene([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], lamps),
+        view_from_above(4.0, (64, 64), height=0.9),
     )
     under = replace(scene, lights=light(position=(0, 0, 0.95)))
     open_scene = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True] + 4 * [False])))
@@ -146,9 +155,9 @@ def test_a_strip_of_light_between_the_first_rays_is_in_the_first_picture(device)
     lamp = light(position=(0, 0, 0.95), axis_u=(4, 0, 0), axis_v=(0, -4, 0), radiance=0.1)
     beyond = light(position=(0, 0, 3.0), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1300.0)
     screens = [quad((-40, -40, 1.0), (40.02, 0, 0), (0, 80, 0)), quad((0.2, -40, 1.0), (40, 0, 0), (0, 80, 0))]
-    scene = stage([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], both(lamp, beyond))
+    scene = make_scene([quad((-4, -4, 0), (8, 0, 0), (0, 8, 0)), *screens], join_lights(lamp, beyond))
     alone = replace(scene, lights=lamp)
-    view, settings = from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
+    view, settings = view_from_above(4.0, (64, 64), height=0.9), with_quality(SMALL_SETTINGS, samples=1)
     drawn = draw(device, scene, view, settings)
     assert not drawn.renderer.graph[LIGHT_INFLUENCE][1].coarse_visibility.any(), "else it shows nothing"
     pictures = drawn.color[..., 0], draw(device, alone, view, settings).color[..., 0]
@@ -172,7 +181,9 @@ def test_a_light_that_is_predicted_by_the_block_is_right_on_average(device, monk
 
 def test_a_background_has_no_lights(device):
     """Nothing is looked at, and nothing is drawn of them."""
-    drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), SMALL_SETTINGS)
+    drawn = draw(
+        device, make_scene([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), view_from_above(4.0), SMALL_SETTINGS
+    )
     assert drawn.renderer.graph[LIGHT_INFLUENCE] == {}
     assert not drawn.target("direct_prediction").any()
 
@@ -181,10 +192,14 @@ def test_more_lights_than_fit_a_strip(device):
     """They are looked for in several strips, where OpenGL's textures are small: all of them, the last ones too."""
     places = [(x, y, 0.5) for x in np.linspace(-1.5, 1.5, 5) for y in np.linspace(-1.5, 1.5, 5)]
     rows = [light(position=place, axis_u=(0.05, 0.0, 0.0), axis_v=(0.0, -0.05, 0.0)) for place in places]
-    lights = reduce(both, rows)
+    lights = reduce(join_lights, rows)
     floor, plate = (-2.0, -2.0, 0.0), (-0.3, -0.3, 0.2)
     meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (0.6, 0.0, 0.0), (0.0, 0.6, 0.0))
-    scene, view, settings = stage(meshes, lights), from_above(4.0, (96, 96)), with_quality(SMALL_SETTINGS, samples=2)
+    scene, view, settings = (
+        make_scene(meshes, lights),
+        view_from_above(4.0, (96, 96)),
+        with_quality(SMALL_SETTINGS, samples=2),
+    )
     found = draw(replace(device, texture_size=100), scene, view, settings)
     assert -(-view.height // TILE_SIZE // cull_lights.FINE_TILE_SPACING) * len(rows) > 100
     assert found.profile.counts["lights_used"] == len(rows)
@@ -196,10 +211,10 @@ def test_a_small_picture_loses_no_faint_lights(device, size):
     """Of many lights behind an edge that hides half of them, though few rays fit a small picture."""
     plate, floor = quad((0.0, -4.0, 1.0), (4.0, 0.0, 0.0), (0.0, 8.0, 0.0)), quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
     bright = light(position=(0.0, 0.0, 4.0), casts_shadow=False)
-    scene = stage([floor, plate], reduce(both, [light(radiance=0.002)] * 128, bright))
+    scene = make_scene([floor, plate], reduce(join_lights, [light(radiance=0.002)] * 128, bright))
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    view, settings = from_above(1.0, size), with_quality(SMALL_SETTINGS, samples=4)
-    without = draw(device, stage([floor], bright), view, settings).color[..., 0].mean()
+    view, settings = view_from_above(1.0, size), with_quality(SMALL_SETTINGS, samples=4)
+    without = draw(device, make_scene([floor], bright), view, settings).color[..., 0].mean()
     faint = [
         draw(device, scene, view, replace(settings, shortcuts=skip)).color[..., 0].mean() - without for skip in (1, 0)
     ]

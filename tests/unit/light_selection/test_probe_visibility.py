@@ -11,7 +11,16 @@ from ism_addon.resources import POSITION, PROBE, PROBES
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS as SETTINGS
-from tests.support.small_scenes import both, draw, from_above, light, quad, stage, texels, with_quality
+from tests.support.small_scenes import (
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    read_texels,
+    view_from_above,
+    with_quality,
+)
 
 #: Pixels whose ray passes an edge more closely than float32 and a light of a millimetre can tell.
 EDGE = 0.02
@@ -20,7 +29,7 @@ EDGE = 0.02
 def scouted(drawn) -> dict[int, np.ndarray]:
     """Of each light, (H/2,W/2,2): rays that arrived, and rays."""
     size = size_of(PROBE, *drawn.renderer.graph.targets.sizes[POSITION])
-    return {int(index): texels(texture, size) / 255 for index, texture in drawn.renderer.graph[PROBES].items()}
+    return {int(index): read_texels(texture, size) / 255 for index, texture in drawn.renderer.graph[PROBES].items()}
 
 
 def shrunk(scene, part: float = 1e-3):
@@ -38,7 +47,7 @@ def test_a_ray_from_every_fourth_pixel(device, make, size):
     surface = reference.surfaces(scene, view)
     normals = reference.shading_normals(scene, surface)
     blockers = reference.world_triangles(scene, scene.instances.casts_shadow)
-    reached = reference.sent(surface.position, normals, scene.lights.position[0], scene.lights, 0) > 0.0
+    reached = reference.irradiance_per_area(surface.position, normals, scene.lights.position[0], scene.lights, 0) > 0.0
     asked = surface.seen & reached
     seen = asked & reference.visible(surface.position + 1e-4 * surface.facet, scene.lights.position, blockers)[0]
     rows = [grid.reshape(size[::-1])[::2, ::2] for grid in (seen, asked)]
@@ -54,7 +63,9 @@ def test_all_rays_together_find_all_of_the_light(device):
     floor = quad((-1e-3, -1e-3, 0), (2e-3, 0, 0), (0, 2e-3, 0))
     screen = quad((-3.0, -3.0, 1.0), (3.0 - 1.0 / 12.0, 0, 0), (0, 6, 0))
     lamp = light(position=(0, 0, 2.0), axis_u=(1, 0, 0), axis_v=(0, -1, 0))
-    (found,) = scouted(draw(device, stage([floor, screen], lamp), from_above(1e-3, (64, 64), height=0.5))).values()
+    (found,) = scouted(
+        draw(device, make_scene([floor, screen], lamp), view_from_above(1e-3, (64, 64), height=0.5))
+    ).values()
     assert (found[..., 1] == 1.0).all()
     assert found[..., 0].mean() == pytest.approx(2.0 / 3.0, abs=0.02)
     blocks = found[..., 0].reshape(8, 4, 8, 4).mean((1, 3))
@@ -63,7 +74,9 @@ def test_all_rays_together_find_all_of_the_light(device):
 
 def test_lights_without_shadows_are_not_scouted_and_two_have_places_of_their_own(device):
     scene, view = box_over_plane(64, 48)
-    lamps = replace(both(both(scene.lights, light()), scene.lights), casts_shadow=np.array([True, False, True]))
+    lamps = replace(
+        join_lights(join_lights(scene.lights, light()), scene.lights), casts_shadow=np.array([True, False, True])
+    )
     found = scouted(draw(device, replace(scene, lights=lamps), view))
     assert set(found) == {0, 2}
     asked = (found[0][..., 1] == 1.0) & (found[2][..., 1] == 1.0)

@@ -8,14 +8,24 @@ from ism_addon.gpu import lights
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.scene import LightShape
 from ism_addon.settings import Method
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, both, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 from .bulb import BULB, Bulb
 
 FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
 #: Between the bulb and the right half of the floor.
 PLATE = quad((0.02, -4, 1), (4, 0, 0), (0, 8, 0))
-SETTINGS = {Method.RAY_TRACED: SMALL_SETTINGS, Method.SHADOW_MAPS: MAPS}
+SETTINGS = {Method.RAY_TRACED: SMALL_SETTINGS, Method.SHADOW_MAPS: SMALL_SHADOW_MAPS}
 
 #: Root mean square of the difference over the mean. Maps let the floor's discs hide a little of it.
 OFF = {Method.RAY_TRACED: 2e-4, Method.SHADOW_MAPS: 0.02}
@@ -51,11 +61,11 @@ def from_above_places() -> np.ndarray:
 def test_a_type_of_our_own_is_drawn_right(bulb_device, method):
     position, settings = (0.0, 0.0, 2.0), with_quality(SETTINGS[method], samples=16, map_size=128, map_points=2000)
     bulb = light(BULB, position, radiance=7.0)
-    view = from_above(3.0, height=0.9)
+    view = view_from_above(3.0, height=0.9)
     expected = closed_form(position, 7.0, from_above_places())
-    unshadowed = draw(bulb_device, stage([FLOOR], bulb), view, settings).color[..., 0]
+    unshadowed = draw(bulb_device, make_scene([FLOOR], bulb), view, settings).color[..., 0]
     assert off(unshadowed, expected) < OFF[method]
-    shadowed = draw(bulb_device, stage([FLOOR, PLATE], bulb), view, settings).color[..., 0]
+    shadowed = draw(bulb_device, make_scene([FLOOR, PLATE], bulb), view, settings).color[..., 0]
     assert off(shadowed[:, :12], expected[:, :12]) < OFF[method]
     hidden = shadowed[:, 20:].mean() / expected[:, 20:].mean()
     assert hidden == 0.0 if method == Method.RAY_TRACED else hidden < 0.3, "a plate of discs has holes"
@@ -71,9 +81,9 @@ def test_rays_correct_an_irradiance_that_is_not_exact(monkeypatch, tmp_path):
     inexact.glsl, inexact.exact = glsl, False
     monkeypatch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, inexact))
     device = open_device()
-    view, settings = from_above(3.0, height=0.9), with_quality(SMALL_SETTINGS, samples=64)
+    view, settings = view_from_above(3.0, height=0.9), with_quality(SMALL_SETTINGS, samples=64)
     with device.gl:
-        shadowed = draw(device, stage([FLOOR, PLATE], light(BULB, radiance=7.0)), view, settings).color[..., 0]
+        shadowed = draw(device, make_scene([FLOOR, PLATE], light(BULB, radiance=7.0)), view, settings).color[..., 0]
     device.close()
     expected = closed_form((0.0, 0.0, 2.0), 7.0, from_above_places())
     assert off(shadowed[:, :12], expected[:, :12]) < 0.01
@@ -82,9 +92,9 @@ def test_rays_correct_an_irradiance_that_is_not_exact(monkeypatch, tmp_path):
 
 def test_beside_an_area_light_both_add_up(bulb_device):
     bulb, area = light(BULB, (0.5, 0.0, 2.0), radiance=3.0), light(LightShape.ELLIPSE, (0.0, 0.5, 2.0))
-    view, meshes = from_above(3.0, height=0.9), [FLOOR, PLATE]
-    alone = [draw(bulb_device, stage(meshes, each), view, SMALL_SETTINGS).color[..., :3] for each in (bulb, area)]
-    together = draw(bulb_device, stage(meshes, both(bulb, area)), view, SMALL_SETTINGS).color[..., :3]
+    view, meshes = view_from_above(3.0, height=0.9), [FLOOR, PLATE]
+    alone = [draw(bulb_device, make_scene(meshes, each), view, SMALL_SETTINGS).color[..., :3] for each in (bulb, area)]
+    together = draw(bulb_device, make_scene(meshes, join_lights(bulb, area)), view, SMALL_SETTINGS).color[..., :3]
     assert all(each.any() for each in alone)
     assert together == pytest.approx(sum(alone), abs=0.02)
 

@@ -9,12 +9,21 @@ import pytest
 
 from ism_addon.settings import Settings
 from tests.support import reference
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 #: By method: settings, and how far off pictures may be, as RMSE over the mean and as a ratio of the means.
 METHODS = {
     "rays": (with_quality(SMALL_SETTINGS, samples=256), 0.06, 0.01),
-    "maps": (with_quality(MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
+    "maps": (with_quality(SMALL_SHADOW_MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
 }
 
 
@@ -27,8 +36,10 @@ def half_open(degrees: float):
     lights = replace(lights, spread=np.array([math.radians(degrees)], np.float32))
     floor, plate = (-2.0, -2.0, 0.0), (-3.0, -3.0, 0.5)
     meshes = quad(floor, (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), quad(plate, (3.0, 0.0, 0.0), (0.0, 6.0, 0.0))
-    scene = stage(meshes, lights)
-    return replace(scene, instances=replace(scene.instances, visible=np.array([True, False]))), from_above(1.6, (24, 8))
+    scene = make_scene(meshes, lights)
+    return replace(scene, instances=replace(scene.instances, visible=np.array([True, False]))), view_from_above(
+        1.6, (24, 8)
+    )
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -11,17 +11,17 @@ from ism_addon.gpu.passes.shadow_maps.fill_holes import LEVELS, FillHoles
 from ism_addon.resources import ATLAS_BATCH, NO_OCCLUDER, SHADOW_MAP_SPLATS, SHADOW_MAPS
 from tests.support.reference_maps import pull_push
 from tests.support.small_scenes import (
-    MAPS,
+    SMALL_SHADOW_MAPS,
     draw,
+    first_frame,
     light,
-    look,
-    prepared,
-    put,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    shadows,
-    stage,
+    random_triangles,
     with_quality,
+    with_shadow,
+    write_texels,
 )
 
 SIDE = 64
@@ -31,15 +31,15 @@ def filled(device, depths: np.ndarray, threshold: float = 0.02) -> np.ndarray:
     """(S,side,side) maps after the pass, all in one atlas of two columns."""
     count, side = len(depths), depths.shape[1]
     batch = Batch(0, count, side, 2)
-    settings = replace(MAPS, shadow=replace(MAPS.shadow, fill_threshold=threshold))
-    renderer, frame = prepared(device, stage([], light()), settings)
+    settings = replace(SMALL_SHADOW_MAPS, shadow=replace(SMALL_SHADOW_MAPS.shadow, fill_threshold=threshold))
+    renderer, frame = first_frame(device, make_scene([], light()), settings)
     frame[ATLAS_BATCH] = batch
     atlas = np.full(batch.size[::-1], NO_OCCLUDER, np.float32)
     corners = [batch.corner(index) for index in range(count)]
     for depth, (x, y) in zip(depths, corners, strict=True):
         atlas[y : y + side, x : x + side] = depth
     frame.graph.targets.allocate(SHADOW_MAP_SPLATS, batch.size)
-    put(frame[SHADOW_MAP_SPLATS], atlas)
+    write_texels(frame[SHADOW_MAP_SPLATS], atlas)
     renderer.graph.instance(FillHoles).execute(frame)
     pixels = frame.graph.targets.read(SHADOW_MAPS)[..., 0]
     return np.array([pixels[y : y + side, x : x + side] for x, y in corners])
@@ -70,8 +70,8 @@ def test_random_maps_against_numpy(device, threshold):
 
 
 def test_the_maps_of_a_scene_against_numpy(device):
-    settings = with_quality(shadows(), virtual_lights=5, map_size=64, map_points=1500)
-    drawn = draw(device, stage([rubble()], light()), look((3.0, -3.0, 2.0)), settings)
+    settings = with_quality(with_shadow(), virtual_lights=5, map_size=64, map_points=1500)
+    drawn = draw(device, make_scene([random_triangles()], light()), look_at((3.0, -3.0, 2.0)), settings)
     (batch,) = batches(5, 64, device.texture_size)
     splats, maps = drawn.target("shadow_map_splats")[..., 0], drawn.target("shadow_maps")[..., 0]
     for index in range(5):
@@ -130,7 +130,7 @@ def test_maps_do_not_flow_into_their_neighbours(device):
 
 
 def test_left_out_when_holes_stay_open(device):
-    scene = stage([quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], light())
-    drawn = draw(device, scene, look((3.0, -3.0, 2.0)), shadows(fill_holes=False))
+    scene = make_scene([quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], light())
+    drawn = draw(device, scene, look_at((3.0, -3.0, 2.0)), with_shadow(fill_holes=False))
     assert drawn.profile.rows["FillHoles"].drawn == 0
     assert drawn.profile.rows["GatherLight"].drawn == 1

@@ -20,7 +20,17 @@ from ism_addon.resources import ATLAS_BATCH, BASE_COLOR, CONTRIBUTING_LIGHTS, DI
 from ism_addon.scene import LightShape
 from tests.support import reference_irradiance
 from tests.support.reference import irradiance
-from tests.support.small_scenes import both, draw, from_above, light, prepared, put, quad, shadows, stage
+from tests.support.small_scenes import (
+    draw,
+    first_frame,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_shadow,
+    write_texels,
+)
 
 SHAPES = tuple(LightShape)
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
@@ -30,7 +40,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     """(N,3) irradiance of receivers (N,3) that nothing hides: radiance by a base color of pi."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
-    renderer, frame = prepared(device, stage([], lights), shadows(enabled=False), size)
+    renderer, frame = first_frame(device, make_scene([], lights), with_shadow(enabled=False), size)
     frame[CONTRIBUTING_LIGHTS] = tuple(range(len(lights.shape)))
     for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
         renderer.graph.step(kind, frame, Profile())
@@ -39,7 +49,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     color = np.tile([np.pi, np.pi, np.pi, 0.0], (len(points), 1))
     for target, rows in ((POSITION, surface), (NORMAL, packed), (BASE_COLOR, color)):
         frame.graph.targets.allocate(target, size)
-        put(frame[target], rows[None].astype(np.float32))
+        write_texels(frame[target], rows[None].astype(np.float32))
     (frame[ATLAS_BATCH],) = batches(0, 8, device.texture_size)
     for kind in (SplatMaps, FillHoles, GatherLight):
         renderer.graph.step(kind, frame, Profile())
@@ -120,9 +130,9 @@ def test_a_spread_narrows_the_light(device, shape, spread):
 
 def test_an_open_floor_is_not_in_its_own_shadow(device):
     """Its distances in the maps are its own: the bias takes it towards the light."""
-    plate, view = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), from_above(3.0, (24, 24))
-    scene = stage([plate], light(position=(0.0, 0.0, 1.0)))
-    pictures = [draw(device, scene, view, shadows(enabled=enabled)).color[..., :3] for enabled in (True, False)]
+    plate, view = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), view_from_above(3.0, (24, 24))
+    scene = make_scene([plate], light(position=(0.0, 0.0, 1.0)))
+    pictures = [draw(device, scene, view, with_shadow(enabled=enabled)).color[..., :3] for enabled in (True, False)]
     assert pictures[1].min() > 0.0
     assert (pictures[0] / pictures[1]).min() > 0.98
 
@@ -132,4 +142,4 @@ def test_lights_add_up_with_their_colours(device):
     colored = replace(two, radiance=np.array([[3.0, 1.0, 0.5]], np.float32))
     point, normal = np.array([[0.1, 0.2, -0.5]]), np.array([[0.0, 0.0, 1.0]])
     apart = gathered(device, one, point, normal) + gathered(device, colored, point, normal)
-    assert gathered(device, both(one, colored), point, normal) == pytest.approx(apart, rel=1e-5)
+    assert gathered(device, join_lights(one, colored), point, normal) == pytest.approx(apart, rel=1e-5)

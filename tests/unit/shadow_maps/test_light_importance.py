@@ -17,7 +17,17 @@ from ism_addon.scene import LightShape
 from tests.scenes.rooms import rooms
 from tests.scenes.small import subdivided_box
 from tests.support import reference
-from tests.support.small_scenes import MAPS, both, draw, from_above, light, look, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 SIZE = 160, 96
 HERE = range(5)
@@ -30,20 +40,22 @@ def small(x: float, y: float, z: float, **more: object):
 
 def shared_out(device, scene, view, renderer=None, **quality: int) -> dict[int, int]:
     """Light points of each light that counts."""
-    return draw(device, scene, view, with_quality(MAPS, **quality), renderer).renderer.graph[VIRTUAL_LIGHT_COUNTS]
+    return draw(device, scene, view, with_quality(SMALL_SHADOW_MAPS, **quality), renderer).renderer.graph[
+        VIRTUAL_LIGHT_COUNTS
+    ]
 
 
 def drawn_rooms(device, idle: dict[str, int], **changes: object):
     """The room with five lamps, and others, by one sample."""
-    return draw(device, *rooms(idle, *SIZE), replace(with_quality(MAPS, virtual_lights=60), **changes))
+    return draw(device, *rooms(idle, *SIZE), replace(with_quality(SMALL_SHADOW_MAPS, virtual_lights=60), **changes))
 
 
 @pytest.mark.parametrize("count", [1, 7, 40, 333])
 def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_what_was_asked_for(device, count):
     lights = light(axis_u=(2.0, 0, 0), axis_v=(0, -2.0, 0))
     for place in ((1.0, 1.0, 3.0), (-1.0, 0.5, 3.0), (0.0, 0.0, 9.0)):
-        lights = both(lights, small(*place))
-    counts = shared_out(device, stage([FLOOR], lights), from_above(6.0), virtual_lights=count)
+        lights = join_lights(lights, small(*place))
+    counts = shared_out(device, make_scene([FLOOR], lights), view_from_above(6.0), virtual_lights=count)
     assert sum(counts.values()) == max(count, 4)
     assert min(counts.values()) == 1
     if count == 40:
@@ -53,7 +65,12 @@ def test_a_softbox_has_many_small_and_far_lights_one_or_two_and_all_together_wha
 
 def test_of_lights_alike_the_brighter_and_the_nearer_have_more(device):
     dim, bright, far = small(-1, 0, 2), small(1, 0, 2, radiance=60.0), small(0, 1, 6)
-    counts = shared_out(device, stage([FLOOR], both(both(dim, bright), far)), from_above(6.0), virtual_lights=100)
+    counts = shared_out(
+        device,
+        make_scene([FLOOR], join_lights(join_lights(dim, bright), far)),
+        view_from_above(6.0),
+        virtual_lights=100,
+    )
     assert counts[1] > 2 * counts[0] > 4 * counts[2]
 
 
@@ -68,8 +85,8 @@ def test_the_sum_is_what_was_asked_for_and_none_has_none(count, weights):
 
 
 def test_shares_know_no_unit():
-    lights = both(light(axis_u=(2.0, 0, 0)), both(small(1, 0, 2), small(0, 0, 5)))
-    cloud = make_point_cloud(stage([FLOOR], lights), np.zeros(3), 5000)
+    lights = join_lights(light(axis_u=(2.0, 0, 0)), join_lights(small(1, 0, 2), small(0, 0, 5)))
+    cloud = make_point_cloud(make_scene([FLOOR], lights), np.zeros(3), 5000)
     found = importance(cloud, lights, np.zeros(3), REC709)
     brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
     assert importance(cloud, brighter, np.zeros(3), REC709) == pytest.approx(found, rel=1e-4)
@@ -110,7 +127,7 @@ def test_a_small_move_of_the_camera_draws_no_map(device, metres):
     scene, view = rooms({}, *SIZE)
     beside = view.view_from_world.copy()
     beside[:3, 3] += metres
-    moved, settings = replace(view, view_from_world=beside), with_quality(MAPS, virtual_lights=60)
+    moved, settings = replace(view, view_from_world=beside), with_quality(SMALL_SHADOW_MAPS, virtual_lights=60)
     first = draw(device, scene, view, settings)
     counts = first.renderer.graph[VIRTUAL_LIGHT_COUNTS]
     again = draw(device, scene, moved, settings, first.renderer)
@@ -124,8 +141,8 @@ def test_a_small_move_of_the_camera_draws_no_map(device, metres):
 def test_shares_know_nothing_of_the_pictures_before(device):
     """The sky in between, where no light counts."""
     scene, view = rooms({}, *SIZE)
-    sky = look((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), SIZE)
-    settings = with_quality(MAPS, samples=5, virtual_lights=60)
+    sky = look_at((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), SIZE)
+    settings = with_quality(SMALL_SHADOW_MAPS, samples=5, virtual_lights=60)
     first = draw(device, scene, view, settings)
     color, counts = first.color, first.renderer.graph[VIRTUAL_LIGHT_COUNTS]
     there = draw(device, scene, sky, settings, first.renderer)
@@ -136,17 +153,19 @@ def test_shares_know_nothing_of_the_pictures_before(device):
 
 
 def test_lights_that_cast_no_shadow_have_no_points_but_count(device):
-    lights = both(light(casts_shadow=False), small(1.0, 1.0, 3.0))
-    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.3), (0.5, 0.5, 0.8), 2)], lights)
-    assert shared_out(device, scene, from_above(6.0), virtual_lights=20) == {0: 0, 1: 20}
+    lights = join_lights(light(casts_shadow=False), small(1.0, 1.0, 3.0))
+    scene = make_scene([FLOOR, subdivided_box((-0.5, -0.5, 0.3), (0.5, 0.5, 0.8), 2)], lights)
+    assert shared_out(device, scene, view_from_above(6.0), virtual_lights=20) == {0: 0, 1: 20}
     unshadowed = replace(scene, lights=replace(lights, casts_shadow=np.zeros(2, bool)))
-    drawn = draw(device, unshadowed, from_above(6.0), MAPS)
+    drawn = draw(device, unshadowed, view_from_above(6.0), SMALL_SHADOW_MAPS)
     assert drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS] == {0: 0, 1: 0}
     assert drawn.color[..., :3].max() > 0.1
 
 
 def test_where_nothing_is_seen_no_map_is_drawn(device):
-    drawn = draw(device, stage([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), from_above(4.0), MAPS)
+    drawn = draw(
+        device, make_scene([quad((50, 50, 0), (1, 0, 0), (0, 1, 0))], light()), view_from_above(4.0), SMALL_SHADOW_MAPS
+    )
     assert drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS] == {}
     assert not drawn.profile.rows["SplatMaps"].drawn + drawn.profile.rows["FillHoles"].drawn
     assert not drawn.target("direct_prediction")[..., :3].any()
@@ -154,13 +173,13 @@ def test_where_nothing_is_seen_no_map_is_drawn(device):
 
 def test_the_picture_is_right_on_average(device):
     """Lights large and small, one that casts no shadow and one that reaches nothing."""
-    lights = both(light(axis_u=(1.5, 0, 0), axis_v=(0, -1.5, 0)), small(1.0, -1.0, 3.0, radiance=400.0))
-    lights = both(lights, light(position=(-1.0, 1.0, 3.0), casts_shadow=False))
-    lights = both(lights, light(position=(0.0, 0.0, 3.0), axis_v=(0, 1.0, 0), radiance=100.0))
-    scene = stage([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
-    view = look((2.5, -4.0, 3.0), size=(48, 32))
+    lights = join_lights(light(axis_u=(1.5, 0, 0), axis_v=(0, -1.5, 0)), small(1.0, -1.0, 3.0, radiance=400.0))
+    lights = join_lights(lights, light(position=(-1.0, 1.0, 3.0), casts_shadow=False))
+    lights = join_lights(lights, light(position=(0.0, 0.0, 3.0), axis_v=(0, 1.0, 0), radiance=100.0))
+    scene = make_scene([FLOOR, subdivided_box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.8), 4)], lights)
+    view = look_at((2.5, -4.0, 3.0), size=(48, 32))
     truth, _ = reference.picture(scene, view, 12)
-    settings = with_quality(MAPS, samples=4, virtual_lights=32, map_size=128, map_points=16384)
+    settings = with_quality(SMALL_SHADOW_MAPS, samples=4, virtual_lights=32, map_size=128, map_points=16384)
     found = draw(device, scene, view, settings)
     assert set(found.renderer.graph[VIRTUAL_LIGHT_COUNTS]) == {0, 1, 2}
     assert found.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)

@@ -12,7 +12,15 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.resources import POINT_CLOUD
 from ism_addon.sampling.points import triangle_areas
 from tests.support import reference
-from tests.support.small_scenes import MAPS, light, placed, prepared, quad, rubble, stage
+from tests.support.small_scenes import (
+    SMALL_SHADOW_MAPS,
+    first_frame,
+    light,
+    make_scene,
+    quad,
+    random_triangles,
+    transform,
+)
 
 ORIGIN = np.zeros(3)
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
@@ -30,14 +38,14 @@ def dealt(scene, count: int) -> list[np.ndarray]:
 
 
 def test_triangles_of_all_instances_are_hit_by_area():
-    meshes = [rubble(12, seed=1), quad((-1, -1, 0), (2, 0, 0), (0, 3, 0))]
+    meshes = [random_triangles(12, seed=1), quad((-1, -1, 0), (2, 0, 0), (0, 3, 0))]
     matrices = [
-        placed(),
-        placed(3.0 * TURN, (4.0, 0, 0)),
-        placed(SHEAR, (0, 5.0, 0)),
-        placed(np.diag([-1.0, 1, 1]), (0, 0, 3.0)),
+        transform(),
+        transform(3.0 * TURN, (4.0, 0, 0)),
+        transform(SHEAR, (0, 5.0, 0)),
+        transform(np.diag([-1.0, 1, 1]), (0, 0, 3.0)),
     ]
-    scene = stage(meshes, light(), matrices, [1, 0, 0, 1])
+    scene = make_scene(meshes, light(), matrices, [1, 0, 0, 1])
     triangles = reference.world_triangles(scene, np.ones(4, bool))
     cloud = make_point_cloud(scene, ORIGIN, 40_000)
     areas = triangle_areas(triangles)
@@ -64,18 +72,21 @@ def test_triangles_of_all_instances_are_hit_by_area():
 
 
 def test_the_same_scene_gives_the_same_points():
-    scene = stage([rubble()], light())
-    one, two = make_point_cloud(scene, ORIGIN, 3000), make_point_cloud(stage([rubble()], light()), ORIGIN, 3000)
+    scene = make_scene([random_triangles()], light())
+    one, two = (
+        make_point_cloud(scene, ORIGIN, 3000),
+        make_point_cloud(make_scene([random_triangles()], light()), ORIGIN, 3000),
+    )
     assert np.array_equal(one.positions, two.positions)
     assert np.array_equal(one.normals, two.normals)
 
 
 def test_what_does_not_move_keeps_its_points():
     """Another object moves, turns, and grows: its points go along, the others stay on their places."""
-    meshes = [rubble(seed=1), rubble(seed=2)]
-    still = stage(meshes, light(), [placed(), placed()])
-    turned = stage(meshes, light(), [placed(), placed(TURN, (3.0, 1.0, 0.0))])
-    grown = stage(meshes, light(), [placed(), placed(2.0 * TURN, (3.0, 1.0, 0.0))])
+    meshes = [random_triangles(seed=1), random_triangles(seed=2)]
+    still = make_scene(meshes, light(), [transform(), transform()])
+    turned = make_scene(meshes, light(), [transform(), transform(TURN, (3.0, 1.0, 0.0))])
+    grown = make_scene(meshes, light(), [transform(), transform(2.0 * TURN, (3.0, 1.0, 0.0))])
     before, after, fewer = (dealt(scene, 4000) for scene in (still, turned, grown))
     assert np.array_equal(before[0], after[0])
     assert after[1] == pytest.approx(before[1] @ TURN.T + (3.0, 1.0, 0.0), abs=1e-5)
@@ -86,26 +97,28 @@ def test_what_does_not_move_keeps_its_points():
 
 
 def test_more_points_are_the_same_points_and_some_more():
-    scene = stage([rubble()], light())
+    scene = make_scene([random_triangles()], light())
     few, many = make_point_cloud(scene, ORIGIN, 1000), make_point_cloud(scene, ORIGIN, 5000)
     assert np.array_equal(many.positions[:1000], few.positions)
 
 
 def test_instances_have_the_points_that_copies_of_the_mesh_would_have():
     matrices = [
-        placed(),
-        placed(2.0 * TURN, (5.0, 0, 0)),
-        placed(SHEAR, (0, 5.0, 0)),
-        placed(0.5 * np.eye(3), (0, 0, 5.0)),
+        transform(),
+        transform(2.0 * TURN, (5.0, 0, 0)),
+        transform(SHEAR, (0, 5.0, 0)),
+        transform(0.5 * np.eye(3), (0, 0, 5.0)),
     ]
-    shared = make_point_cloud(stage([rubble()], light(), matrices, [0, 0, 0, 0]), ORIGIN, 4000)
-    apart = make_point_cloud(stage([rubble()] * 4, light(), matrices), ORIGIN, 4000)
+    shared = make_point_cloud(make_scene([random_triangles()], light(), matrices, [0, 0, 0, 0]), ORIGIN, 4000)
+    apart = make_point_cloud(make_scene([random_triangles()] * 4, light(), matrices), ORIGIN, 4000)
     assert np.array_equal(shared.positions, apart.positions)
     assert np.array_equal(shared.normals, apart.normals)
 
 
 def test_only_what_casts_shadows_gets_points():
-    scene = stage([rubble(seed=1), rubble(seed=2)], light(), [placed(), placed(offset=(100.0, 0, 0))])
+    scene = make_scene(
+        [random_triangles(seed=1), random_triangles(seed=2)], light(), [transform(), transform(offset=(100.0, 0, 0))]
+    )
     half = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True, False])))
     cloud = make_point_cloud(half, ORIGIN, 1000)
     assert len(cloud) == 1000
@@ -113,19 +126,19 @@ def test_only_what_casts_shadows_gets_points():
 
 
 def test_nothing_to_put_points_on():
-    assert len(make_point_cloud(stage([], light()), ORIGIN, 100)) == 0
-    flat = stage([rubble()], light(), [placed(np.zeros((3, 3)))])
+    assert len(make_point_cloud(make_scene([], light()), ORIGIN, 100)) == 0
+    flat = make_scene([random_triangles()], light(), [transform(np.zeros((3, 3)))])
     assert len(make_point_cloud(flat, ORIGIN, 100)) == 0
 
 
 def test_points_are_exact_far_from_the_worlds_origin():
     far = np.array([1e6, -1e6, 1e6])
-    here = make_point_cloud(stage([rubble()], light()), ORIGIN, 1000)
-    there = make_point_cloud(stage([rubble()], light(), [placed(offset=far)]), far, 1000)
+    here = make_point_cloud(make_scene([random_triangles()], light()), ORIGIN, 1000)
+    there = make_point_cloud(make_scene([random_triangles()], light(), [transform(offset=far)]), far, 1000)
     assert there.positions == pytest.approx(here.positions, abs=1e-6)
 
 
 def test_the_pass_makes_at_least_the_points_that_a_map_sees(device):
-    renderer, frame = prepared(device, stage([rubble()], light()), MAPS)
+    renderer, frame = first_frame(device, make_scene([random_triangles()], light()), SMALL_SHADOW_MAPS)
     renderer.graph.step(SamplePoints, frame, Profile())
-    assert len(frame[POINT_CLOUD]) >= MAPS.quality.map_points
+    assert len(frame[POINT_CLOUD]) >= SMALL_SHADOW_MAPS.quality.map_points

@@ -16,7 +16,17 @@ from ism_addon.gpu.passes.shadow_maps.select_points import (
 )
 from ism_addon.resources import MAP_POINTS
 from tests.scenes.small import SMALL
-from tests.support.small_scenes import MAPS, both, draw, light, look, quad, rubble, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    random_triangles,
+    with_quality,
+)
 
 ORIGIN = np.zeros(3)
 
@@ -65,7 +75,7 @@ def test_a_subset_is_as_large_as_asked_for_and_stands_for_the_whole_area(name):
 
 def test_discs_look_about_equally_large_from_the_light():
     """A floor of 40 m under a light at 1 m: without the weighting their sizes would differ by a factor of 400."""
-    scene = stage(
+    scene = make_scene(
         [quad((-20, -20, 0), (40, 0, 0), (0, 40, 0))],
         light(position=(0.0, 0.0, 1.0), axis_u=(0.1, 0, 0), axis_v=(0, -0.1, 0)),
     )
@@ -77,9 +87,9 @@ def test_discs_look_about_equally_large_from_the_light():
 
 def test_subsets_stay_while_something_else_changes():
     """The camera's anchor, or another light, leaves a light's subsets alone."""
-    scene = stage([rubble()], light(position=(0.0, 0.0, 2.0)))
+    scene = make_scene([random_triangles()], light(position=(0.0, 0.0, 2.0)))
     cloud, moved = make_point_cloud(scene, ORIGIN, 8_000), make_point_cloud(scene, np.array([64.0, 0.0, 0.0]), 8_000)
-    other = both(scene.lights, light(position=(3.0, 0.0, 2.0)))
+    other = join_lights(scene.lights, light(position=(3.0, 0.0, 2.0)))
     first = select_subsets(cloud, solid_angles(cloud, scene.lights, 0, ORIGIN), 500, 1.0)
     second = select_subsets(cloud, solid_angles(cloud, other, 0, ORIGIN), 500, 1.0)
     third = select_subsets(moved, solid_angles(moved, scene.lights, 0, np.array([64.0, 0.0, 0.0])), 500, 1.0)
@@ -95,7 +105,12 @@ def test_subsets_stay_while_something_else_changes():
 def test_each_lights_maps_see_its_own_subsets(device):
     one, other = light(position=(0.0, 0.0, 2.0)), light(position=(50.0, 0.0, 2.0), casts_shadow=False)
     floor = quad((-5, -5, 0), (60, 0, 0), (0, 10, 0))
-    drawn = draw(device, stage([floor], both(one, other)), look((3, -3, 2)), with_quality(MAPS, map_points=500))
+    drawn = draw(
+        device,
+        make_scene([floor], join_lights(one, other)),
+        look_at((3, -3, 2)),
+        with_quality(SMALL_SHADOW_MAPS, map_points=500),
+    )
     table, buffer = drawn.renderer.graph[MAP_POINTS].ranges, drawn.renderer.graph[MAP_POINTS].buffer
     points = np.frombuffer(buffer.read(), MAP_POINT)
     assert [len(row) for row in table] == [SUBSETS_PER_LIGHT, SUBSETS_PER_LIGHT]
@@ -106,7 +121,7 @@ def test_each_lights_maps_see_its_own_subsets(device):
 
 def test_behind_the_light_there_are_none():
     lights = light(position=(0.0, 0.0, 0.0))
-    scene = stage([rubble(reach=3.0)], lights)
+    scene = make_scene([random_triangles(reach=3.0)], lights)
     cloud = make_point_cloud(scene, ORIGIN, 4_000)
     weights = solid_angles(cloud, lights, 0, ORIGIN)
     behind = cloud.positions[:, 2] > 2.0 * np.sqrt(cloud.area)
@@ -119,7 +134,7 @@ def test_behind_the_light_there_are_none():
 def test_none_where_a_spread_sends_no_light(degrees):
     """Of points that it can reach all may be chosen; of the others, but a margin about the cone, none."""
     lamp = light(position=(0.0, 0.0, 2.0), spread=np.radians(degrees))
-    scene = stage([rubble(2000, reach=6.0)], lamp)
+    scene = make_scene([random_triangles(2000, reach=6.0)], lamp)
     cloud = make_point_cloud(scene, ORIGIN, 4_000)
     weights = solid_angles(cloud, lamp, 0, ORIGIN)
     corners = lamp.position[0] + 0.5 * np.array([u * lamp.axis_u[0] + v * lamp.axis_v[0] for u, v in FOUR])
@@ -138,10 +153,10 @@ def test_behind_a_sheared_light_is_behind_the_plane_of_its_shape():
     """Its maps look away from that plane, wherever its object points."""
     lamp = light(position=(0.0, 0.0, 0.0))
     sheared = replace(lamp, normal=np.array([[0.8, 0.0, -0.6]]))
-    cloud = make_point_cloud(stage([rubble(reach=3.0)], lamp), ORIGIN, 4_000)
+    cloud = make_point_cloud(make_scene([random_triangles(reach=3.0)], lamp), ORIGIN, 4_000)
     assert np.array_equal(solid_angles(cloud, sheared, 0, ORIGIN), solid_angles(cloud, lamp, 0, ORIGIN))
 
 
 def test_a_light_that_casts_none_may_be_the_only_one(device):
-    scene = stage([rubble()], replace(light(), casts_shadow=np.array([False])))
-    assert draw(device, scene, look((3, -3, 2))).profile.rows["SelectPoints"].drawn == 0
+    scene = make_scene([random_triangles()], replace(light(), casts_shadow=np.array([False])))
+    assert draw(device, scene, look_at((3, -3, 2))).profile.rows["SelectPoints"].drawn == 0

@@ -11,7 +11,16 @@ from ism_addon.gpu.passes.shadow_maps.select_points import MAP_POINT
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 from ism_addon.resources import MAP_POINTS, NO_OCCLUDER, VIRTUAL_LIGHT_COUNTS
 from tests.support.reference_maps import disc_map, map_directions
-from tests.support.small_scenes import draw, light, look, quad, rubble, shadows, stage, with_quality
+from tests.support.small_scenes import (
+    draw,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    random_triangles,
+    with_quality,
+    with_shadow,
+)
 
 #: Texels whose direction passes a disc's rim more closely than float32 can tell. Measured: none to one in a thousand.
 RIM = 2e-3
@@ -52,8 +61,8 @@ def wrong_part(ours: np.ndarray, truth: np.ndarray) -> float:
 @pytest.mark.parametrize("points", [60, 1500])
 def test_maps_hold_the_nearest_disc_of_each_direction(device, height, points):
     lights = light(position=(0.1, 0.2, height), axis_u=(0.5, 0.1, 0.0), axis_v=(0.1, -0.5, 0.1))
-    scene, view = stage([rubble()], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(), virtual_lights=3, map_size=48, map_points=points)
+    scene, view = make_scene([random_triangles()], lights), look_at((3.0, -3.0, 2.0))
+    settings = with_quality(with_shadow(), virtual_lights=3, map_size=48, map_points=points)
     drawn = draw(device, scene, view, settings)
     ours, truth = maps(drawn, 3, 48, device), true_maps(drawn, scene, view, settings, 48)
     assert 0.01 < (truth < NO_OCCLUDER).mean() <= 1.0
@@ -62,8 +71,8 @@ def test_maps_hold_the_nearest_disc_of_each_direction(device, height, points):
 
 @pytest.mark.parametrize("size", [0.3, 1.0, 4.0])
 def test_the_splat_size_is_the_discs_radius(device, size):
-    scene, view = stage([rubble()], light()), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(splat_size=size), virtual_lights=2, map_size=64, map_points=300)
+    scene, view = make_scene([random_triangles()], light()), look_at((3.0, -3.0, 2.0))
+    settings = with_quality(with_shadow(splat_size=size), virtual_lights=2, map_size=64, map_points=300)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 2, 64, device), true_maps(drawn, scene, view, settings, 64)) <= RIM
 
@@ -71,8 +80,8 @@ def test_the_splat_size_is_the_discs_radius(device, size):
 def test_discs_whose_centres_are_below_the_horizon_are_whole(device):
     """Rounding must not take a point's centre out of the map: OpenGL would drop the point."""
     inside = light(position=(0.1, 0.2, 0.0), axis_u=(0.5, 0.1, 0.0), axis_v=(0.1, -0.5, 0.1))
-    scene, view = stage([rubble()], inside), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(), virtual_lights=64, map_size=48, map_points=60)
+    scene, view = make_scene([random_triangles()], inside), look_at((3.0, -3.0, 2.0))
+    settings = with_quality(with_shadow(), virtual_lights=64, map_size=48, map_points=60)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 64, 48, device), true_maps(drawn, scene, view, settings, 48)) < 1e-4
 
@@ -83,8 +92,8 @@ def test_discs_at_the_horizon(device, height):
     floor = quad((-2.0, -2.0, -height), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
     tilted = quad((0.5, -1.0, -0.4), (0.0, 2.0, 0.0), (0.3, 0.0, 1.0))
     lights = light(position=(0.0, 0.0, 0.0), axis_u=(0.1, 0.0, 0.0), axis_v=(0.0, -0.1, 0.0))
-    scene, view = stage([floor, tilted], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(), virtual_lights=2, map_size=48, map_points=800)
+    scene, view = make_scene([floor, tilted], lights), look_at((3.0, -3.0, 2.0))
+    settings = with_quality(with_shadow(), virtual_lights=2, map_size=48, map_points=800)
     drawn = draw(device, scene, view, settings)
     ours, truth = maps(drawn, 2, 48, device), true_maps(drawn, scene, view, settings, 48)
     assert wrong_part(ours, truth) <= 2 * RIM
@@ -95,8 +104,8 @@ def test_the_distance_is_that_of_the_plane_not_of_the_discs_centre(device):
     """A floor, seen by few large discs: each covered texel has the floor's own distance."""
     floor = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0))
     lights = light(position=(0.0, 0.0, 1.0), axis_u=(1e-3, 0.0, 0.0), axis_v=(0.0, -1e-3, 0.0))
-    settings = with_quality(shadows(), virtual_lights=1, map_size=64, map_points=300)
-    drawn = draw(device, stage([floor], lights), look((3.0, -3.0, 2.0)), settings)
+    settings = with_quality(with_shadow(), virtual_lights=1, map_size=64, map_points=300)
+    drawn = draw(device, make_scene([floor], lights), look_at((3.0, -3.0, 2.0)), settings)
     (ours,) = maps(drawn, 1, 64, device)
     expected = 1.0 / map_directions(64)[..., 2]
     covered = ours < NO_OCCLUDER
@@ -107,15 +116,18 @@ def test_the_distance_is_that_of_the_plane_not_of_the_discs_centre(device):
 def test_a_disc_may_be_as_large_as_the_map(device):
     """Close to the light a disc covers the whole map, as far as the driver's largest point reaches."""
     lights = light(position=(0.0, 0.0, 0.2), axis_u=(1e-3, 0.0, 0.0), axis_v=(0.0, -1e-3, 0.0))
-    scene, view = stage([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], lights), look((3.0, -3.0, 2.0))
-    settings = with_quality(shadows(splat_size=2.0), virtual_lights=1, map_size=120, map_points=20)
+    scene, view = (
+        make_scene([quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0))], lights),
+        look_at((3.0, -3.0, 2.0)),
+    )
+    settings = with_quality(with_shadow(splat_size=2.0), virtual_lights=1, map_size=120, map_points=20)
     drawn = draw(device, scene, view, settings)
     assert wrong_part(maps(drawn, 1, 120, device), true_maps(drawn, scene, view, settings, 120)) <= RIM
 
 
 def test_what_casts_no_shadow_is_not_splatted(device):
-    scene = stage([rubble()], light(position=(0.0, 0.0, 4.0)))
+    scene = make_scene([random_triangles()], light(position=(0.0, 0.0, 4.0)))
     hidden = replace(scene, instances=replace(scene.instances, casts_shadow=np.zeros(1, bool)))
-    drawn = draw(device, hidden, look((3.0, -3.0, 2.0)))
+    drawn = draw(device, hidden, look_at((3.0, -3.0, 2.0)))
     assert drawn.profile.rows["SplatMaps"].drawn == 0
     assert drawn.profile.rows["SamplePoints"].drawn == 0

@@ -6,7 +6,16 @@ import pytest
 
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 from ism_addon.scene import LightShape
-from tests.support.small_scenes import MAPS, both, draw, light, look, quad, stage, with_quality
+from tests.support.small_scenes import (
+    SMALL_SHADOW_MAPS,
+    draw,
+    join_lights,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    with_quality,
+)
 
 ORIGIN = np.zeros(3)
 
@@ -17,7 +26,7 @@ def lamps():
     bright = light(
         position=(0.0, 5.0, 1.0), axis_u=(0.0, 0.0, 1.0), axis_v=(0.5, 0.0, 0.0), radiance=18.0 * np.pi / 2.0
     )
-    return both(both(light(radiance=np.pi / 2.0), large), bright)
+    return join_lights(join_lights(light(radiance=np.pi / 2.0), large), bright)
 
 
 def test_the_range_of_a_light_holds_its_virtual_lights():
@@ -55,7 +64,7 @@ def test_each_sample_has_other_points_and_together_they_fill_the_light():
 
 
 def test_two_equal_lights_have_different_points():
-    _, _, points = virtual_light_tables(both(light(), light()), {0: 16, 1: 16}, 0, ORIGIN)
+    _, _, points = virtual_light_tables(join_lights(light(), light()), {0: 16, 1: 16}, 0, ORIGIN)
     assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
@@ -70,12 +79,12 @@ def test_virtual_lights_are_exact_far_away():
 def test_more_lights_than_virtual_lights(device):
     lights = light()
     for k in range(9):
-        lights = both(lights, light(position=(0.3 * k, 0.0, 2.0)))
+        lights = join_lights(lights, light(position=(0.3 * k, 0.0, 2.0)))
     drawn = draw(
         device,
-        stage([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
-        look((3, -3, 2)),
-        with_quality(MAPS, virtual_lights=4),
+        make_scene([quad((-5, -5, 0), (10, 0, 0), (0, 10, 0))], lights),
+        look_at((3, -3, 2)),
+        with_quality(SMALL_SHADOW_MAPS, virtual_lights=4),
     )
     assert drawn.profile.counts["virtual_lights"] == 10
     assert drawn.color[..., :3].max() > 0.2

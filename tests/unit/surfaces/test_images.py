@@ -11,7 +11,7 @@ from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers.material_buffers import mip_chain
 from ism_addon.scene import Encoding, Image, Materials
 from tests.support import reference
-from tests.support.small_scenes import from_above, quad, stage
+from tests.support.small_scenes import make_scene, quad, view_from_above
 
 from .test_gbuffer import gbuffer
 
@@ -59,8 +59,8 @@ def test_images_are_filtered_bilinearly_in_linear_light(device, encoding, uv, re
     image = encoded(pattern().texels, encoding, repeat)
     floor = quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), uv=uv)
     floor = replace(floor, uvs=floor.uvs - np.float32(0.4 * (uv > 1.0)))
-    view = from_above(1.6, (64, 64))
-    scene = stage([floor], image=image)
+    view = view_from_above(1.6, (64, 64))
+    scene = make_scene([floor], image=image)
     truth = reference.surfaces(scene, view)
     at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
     ours = gbuffer(device, scene, view)
@@ -73,7 +73,7 @@ def test_images_far_away_have_the_mean_colour(device, encoding):
     """A pixel that covers the whole image shows its average, in linear light."""
     image = encoded(pattern(37, 23).texels, encoding)
     floor = quad((-50.0, -50.0, 0.0), (100.0, 0.0, 0.0), (0.0, 100.0, 0.0), uv=1000.0)
-    ours = gbuffer(device, stage([floor], image=image), from_above(20.0, (16, 16)))
+    ours = gbuffer(device, make_scene([floor], image=image), view_from_above(20.0, (16, 16)))
     mean = linear(image).mean((0, 1))
     assert ours["base_color"][:, :3] == pytest.approx(np.tile(mean, (256, 1)), abs=0.02 * max(mean.max(), 1.0))
 
@@ -99,8 +99,8 @@ def test_images_of_all_encodings_side_by_side(device):
         for k, x in enumerate((-1.5, -0.5, 0.5))
     ]
     materials = Materials(np.zeros((3, 3), np.float32), np.arange(3, dtype=np.int32))
-    scene = replace(stage(meshes), materials=materials, images=images)
-    albedo = gbuffer(device, scene, from_above(3.0, (30, 10)))["base_color"][:, :3].reshape(10, 30, 3)
+    scene = replace(make_scene(meshes), materials=materials, images=images)
+    albedo = gbuffer(device, scene, view_from_above(3.0, (30, 10)))["base_color"][:, :3].reshape(10, 30, 3)
     for k, image in enumerate(images):
         expected = np.broadcast_to(linear(image)[0, 0], (10, 8, 3))
         assert albedo[:, 10 * k + 1 : 10 * k + 9] == pytest.approx(expected, abs=2e-3)
@@ -113,13 +113,13 @@ def test_several_images_and_plain_colours_side_by_side(device):
         replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
         for k, x in enumerate((-1.5, -0.5, 0.5))
     ]
-    scene = stage(meshes)
+    scene = make_scene(meshes)
     materials = replace(
         scene.materials,
         base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32),
         image=np.array([0, -1, 1], np.int32),
     )
-    ours = gbuffer(device, replace(scene, materials=materials, images=images), from_above(3.0, (30, 10)))
+    ours = gbuffer(device, replace(scene, materials=materials, images=images), view_from_above(3.0, (30, 10)))
     albedo = ours["base_color"][:, :3].reshape(10, 30, 3)
     assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
     assert albedo[:, 21:] == pytest.approx(

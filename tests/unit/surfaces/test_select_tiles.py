@@ -7,22 +7,32 @@ import pytest
 from ism_addon.gpu.passes.surfaces.select_tiles import MIN_NEIGHBOUR_RATIO, MIN_TILE_PROBABILITY, UNIFORM_SAMPLES
 from ism_addon.resources import TILE_SAMPLE_COUNTS, TILE_SIZE
 from tests.scenes.small import box_over_plane
-from tests.support.small_scenes import MAPS, SMALL_SETTINGS, draw, from_above, light, quad, stage, texels, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    read_texels,
+    view_from_above,
+    with_quality,
+)
 
 FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
 
 def counted(drawn) -> np.ndarray:
     """(rows,columns): the samples that each block took part in."""
-    return texels(drawn.renderer.graph[TILE_SAMPLE_COUNTS], drawn.renderer.last[0].tiles)[..., 0]
+    return read_texels(drawn.renderer.graph[TILE_SAMPLE_COUNTS], drawn.renderer.last[0].tiles)[..., 0]
 
 
 def test_every_block_takes_part_in_the_first_samples_and_then_not_every_one(device):
     scene, view = box_over_plane(64, 48)
     settings = with_quality(SMALL_SETTINGS, samples=16)
     for sample in range(UNIFORM_SAMPLES):
-        assert draw(device, scene, view, settings, last=sample).part.all()
-    assert not draw(device, scene, view, settings, last=UNIFORM_SAMPLES).part.all()
+        assert draw(device, scene, view, settings, last=sample).drawn_tiles.all()
+    assert not draw(device, scene, view, settings, last=UNIFORM_SAMPLES).drawn_tiles.all()
 
 
 def test_counts_are_those_of_the_samples_taken_part_in(device):
@@ -30,21 +40,21 @@ def test_counts_are_those_of_the_samples_taken_part_in(device):
     settings, total = with_quality(SMALL_SETTINGS, samples=16), np.zeros((6, 8))
     for sample in range(16):
         drawn = draw(device, scene, view, settings, last=sample)
-        total += drawn.part
+        total += drawn.drawn_tiles
         assert np.array_equal(counted(drawn), total)
     assert total.min() < 16
 
 
 def test_shadow_maps_are_gathered_by_all_blocks(device):
     scene, view = box_over_plane(32, 16)
-    drawn = draw(device, scene, view, with_quality(MAPS, samples=12))
+    drawn = draw(device, scene, view, with_quality(SMALL_SHADOW_MAPS, samples=12))
     assert (counted(drawn) == 12).all()
 
 
 def test_a_still_and_plain_picture_takes_few_blocks(device):
     """A floor under the sky: no two samples differ."""
-    view, settings = from_above(4.0, (160, 160)), with_quality(SMALL_SETTINGS, samples=64)
-    drawn = draw(device, stage([FLOOR], world=0.5), view, settings)
+    view, settings = view_from_above(4.0, (160, 160)), with_quality(SMALL_SETTINGS, samples=64)
+    drawn = draw(device, make_scene([FLOOR], world=0.5), view, settings)
     expected = UNIFORM_SAMPLES + MIN_TILE_PROBABILITY * (64 - UNIFORM_SAMPLES)
     assert counted(drawn) == pytest.approx(expected, abs=3.0)
     assert counted(drawn).mean() == pytest.approx(expected, abs=0.5)
@@ -53,7 +63,10 @@ def test_a_still_and_plain_picture_takes_few_blocks(device):
 def test_the_blocks_that_vary_take_part_most(device):
     """Those with a penumbra, under a plate, against those without; and all of them sometimes."""
     plate = quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))
-    scene, view = stage([FLOOR, plate], light(axis_u=(0.5, 0, 0), axis_v=(0, -0.5, 0))), from_above(8.0, (96, 96))
+    scene, view = (
+        make_scene([FLOOR, plate], light(axis_u=(0.5, 0, 0), axis_v=(0, -0.5, 0))),
+        view_from_above(8.0, (96, 96)),
+    )
     drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=64))
     varies = drawn.target("sum_residual")[..., 3].reshape(12, TILE_SIZE, 12, TILE_SIZE).max((1, 3)) > 0.0
     assert 4 <= varies.sum() < 72
@@ -65,8 +78,8 @@ def test_the_blocks_that_vary_take_part_most(device):
 def test_blocks_beside_busy_ones_are_not_rare(device):
     """An edge in one column of blocks: those beside it have nothing to find, but count for its pixels."""
     plate = quad((-50.0, -50.0, 0.0), (50.0, 0.0, 0.0), (0.0, 100.0, 0.0))
-    view = from_above(2.0, (56, 8), filter_width=1.5, transparent=True)
-    counts = counted(draw(device, stage([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64)))[0]
+    view = view_from_above(2.0, (56, 8), filter_width=1.5, transparent=True)
+    counts = counted(draw(device, make_scene([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64)))[0]
     assert counts[3] == 64
     assert (counts[[2, 4]] > 0.9 * MIN_NEIGHBOUR_RATIO * 64).all()
     assert (counts[[0, 1, 5, 6]] < 0.5 * MIN_NEIGHBOUR_RATIO * 64).all()
@@ -77,7 +90,10 @@ def test_pictures_whose_sides_are_no_whole_blocks(device, size):
     """No pixel is left out, none is drawn twice: a plain floor has one colour, in each number of samples."""
     for samples in (1, 16):
         drawn = draw(
-            device, stage([FLOOR], world=0.5), from_above(4.0, size), with_quality(SMALL_SETTINGS, samples=samples)
+            device,
+            make_scene([FLOOR], world=0.5),
+            view_from_above(4.0, size),
+            with_quality(SMALL_SETTINGS, samples=samples),
         )
         assert counted(drawn).shape == (-(-size[1] // TILE_SIZE), -(-size[0] // TILE_SIZE))
         assert drawn.color == pytest.approx(np.broadcast_to([0.3, 0.3, 0.3, 1.0], (*size[::-1], 4)), abs=1e-3)

@@ -13,8 +13,8 @@ from ism_addon.parallel import MIN_PARALLEL_SIZE
 from ism_addon.resources import BLAS, TLAS
 from tests.scenes.small import subdivided_box
 from tests.support import reference
-from tests.support.rays import compare, occluded, rays, truth
-from tests.support.small_scenes import draw, light, look, placed, quad, rubble, stage
+from tests.support.rays import assert_agree, occluded, random_rays, reference_occlusion
+from tests.support.small_scenes import draw, light, look_at, make_scene, quad, random_triangles, transform
 
 SHEAR = np.array([[1.0, 0.7, 0.0], [0.0, 0.6, 0.3], [0.2, 0.0, 1.4]])
 TURN = np.array([[0.0, -0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
@@ -22,27 +22,29 @@ TURN = np.array([[0.0, -0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 16, 17, 200, 1500])
 def test_random_triangles(device, count):
-    compare(device, stage([rubble(count, size=0.3 if count > 100 else 3.0)], light()), *rays(1500))
+    assert_agree(
+        device, make_scene([random_triangles(count, size=0.3 if count > 100 else 3.0)], light()), *random_rays(1500)
+    )
 
 
 def test_more_triangles_than_one_thread_sorts(device):
-    scene = stage([rubble(MIN_PARALLEL_SIZE + 100, size=0.02)], light())
-    compare(device, scene, *rays(200, 1.2))
+    scene = make_scene([random_triangles(MIN_PARALLEL_SIZE + 100, size=0.02)], light())
+    assert_agree(device, scene, *random_rays(200, 1.2))
 
 
 def test_deeper_than_eight_levels_of_four(device):
     """As deep as one word can tell what waits, and one deeper."""
-    scene = stage([rubble(4**9 + 1, size=0.01)], light())
-    compare(device, scene, *rays(60, 1.2))
+    scene = make_scene([random_triangles(4**9 + 1, size=0.01)], light())
+    assert_agree(device, scene, *random_rays(60, 1.2))
 
 
 def test_long_thin_triangles(device):
     """Blades a thousand times as long as wide, whose boxes are mostly empty."""
     random = np.random.default_rng(3)
     blades = [quad(random.uniform(-1, 1, 3), 1e-3 * random.normal(size=3), random.normal(size=3)) for _ in range(60)]
-    starts, ends = rays(6000)
-    ours = occluded(device, stage(blades, light()), starts, ends)
-    expected, sure = truth(stage(blades, light()), starts, ends, 1e-3)
+    starts, ends = random_rays(6000)
+    ours = occluded(device, make_scene(blades, light()), starts, ends)
+    expected, sure = reference_occlusion(make_scene(blades, light()), starts, ends, 1e-3)
     assert expected.sum() > 20
     assert np.array_equal(ours[sure], expected[sure])
 
@@ -75,30 +77,35 @@ MATRICES = {
 def test_instances(device, kind):
     """Of two meshes, twice each, some through others."""
     one, two = MATRICES[kind]
-    places = [placed(one, (-0.5, 0, 0)), placed(two, (0.8, 0.3, 0)), placed(), placed(two @ one, (0, 0, 0.4))]
-    scene = stage([rubble(60), rubble(40, seed=1)], light(), places, [0, 1, 1, 0])
-    compare(device, scene, *rays(1500, 2.0))
+    places = [
+        transform(one, (-0.5, 0, 0)),
+        transform(two, (0.8, 0.3, 0)),
+        transform(),
+        transform(two @ one, (0, 0, 0.4)),
+    ]
+    scene = make_scene([random_triangles(60), random_triangles(40, seed=1)], light(), places, [0, 1, 1, 0])
+    assert_agree(device, scene, *random_rays(1500, 2.0))
 
 
 @pytest.mark.parametrize("scale", [1e-5, 1e-2, 1e3, 1e6])
 def test_tiny_and_huge(device, scale):
-    scene = stage([rubble(100)], light(), [placed(scale * TURN)])
-    compare(device, scene, *(scale * ends for ends in rays(1000)))
+    scene = make_scene([random_triangles(100)], light(), [transform(scale * TURN)])
+    assert_agree(device, scene, *(scale * ends for ends in random_rays(1000)))
 
 
 def test_one_among_many_instances(device):
     """A thousand, which lie close to one another: the tree over them has ten levels."""
     random = np.random.default_rng(5)
-    places = [placed(0.1 * TURN, offset) for offset in random.uniform(-1, 1, (1000, 3))]
-    scene = stage([rubble(3)], light(), places, np.zeros(1000, int))
-    compare(device, scene, *rays(500))
+    places = [transform(0.1 * TURN, offset) for offset in random.uniform(-1, 1, (1000, 3))]
+    scene = make_scene([random_triangles(3)], light(), places, np.zeros(1000, int))
+    assert_agree(device, scene, *random_rays(500))
 
 
 def test_far_from_the_worlds_origin(device):
     """Triangles about 1e4 m away from their mesh's origin, brought back by the matrix: none is lost."""
-    mesh = rubble(100)
+    mesh = random_triangles(100)
     far = replace(mesh, positions=mesh.positions + np.float32(1e4))
-    compare(device, stage([far], light(), [placed(offset=(-1e4,) * 3)]), *rays(1000))
+    assert_agree(device, make_scene([far], light(), [transform(offset=(-1e4,) * 3)]), *random_rays(1000))
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -106,11 +113,11 @@ def test_rays_along_axes(device, axis):
     """Not a component of them is anything but zero, in the world and in a turned instance; boxes have no thickness."""
     plates = [quad((-1, -1, z), (2, 0, 0), (0, 2, 0)) for z in (-0.4, 0.1, 0.5)]
     turns = [np.roll(np.eye(3), axis + 1, 0), np.diag([0.3, 0.3, 1.0])]
-    scene = stage(plates, light(), [placed(turns[0]), placed(turns[0]), placed(turns[0] @ turns[1])])
-    starts, _ = rays(600, 1.4)
+    scene = make_scene(plates, light(), [transform(turns[0]), transform(turns[0]), transform(turns[0] @ turns[1])])
+    starts, _ = random_rays(600, 1.4)
     ends = starts.copy()
     ends[:, axis] = np.random.default_rng(1).uniform(-1.4, 1.4, 600)
-    compare(device, scene, starts, ends)
+    assert_agree(device, scene, starts, ends)
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -121,22 +128,22 @@ def test_rays_along_axes_through_the_lines_between_triangles(device, axis):
     starts = np.stack(np.meshgrid([2.0], across, across), -1).reshape(-1, 3)
     starts = np.roll(starts, axis, 1)
     ends = np.where(np.arange(3) == axis, 0.0, starts)
-    scene = stage([wall], light())
+    scene = make_scene([wall], light())
     assert occluded(device, scene, starts, ends).all()
     assert not occluded(device, scene, starts, np.where(np.arange(3) == axis, 1.25, starts)).any()
 
 
 def test_a_triangle_is_not_in_its_own_way(device):
     """Rays that start on triangles, a hair behind them: those miss their own, and no other."""
-    places = [placed(TURN, (0.5, 0, 0)), placed(SHEAR), placed(-np.eye(3), (0, 0.5, 0))]
-    scene = stage([rubble(40), rubble(30, seed=1)], light(), places, [1, 0, 1])
+    places = [transform(TURN, (0.5, 0, 0)), transform(SHEAR), transform(-np.eye(3), (0, 0.5, 0))]
+    scene = make_scene([random_triangles(40), random_triangles(30, seed=1)], light(), places, [1, 0, 1])
     triangles = reference.world_triangles(scene, np.ones(3, bool))
     first, rows = np.array([40, 0, 40]), np.array([1, 0, 2])  # of the meshes; of the instances, sorted by mesh
     counts = np.array([30, 40, 30])
     instance = np.repeat(np.arange(3), counts)
     orders = [build_blas(mesh).order for mesh in (scene.meshes[1], scene.meshes[0], scene.meshes[1])]
     number = np.concatenate([np.argsort(order) + first[k] for k, order in enumerate(orders)])
-    _, ends = rays(len(triangles), 2.0)
+    _, ends = random_rays(len(triangles), 2.0)
     starts = triangles.mean(1)
     starts -= 1e-3 * (ends - starts)
     with_own = occluded(device, scene, starts, ends)
@@ -145,7 +152,7 @@ def test_a_triangle_is_not_in_its_own_way(device):
     sure = np.zeros(len(triangles), bool)
     for k in range(len(triangles)):
         rest = np.delete(triangles, k, 0)
-        distance = reference.crossings(starts[k : k + 1], (ends - starts)[k : k + 1], rest)
+        distance = reference.intersections(starts[k : k + 1], (ends - starts)[k : k + 1], rest)
         others[k] = (distance < 1.0).any()
         sure[k] = not (np.abs(distance - 1.0) < 1e-3).any()
     assert with_own.all()
@@ -155,7 +162,7 @@ def test_a_triangle_is_not_in_its_own_way(device):
 
 def test_the_same_triangle_of_another_instance_is_in_the_way(device):
     plate = quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))
-    scene = stage([plate], light(), [placed(), placed(offset=(0, 0, 0.5))], [0, 0])
+    scene = make_scene([plate], light(), [transform(), transform(offset=(0, 0, 0.5))], [0, 0])
     start, end = np.array([[0.3, -0.2, -1e-4]]), np.array([[0.3, -0.2, 1.0]])
     assert occluded(device, scene, start, end, np.array([[0.0, 0.0]]))
     low = np.array([[0.3, -0.2, 0.2]])
@@ -164,9 +171,9 @@ def test_the_same_triangle_of_another_instance_is_in_the_way(device):
 
 
 def test_what_casts_no_shadow_is_in_nobodys_way(device):
-    scene = stage([rubble(80), rubble(80, seed=1)], light())
+    scene = make_scene([random_triangles(80), random_triangles(80, seed=1)], light())
     ghost = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([False, True])))
-    compare(device, ghost, *rays(1000))
+    assert_agree(device, ghost, *random_rays(1000))
 
 
 def moved(scene):
@@ -177,7 +184,7 @@ def moved(scene):
 
 
 def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
-    scene, view = stage([rubble(5000), rubble(10, seed=1)], light()), look((3.0, -3.0, 2.0))
+    scene, view = make_scene([random_triangles(5000), random_triangles(10, seed=1)], light()), look_at((3.0, -3.0, 2.0))
     first = draw(device, scene, view)
     trees, textures = first.renderer.graph[BLAS], first.renderer.graph[TLAS]
     second = draw(device, moved(scene), view, renderer=first.renderer)
@@ -190,10 +197,15 @@ def test_moving_an_instance_uploads_little_and_keeps_the_trees(device):
 
 
 def test_a_mesh_that_did_not_change_keeps_its_tree(device):
-    still, changing = rubble(500), rubble(300, seed=1)
-    first = draw(device, stage([still, changing], light()), look((3.0, -3.0, 2.0)))
+    still, changing = random_triangles(500), random_triangles(300, seed=1)
+    first = draw(device, make_scene([still, changing], light()), look_at((3.0, -3.0, 2.0)))
     before = first.renderer.graph[BLAS].trees
-    draw(device, stage([rubble(300, seed=2), still], light()), look((3.0, -3.0, 2.0)), renderer=first.renderer)
+    draw(
+        device,
+        make_scene([random_triangles(300, seed=2), still], light()),
+        look_at((3.0, -3.0, 2.0)),
+        renderer=first.renderer,
+    )
     after = first.renderer.graph[BLAS].trees
     assert after[1] is before[0]
     assert after[0] is not before[1]
@@ -201,11 +213,11 @@ def test_a_mesh_that_did_not_change_keeps_its_tree(device):
 
 def test_instances_may_become_many(device):
     """After a picture of one."""
-    view, mesh = look((3.0, -3.0, 2.0)), rubble(3)
-    one = draw(device, stage([mesh], light()), view)
+    view, mesh = look_at((3.0, -3.0, 2.0)), random_triangles(3)
+    one = draw(device, make_scene([mesh], light()), view)
     random = np.random.default_rng(0)
     count = 4106
-    places = [placed(0.05 * np.eye(3), offset) for offset in random.uniform(-1, 1, (count, 3))]
-    many = stage([mesh], light(), places, np.zeros(count, int))
+    places = [transform(0.05 * np.eye(3), offset) for offset in random.uniform(-1, 1, (count, 3))]
+    many = make_scene([mesh], light(), places, np.zeros(count, int))
     fresh = draw(device, many, view).color
     assert np.array_equal(draw(device, many, view, renderer=one.renderer).color, fresh)

@@ -8,19 +8,19 @@ import pytest
 
 from ism_addon.resources import MESH_BUFFERS, RESIDENT_MESHES
 from ism_addon.settings import Method
-from tests.support.rays import truth
+from tests.support.rays import reference_occlusion
 from tests.support.small_scenes import (
-    MAPS,
     SMALL_SETTINGS,
-    both,
+    SMALL_SHADOW_MAPS,
     draw,
-    from_above,
+    join_lights,
     light,
-    look,
-    placed,
+    look_at,
+    make_scene,
     quad,
-    rubble,
-    stage,
+    random_triangles,
+    transform,
+    view_from_above,
 )
 
 #: Looked at from above, lit from 2 m above its middle.
@@ -33,11 +33,11 @@ def wanted(drawn) -> tuple[int, ...]:
 
 def with_one_at(place, lights=None, size: float = 0.2):
     """The floor, and rubble somewhere: its triangles are so many that to look is worth while."""
-    matrices = np.stack([placed(), placed(size * np.eye(3), place)])
-    return stage([FLOOR, rubble(200)], light() if lights is None else lights, matrices)
+    matrices = np.stack([transform(), transform(size * np.eye(3), place)])
+    return make_scene([FLOOR, random_triangles(200)], light() if lights is None else lights, matrices)
 
 
-VIEW = from_above(1.0)
+VIEW = view_from_above(1.0)
 ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
 
 
@@ -54,7 +54,7 @@ ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
         (BESIDE, light(position=(4.0, 0.0, 1.0), casts_shadow=False), False),
         (BESIDE, light(position=(4.0, 0.0, 1.0), radiance=0.0), False),
         (BESIDE, light(position=(4.0, 0.0, 1.0), blockers=3), False),
-        (BESIDE, both(light(), light(position=(4.0, 0.0, 1.0))), True),
+        (BESIDE, join_lights(light(), light(position=(4.0, 0.0, 1.0))), True),
     ],
 )
 def test_off_screen_a_mesh_is_wanted_if_it_is_in_a_lights_way(device, place, lights, needed):
@@ -79,8 +79,8 @@ def test_what_the_camera_does_not_see_may_be_in_the_way(device):
 def test_shadow_maps_want_only_what_is_in_the_picture(device):
     """They see points, which need no upload of meshes."""
     scene = with_one_at(BESIDE, light(position=(4.0, 0.0, 1.0)))
-    assert wanted(draw(device, scene, VIEW, MAPS)) == (0,)
-    assert MAPS.shadow.method == Method.SHADOW_MAPS
+    assert wanted(draw(device, scene, VIEW, SMALL_SHADOW_MAPS)) == (0,)
+    assert SMALL_SHADOW_MAPS.shadow.method == Method.SHADOW_MAPS
 
 
 def test_without_skipping_all_are_wanted(device):
@@ -88,7 +88,7 @@ def test_without_skipping_all_are_wanted(device):
 
 
 def test_a_picture_of_nothing_wants_nothing(device):
-    away = look((0.0, 0.0, 50.0), (1.0, 0.0, 90.0))
+    away = look_at((0.0, 0.0, 50.0), (1.0, 0.0, 90.0))
     drawn = draw(device, with_one_at(ABOVE), away)
     assert wanted(drawn) == ()
     assert not drawn.color[..., :3].any()
@@ -96,12 +96,12 @@ def test_a_picture_of_nothing_wants_nothing(device):
 
 def test_few_triangles_are_uploaded_sooner_than_looked_at(device):
     scene = with_one_at(BESIDE)
-    few = replace(scene, meshes=(FLOOR, rubble(3)))
+    few = replace(scene, meshes=(FLOOR, random_triangles(3)))
     assert wanted(draw(device, few, VIEW)) == (0, 1)
 
 
 def test_what_comes_into_the_picture_is_uploaded_then_and_stays(device):
-    scene, elsewhere = with_one_at((1.3, 0.0, 0.3)), replace(VIEW, view_from_world=placed(offset=(-1.3, 0.0, -10.0)))
+    scene, elsewhere = with_one_at((1.3, 0.0, 0.3)), replace(VIEW, view_from_world=transform(offset=(-1.3, 0.0, -10.0)))
     first = draw(device, scene, VIEW)
     assert first.profile.counts["bytes_uploaded"] < 44 * 200
     second = draw(device, scene, elsewhere, renderer=first.renderer)
@@ -118,7 +118,7 @@ def test_what_comes_into_the_picture_is_uploaded_then_and_stays(device):
 def test_renderers_that_share_meshes_want_their_own(device):
     """What one has uploaded, in its order, the other finds."""
     scene = with_one_at((1.3, 0.0, 0.3))
-    elsewhere = replace(VIEW, view_from_world=placed(offset=(-1.3, 0.0, -10.0)))
+    elsewhere = replace(VIEW, view_from_world=transform(offset=(-1.3, 0.0, -10.0)))
     one = draw(device, scene, VIEW)
     other = draw(device, scene, elsewhere)
     assert one.renderer.graph[MESH_BUFFERS] is other.renderer.graph[MESH_BUFFERS]
@@ -133,16 +133,16 @@ def test_nothing_that_is_left_out_hides_any_light_of_what_is_seen(device, seed):
     random = np.random.default_rng(seed)
     count = 60
     places = np.stack(
-        [placed(), *(placed(0.3 * random.normal(size=(3, 3)), 5.0 * random.normal(size=3)) for _ in range(count))]
+        [transform(), *(transform(0.3 * random.normal(size=(3, 3)), 5.0 * random.normal(size=3)) for _ in range(count))]
     )
-    lights = both(
+    lights = join_lights(
         *(
             light(position=4.0 * random.normal(size=3), axis_u=random.normal(size=3), axis_v=random.normal(size=3))
             for _ in range(2)
         )
     )
-    scene = stage([FLOOR, *(rubble(100, seed=k) for k in range(count))], lights, places)
-    view = look(3.0 * random.normal(size=3) + (0.0, 0.0, 4.0)) if seed % 2 else from_above(2.0)
+    scene = make_scene([FLOOR, *(random_triangles(100, seed=k) for k in range(count))], lights, places)
+    view = look_at(3.0 * random.normal(size=3) + (0.0, 0.0, 4.0)) if seed % 2 else view_from_above(2.0)
     drawn = draw(device, scene, view)
     left_out = np.setdiff1d(np.arange(count + 1), wanted(drawn))
     assert len(left_out) > 5
@@ -153,5 +153,5 @@ def test_nothing_that_is_left_out_hides_any_light_of_what_is_seen(device, seed):
     ends = lights.position[which] + at[0] * lights.axis_u[which] + at[1] * lights.axis_v[which]
     ahead = ((starts - lights.position[which]) * np.cross(lights.axis_u, lights.axis_v)[which]).sum(1) > 0.0
     others = replace(scene.instances, casts_shadow=np.isin(scene.instances.mesh, left_out))
-    hidden, _ = truth(replace(scene, instances=others), starts[ahead], ends[ahead])
+    hidden, _ = reference_occlusion(replace(scene, instances=others), starts[ahead], ends[ahead])
     assert not hidden.any()

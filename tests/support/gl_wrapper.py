@@ -7,7 +7,7 @@ from typing import Any
 import glcontext
 
 
-class StandIn:
+class ContextWrapper:
     """In place of one context. Subclasses have `load`, which gives the addresses of functions."""
 
     def __init__(self, context: Any):
@@ -23,13 +23,13 @@ class StandIn:
         self.context.release()
 
 
-def stand_in(monkeypatch: Any, make: Callable[[Any], StandIn]) -> list[Any]:
+def wrap_contexts(monkeypatch: Any, make: Callable[[Any], ContextWrapper]) -> list[Any]:
     """Lets what `make` makes of them stand before all contexts that are opened from now on: those are in the list."""
-    opened: list[StandIn] = []
+    opened: list[ContextWrapper] = []
     backend = glcontext.get_backend_by_name
 
-    def of_backend(name: str) -> Callable[..., StandIn]:
-        def open_behind(*arguments: object, **settings: object) -> StandIn:
+    def of_backend(name: str) -> Callable[..., ContextWrapper]:
+        def open_behind(*arguments: object, **settings: object) -> ContextWrapper:
             opened.append(make(backend(name)(*arguments, **settings)))
             return opened[-1]
 

@@ -26,7 +26,7 @@ SIZE = 640, 360  # px
 
 
 @dataclass(frozen=True)
-class Lamp:
+class AreaLight:
     """An area light that shines from a position on a target and is not seen itself."""
 
     shape: str  # Blender's name of it
@@ -38,13 +38,13 @@ class Lamp:
     spread: float = 180.0  # degrees
 
 
-def start() -> None:
+def new_file() -> None:
     """An empty file with a black world."""
     open_empty_file()
-    darken()
+    black_world()
 
 
-def darken() -> None:
+def black_world() -> None:
     """Let no light come from the world of the open file."""
     world = bpy.data.worlds.new("Night")
     world.use_nodes = True
@@ -52,7 +52,7 @@ def darken() -> None:
     bpy.context.scene.world = world
 
 
-def light(lamps: Sequence[Lamp]) -> None:
+def add_lights(lamps: Sequence[AreaLight]) -> None:
     """Hang the lamps."""
     for number, lamp in enumerate(lamps, 1):
         data = bpy.data.lights.new(f"Lamp {number}", "AREA")
@@ -65,7 +65,7 @@ def light(lamps: Sequence[Lamp]) -> None:
         bpy.context.scene.collection.objects.link(place)
 
 
-def look(position: Point, target: Point, lens: float) -> None:
+def add_camera(position: Point, target: Point, lens: float) -> None:
     """The camera, its lens in millimetres, and a plain view transform that is the same in every Blender."""
     scene = bpy.context.scene
     data = bpy.data.cameras.new("Camera")

@@ -38,7 +38,7 @@ SEEDS = (1_000_001, 1_000_002)
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class BenchmarkScene:
     """A scene that is open in Blender."""
 
     name: str
@@ -50,7 +50,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class OpenedScene:
     """A scene that is open in Blender, as ours reads it."""
 
     blend: Path
@@ -59,7 +59,7 @@ class Opened:
     seconds: float  # that reading the scene took
 
 
-def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> Opened:
+def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> OpenedScene:
     """Build a scene in `folder`, and open it."""
     blend = folder / f"{name}-{variant}.blend"
     with quiet_stdout():
@@ -71,10 +71,10 @@ def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> 
     depsgraph = bpy.context.evaluated_depsgraph_get()
     start = time.perf_counter()
     scene, view = scene_reader.scene(depsgraph), camera.final_view(depsgraph)
-    return Opened(blend, scene, view, time.perf_counter() - start)
+    return OpenedScene(blend, scene, view, time.perf_counter() - start)
 
 
-def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, folder: Path) -> Stage:
+def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, folder: Path) -> BenchmarkScene:
     """Build a scene, open it, and render its truth unless `folder` has it."""
     opened = open_scene(name, variant, size, folder)
     known = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(opened.scene, opened.view)}.npy"
@@ -82,7 +82,7 @@ def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, f
     halves = np.load(known) if known.is_file() else truth(known, opened.view.filter_width, truth_samples, tree)
     with quiet_stdout():
         bpy.ops.wm.open_mainfile(filepath=str(opened.blend))  # with Cycles' settings as they are by default
-    return Stage(name, **vars(opened), halves=halves)
+    return BenchmarkScene(name, **vars(opened), halves=halves)
 
 
 def truth(path: Path, filter_width: float, samples: int, light_tree: bool) -> np.ndarray:

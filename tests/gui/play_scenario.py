@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Run by a Blender with a window: installs the extension from its zip and plays one scenario.
 
-blender --python inside.py -- ZIP MODULE NAME FOLDER. Leaves result.json in FOLDER; none if Blender crashed.
+blender --python play_scenario.py -- ZIP MODULE NAME FOLDER. Leaves result.json in FOLDER; none if Blender crashed.
 """
 
 import importlib
@@ -22,8 +22,8 @@ STEP = 0.01  # s: Blender's main loop runs freely at least this long between two
 class Play:
     """A scenario on its way, a step at each call of a timer."""
 
-    def __init__(self, steps: Generator, stage: "object", folder: Path):
-        self.steps, self.stage, self.folder = steps, stage, folder
+    def __init__(self, steps: Generator, session: "object", folder: Path):
+        self.steps, self.session, self.folder = steps, session, folder
         self.began = time.perf_counter()
 
     def __call__(self) -> float | None:
@@ -31,16 +31,16 @@ class Play:
             next(self.steps)
             return STEP
         except StopIteration:
-            self.end("\n".join(self.stage.missed))
+            self.end("\n".join(self.session.missed))
         except Exception:
-            self.end("\n".join([*self.stage.missed, traceback.format_exc()]))
+            self.end("\n".join([*self.session.missed, traceback.format_exc()]))
         return None
 
     def end(self, failure: str) -> None:
         seconds = time.perf_counter() - self.began
-        region = self.stage.region.width, self.stage.region.height
-        result = {"failure": failure, "seconds": seconds, "figures": self.stage.figures, "region": region}
-        result["slow"] = "\n".join(self.stage.slow)
+        region = self.session.region.width, self.session.region.height
+        result = {"failure": failure, "seconds": seconds, "figures": self.session.figures, "region": region}
+        result["slow"] = "\n".join(self.session.slow)
         (self.folder / "result.json").write_text(json.dumps(result))
         bpy.ops.wm.quit_blender()
 
@@ -50,11 +50,11 @@ def main() -> None:
     bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
     bpy.context.preferences.view.show_splash = False
 
-    from tests.gui.stage import Stage
+    from tests.gui.session import Session
 
-    stage = Stage(Path(folder))
-    steps = getattr(importlib.import_module(f"tests.gui.scenarios.{module}"), name)(stage)
-    bpy.app.timers.register(Play(steps, stage, Path(folder)), first_interval=0.5, persistent=True)
+    session = Session(Path(folder))
+    steps = getattr(importlib.import_module(f"tests.gui.scenarios.{module}"), name)(session)
+    bpy.app.timers.register(Play(steps, session, Path(folder)), first_interval=0.5, persistent=True)
 
 
 main()

@@ -8,7 +8,7 @@ import bmesh
 import bpy
 from mathutils import Euler, Vector
 
-EYE = Euler((math.radians(60.0), 0.0, math.radians(35.0)))  # looks down at the middle, from the right
+VIEW_ROTATION = Euler((math.radians(60.0), 0.0, math.radians(35.0)))  # looks down at the middle, from the right
 BALL_SEGMENTS, BALL_RINGS = 25, 21  # 1000 triangles
 
 
@@ -18,7 +18,7 @@ def studio() -> None:
     add("Floor", grid(12.0))
     add("Cube", cube(1.2), (-0.9, 0.0, 0.6))
     add("Ball", ball(0.7), (1.0, 0.2, 0.7))
-    lamp("Lamp", (1.5, -2.0, 4.0), watts=400.0, size=1.5)
+    area_light("Lamp", (1.5, -2.0, 4.0), watts=400.0, size=1.5)
     world(0.1)
 
 
@@ -49,7 +49,7 @@ def crowd(balls: int = 500) -> None:
         add(f"Ball {i}", pattern.copy(), (column - 12.0, row + 2.5, 0.35))
     add("Free", pattern, (0.0, -0.5, 0.35))
     pattern.materials.append(material("Red", (0.9, 0.05, 0.05)))
-    lamp("Lamp", (2.0, -4.0, 8.0), watts=2500.0, size=3.0)
+    area_light("Lamp", (2.0, -4.0, 8.0), watts=2500.0, size=3.0)
     world(0.1)
 
 
@@ -75,7 +75,7 @@ def collection(name: str, *things: bpy.types.Object) -> bpy.types.Collection:
     return made
 
 
-def lamp(name: str, place: tuple[float, float, float], watts: float, size: float) -> bpy.types.Object:
+def area_light(name: str, place: tuple[float, float, float], watts: float, size: float) -> bpy.types.Object:
     """A square area light that looks at the middle."""
     light = bpy.data.lights.new(name, "AREA")
     light.energy, light.size = watts, size
@@ -111,19 +111,19 @@ def stretch(mesh: bpy.types.Mesh) -> None:
     mesh.update()
 
 
-def look(view: bpy.types.RegionView3D, distance: float = 7.0) -> None:
+def set_view(view: bpy.types.RegionView3D, distance: float = 7.0) -> None:
     """Point a viewport at the middle."""
     view.view_perspective = "PERSP"
     view.view_location = (0.0, 0.0, 0.5)
-    view.view_rotation = EYE.to_quaternion()
+    view.view_rotation = VIEW_ROTATION.to_quaternion()
     view.view_distance = distance
 
 
 def camera(distance: float = 9.0) -> bpy.types.Object:
     """The scene's camera, looking at the middle."""
     thing = add("Camera", bpy.data.cameras.new("Camera"))
-    thing.rotation_euler = EYE
-    thing.location = Vector((0.0, 0.0, 0.5)) + EYE.to_quaternion() @ Vector((0.0, 0.0, distance))
+    thing.rotation_euler = VIEW_ROTATION
+    thing.location = Vector((0.0, 0.0, 0.5)) + VIEW_ROTATION.to_quaternion() @ Vector((0.0, 0.0, distance))
     scene().camera = thing
     return thing
 

@@ -10,8 +10,8 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
-from . import engine, scenery, sight
-from .watch import Watch
+from . import engine, scene_setup, screenshots
+from .engine_calls import EngineCalls
 
 Steps = Generator[None, None, None]
 SETTLED_SAMPLES = 6  # sampling is repeatable: few samples tell pictures apart, and are soon drawn
@@ -20,7 +20,7 @@ DIFFERENT = 0.03  # of a mean colour: more than noise and coarse first pictures 
 TIMES = ("s", "ms")  # units of what depends on the machine, and on what else it does
 
 
-class Stage:
+class Session:
     """Nothing of bpy is kept: a file that is loaded replaces all of it."""
 
     def __init__(self, folder: Path):
@@ -28,7 +28,7 @@ class Stage:
         self.figures: dict[str, dict] = {}
         self.missed: list[str] = []
         self.slow: list[str] = []
-        self.watch = Watch(engine.engine_class())
+        self.calls = EngineCalls(engine.engine_class())
 
     @property
     def window(self) -> bpy.types.Window:
@@ -78,7 +78,7 @@ class Stage:
             shading.background_type, shading.background_color = "VIEWPORT", (1.0, 1.0, 1.0)
             shading.show_object_outline = False
 
-    def bare(self) -> None:
+    def without_overlays(self) -> None:
         """Nothing in the viewport but the picture."""
         self.space.overlay.show_overlays = self.space.show_gizmo = False
         for part in ("header", "tool_header", "toolbar", "ui"):
@@ -93,7 +93,7 @@ class Stage:
         with self.in_viewport():
             bpy.ops.ed.undo_push(message=name)
 
-    def place_of(self, point: tuple[float, float, float]) -> tuple[float, float]:
+    def pixel_of(self, point: tuple[float, float, float]) -> tuple[float, float]:
         """Where a point of the world is seen, as parts of the region from below left."""
         across, up = location_3d_to_region_2d(self.region, self.view, Vector(point))
         return across / self.region.width, up / self.region.height
@@ -111,7 +111,7 @@ class Stage:
         while time.perf_counter() < end:
             yield
 
-    def turns(self) -> Steps:
+    def main_loop(self) -> Steps:
         """Let the main loop take in what was changed, and draw."""
         for _ in range(3):
             yield
@@ -124,36 +124,36 @@ class Stage:
             yield
         assert not engine.errors(), f"the engine said {engine.errors()}"
 
-    def settled(self, distance: float = 7.0) -> Steps:
+    def until_drawn(self, distance: float = 7.0) -> Steps:
         """Nothing but the picture of the scene's middle, from that many metres, with all of a few samples."""
         self.scene.ism.viewport.samples = SETTLED_SAMPLES
-        scenery.look(self.view, distance)
-        self.bare()
+        scene_setup.set_view(self.view, distance)
+        self.without_overlays()
         self.rendered()
-        yield from self.rested()
+        yield from self.until_idle()
 
-    def rested(self, seconds: float = 60.0) -> Steps:
+    def until_idle(self, seconds: float = 60.0) -> Steps:
         """Until the viewport shows the last sample of the scene as it is now."""
-        yield from self.turns()
+        yield from self.main_loop()
         yield from self.until(lambda: not engine.is_busy(), seconds, "the last sample is shown")
-        yield from self.turns()
+        yield from self.main_loop()
 
-    def seen(self, act: Callable[[], object], place: tuple[float, float], seconds: float = 30.0) -> Generator:
+    def until_visible(self, act: Callable[[], object], place: tuple[float, float], seconds: float = 30.0) -> Generator:
         """Act, and return how many seconds later the viewport first shows it, in a patch at a place (u, v)."""
-        self.watch.place = place
+        self.calls.place = place
         asked = time.perf_counter()
         self.region.tag_redraw()
-        yield from self.until(lambda: self.watch.glimpses(asked), 10.0, "a redraw that was asked for")
-        before = self.watch.glimpses(asked)[-1].seen
+        yield from self.until(lambda: self.calls.patch_colors(asked), 10.0, "a redraw that was asked for")
+        before = self.calls.patch_colors(asked)[-1].seen
         began = time.perf_counter()
         act()
 
         def differing() -> list[float]:
-            glimpses = self.watch.glimpses(began)
+            glimpses = self.calls.patch_colors(began)
             return [call.ended for call in glimpses if np.abs(call.seen - before).max() > DIFFERENT]
 
         yield from self.until(differing, seconds, "a picture that shows the change")
-        self.watch.place = None
+        self.calls.place = None
         return differing()[0] - began
 
     def pixels(self, name: str) -> np.ndarray:
@@ -165,6 +165,6 @@ class Stage:
         return self._cut(name, area or self.area)
 
     def _cut(self, name: str, part: bpy.types.Region | bpy.types.Area) -> np.ndarray:
-        whole = sight.screenshot(self.folder / f"{name}.png")
+        whole = screenshots.screenshot(self.folder / f"{name}.png")
         top = len(whole) - part.y - part.height
         return whole[top : top + part.height, part.x : part.x + part.width]

@@ -6,12 +6,12 @@ import math
 import bpy
 import numpy as np
 
-from tests.scenes import scenery
+from tests.scenes import blend_file
 from tests.scenes.atrium_light import aim
+from tests.scenes.blend_file import AreaLight, large_mesh
 from tests.scenes.parts.solids import ball
-from tests.scenes.scenery import Lamp, large_mesh
 
-REACH = 4.0  # m, half of the ground's side
+HALF_WIDTH = 4.0  # m, half of the ground's side
 HEIGHT = 5.0  # m, of the lamps
 WATTS = 300.0  # of all lamps together
 CAMERA = (0.0, -6.5, 3.2), (0.0, 0.2, 0.4), 34.0
@@ -21,20 +21,20 @@ SHAPES = ("RECTANGLE", "ELLIPSE", "SQUARE", "DISK")
 
 def build(triangles: int, objects: int, lamps: int) -> None:
     """Open it: `triangles` in the ground and the rock together, `objects` balls, `lamps` lamps."""
-    scenery.start()
+    blend_file.new_file()
     material = bpy.data.materials.new("Stone")
-    stand("Ground", ground(triangles // 2, material))
+    place("Ground", ground(triangles // 2, material))
     solid = ball(1.0, max(round(math.sqrt(triangles / 24)), 2), 2.6)
-    stand("Rock", large_mesh("Rock", rough(solid.positions) * 0.9 + (0.2, 0.3, 0.9), solid.quads, material))
+    place("Rock", large_mesh("Rock", rough(solid.positions) * 0.9 + (0.2, 0.3, 0.9), solid.quads, material))
     small = ball(1.0, 4)
     scatter(large_mesh("Ball", small.positions, small.quads, material), objects)
-    scenery.light(ring(lamps))
-    scenery.look(*CAMERA)
+    blend_file.add_lights(ring(lamps))
+    blend_file.add_camera(*CAMERA)
 
 
 def ground(triangles: int, material: bpy.types.Material) -> bpy.types.Mesh:
     """Waves, and grit as fine as the triangles."""
-    line = np.linspace(-REACH, REACH, max(round(math.sqrt(triangles / 2)), 1) + 1, dtype=np.float32)
+    line = np.linspace(-HALF_WIDTH, HALF_WIDTH, max(round(math.sqrt(triangles / 2)), 1) + 1, dtype=np.float32)
     positions = np.empty((len(line), len(line), 3), np.float32)
     positions[..., 0], positions[..., 1] = line[:, None], line
     positions[..., 2] = 0.15 * np.sin(2.1 * line)[:, None] * np.cos(1.7 * line)
@@ -55,17 +55,17 @@ def scatter(mesh: bpy.types.Mesh, count: int) -> None:
     """Instances of a ball of radius 1 on the ground, the smaller the more there are."""
     random = np.random.default_rng(count)
     size = 0.9 / math.sqrt(max(count, 9))
-    for number, (x, y) in enumerate(random.uniform(-0.85 * REACH, 0.85 * REACH, (count, 2))):
+    for number, (x, y) in enumerate(random.uniform(-0.85 * HALF_WIDTH, 0.85 * HALF_WIDTH, (count, 2))):
         thing = bpy.data.objects.new(f"Ball {number}", mesh)
         thing.location, thing.scale = (x, y, 0.2 + size), (size, size, size)
         bpy.context.scene.collection.objects.link(thing)
 
 
-def ring(count: int) -> list[Lamp]:
+def ring(count: int) -> list[AreaLight]:
     """Lamps of all shapes in a ring over the ground."""
     turns = 2.0 * math.pi * (np.arange(count) + 0.3) / count
     return [
-        Lamp(
+        AreaLight(
             SHAPES[number % len(SHAPES)],
             (3.0 * math.cos(turn), 3.0 * math.sin(turn), HEIGHT),
             (0.0, 0.0, 0.3),
@@ -76,11 +76,11 @@ def ring(count: int) -> list[Lamp]:
     ]
 
 
-def stand(name: str, mesh: bpy.types.Mesh) -> None:
+def place(name: str, mesh: bpy.types.Mesh) -> None:
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
-def brighten() -> None:
+def add_world_light() -> None:
     """Let light come from everywhere too."""
     world = bpy.context.scene.world.node_tree.nodes["Background"]
     world.inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)

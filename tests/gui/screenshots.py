@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 
 #: Of a picture of an area: without the sides, in which Blender draws its round corners and small arrows.
-INSIDE = np.s_[20:-20, 20:-20]
-UNLIKE = 0.1  # display values that are not to be taken for another at an edge
+WITHOUT_BORDER = np.s_[20:-20, 20:-20]
+MIN_DIFFERENCE = 0.1  # display values that are not to be taken for another at an edge
 
 
 def screenshot(path: Path) -> np.ndarray:
@@ -49,12 +49,12 @@ def rmse(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.sqrt(np.mean((one.astype(np.float64) - other) ** 2)))
 
 
-def astray(one: np.ndarray, other: np.ndarray) -> int:
+def different_pixels(one: np.ndarray, other: np.ndarray) -> int:
     """How many pixels of either picture are unlike all that the other has there and in the pixels around."""
     strays = 0
     for picture, reference in ((one, other), (other, one)):
         around = np.lib.stride_tricks.sliding_window_view(_padded(reference), (3, 3), axis=(0, 1))
-        low, high = around.min(axis=(-2, -1)) - UNLIKE, around.max(axis=(-2, -1)) + UNLIKE
+        low, high = around.min(axis=(-2, -1)) - MIN_DIFFERENCE, around.max(axis=(-2, -1)) + MIN_DIFFERENCE
         strays += int(((picture < low) | (picture > high)).any(axis=-1).sum())
     return strays
 

@@ -20,7 +20,7 @@ from tests.tools import blender_root, project
 
 from .scenario import Scenario
 
-INSIDE = Path(__file__).with_name("inside.py")
+PLAYER = Path(__file__).with_name("play_scenario.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
 #: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
 PART, LESS = (0.8286, 0.922), (3.7, 45.8)
@@ -86,7 +86,7 @@ def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any
     region = scenario.region or (ANY_PACE_REGION if any_pace else REGION)
     width, height = (round((pixels + less) / part) for pixels, less, part in zip(region, LESS, PART, strict=True))
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
-    script = ["--python-exit-code", "1", "--python", str(INSIDE), "--"]
+    script = ["--python-exit-code", "1", "--python", str(PLAYER), "--"]
     arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]
     variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1", "TMPDIR": str(folder)}
     command = blender.command(f"{width}x{height}", arguments, variables, (project.ROOT, archive.parent, folder))

@@ -22,7 +22,7 @@ class Call:
     seen: np.ndarray | None  # (3,) mean colour of the patch after it
 
 
-class Watch:
+class EngineCalls:
     """Wraps the engine's methods that a viewport calls."""
 
     def __init__(self, engine_class: Any):
@@ -48,7 +48,7 @@ class Watch:
         """Seconds that the longest call of view_update took."""
         return max((call.ended - call.began for call in self._after(since) if call.name == "view_update"), default=0.0)
 
-    def glimpses(self, since: float) -> list[Call]:
+    def patch_colors(self, since: float) -> list[Call]:
         """The calls after which the patch was looked at."""
         return [call for call in self._after(since) if call.seen is not None]
 

@@ -4,10 +4,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from .benchmark_scene import BenchmarkScene
 from .curve import Point, medians
 from .engines import Engine, Missing
-from .metrics import judge, noise, resolution
-from .stage import Stage
+from .metrics import errors, noise, resolution
 
 
 @dataclass
@@ -25,7 +25,7 @@ class Result:
         return {name: medians(rounds) for name, rounds in self.rounds.items()}
 
 
-def race(stage: Stage, engines: Sequence[Engine], rounds: int) -> Result:
+def measure(stage: BenchmarkScene, engines: Sequence[Engine], rounds: int) -> Result:
     """Start all engines, then measure them in turns, each round beginning with another one."""
     result = Result(facts_of(stage))
     running = []
@@ -42,7 +42,7 @@ def race(stage: Stage, engines: Sequence[Engine], rounds: int) -> Result:
         for engine in running[first:] + running[:first]:
             print(f"{stage.name}, round {round + 1} of {rounds}: {engine.name}", flush=True)
             points = [
-                Point(shot.samples, shot.seconds, judge(shot.picture, stage.halves)) for shot in engine.shots(round)
+                Point(shot.samples, shot.seconds, errors(shot.picture, stage.halves)) for shot in engine.shots(round)
             ]
             result.rounds[engine.name].append(points)
     for engine in running:
@@ -50,7 +50,7 @@ def race(stage: Stage, engines: Sequence[Engine], rounds: int) -> Result:
     return result
 
 
-def facts_of(stage: Stage) -> dict[str, float]:
+def facts_of(stage: BenchmarkScene) -> dict[str, float]:
     """Size of the scene, and how well its truth is known."""
     return {
         "triangles": stage.scene.triangle_count,
