@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The developer's door: sets up what is needed, once, then shows, tests or packs the add-on."""
+"""The project's command line: sets up what a command needs, once, then renders, tests, measures or packs the add-on."""
 
 import argparse
 import shutil
@@ -23,33 +23,34 @@ BENCHMARKS = sorted(
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
     if path.suffix == ".py" or (path / "__main__.py").is_file()
 )
-#: Random pictures, frames of animations, and renders in a row, of the whole stress test; dev.py test draws fewer.
+#: Numbers of random pictures, frames of animations, and repeated renders for `stress`; `test` runs fewer.
 STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
-#: What is checked of the files alone: names to Python modules and their arguments.
+#: Static checks: names to Python modules and their arguments.
 STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", "--check"), "mypy": ("mypy",)}
-#: pytest's exit status for it.
+#: pytest's exit status if no test was selected.
 NO_TEST_WAS_CHOSEN = 5
-#: As many tests at a time as there are cores; more would take much memory. Mesa draws in the thread that calls it.
+#: One test at a time for each core, at most 8 because of their memory. Mesa renders in the thread that calls it.
 SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
 NO_DRAWING_THREADS = {"LP_NUM_THREADS": "0"}
-#: Our exit status where something cannot be tried here, as others have it too.
+#: Exit status if something cannot be tested here, as in automake.
 SKIPPED = 77
 ANY_PACE = "do not fail for what takes longer in the window than it must"
 
 
 def demo(output: Path, further: list[str]) -> int:
-    """Render the demo's pictures."""
+    """Render the pictures of the demo."""
     return next(environments()).run("tests.demo.figure6", "--output", str(output.resolve()), *further)
 
 
 def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
-    """Run all checks, or with arguments for pytest the tests that they choose.
+    """Run all checks, or the tests that arguments for pytest choose.
 
-    `everything`: with all releases of bpy, and where no tests are chosen, in a Blender with a window, at `any_pace`.
+    With `everything`: with all releases of bpy, and unless tests are chosen, in a Blender with a window too.
+    With `any_pace`, nothing fails there for being slow.
     """
     default, *others = prepare_all(not chosen) if everything else [next(environments())]
     checks = {} if chosen else STATIC_CHECKS
-    if not default.has_processes:  # mypy would look for packages where Blender has its own
+    if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
         checks = {name: command for name, command in checks.items() if name != "mypy"}
     results = {name: default.run(*command) for name, command in checks.items()}
     results |= run_tests(default, chosen)
@@ -61,9 +62,9 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
 
 
 def prepare_all(window: bool) -> list[Environment]:
-    """All environments, set up side by side, and meanwhile a Blender with a `window`.
+    """Set up all environments in parallel, and a Blender with a `window`.
 
-    Whatever keeps that from being installed is said by gui_test, which tries again.
+    If that cannot be installed, gui_test tries again and reports why.
     """
     with ThreadPoolExecutor() as pool:
         if window:
@@ -72,7 +73,7 @@ def prepare_all(window: bool) -> list[Environment]:
 
 
 def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[str, int]:
-    """Run pytest there, several tests at a time where that can be: names of the runs to their exit statuses."""
+    """Run pytest in an environment, in parallel where possible: names of the runs to their exit statuses."""
     if chosen or not environment.has_processes:
         return {environment.name: environment.run("pytest", *which, *chosen)}
     return {
@@ -82,7 +83,7 @@ def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[
 
 
 def report(results: dict[str, int]) -> int:
-    """Print which checks passed, failed and could not be tried: the exit status of all of them together."""
+    """Print which checks passed, failed and could not be tried: the exit status of all together."""
     idle = [name for name, result in results.items() if result == NO_TEST_WAS_CHOSEN]
     skipped = [name for name, result in results.items() if result == SKIPPED]
     failed = [name for name, result in results.items() if result not in (0, NO_TEST_WAS_CHOSEN, SKIPPED)]
@@ -101,19 +102,19 @@ def stress(further: list[str]) -> int:
 
 
 def bench(name: str, output: Path, further: list[str]) -> int:
-    """Run one of tests/benchmark."""
+    """Run a benchmark of tests/benchmark."""
     environment = next(environments())
     environment.add(*project.PACKAGES["bench"])
     return environment.run(f"tests.benchmark.{name}", "--output", str(output.resolve()), *further)
 
 
 def docs(names: list[str], records: Path) -> int:
-    """Write the documentation's generated parts, after taking new records of the benchmarks named."""
+    """Write the documentation's generated parts, with new records of the named benchmarks."""
     return next(environments()).run("tests.docs", "--records", str(records.resolve()), *names)
 
 
 def gui_test(names: list[str], program: str | None, root: Path, output: Path, any_pace: bool) -> int:
-    """Play scenarios in a Blender with a window: those named, or all."""
+    """Play the named scenarios, or all, in a Blender with a window."""
     every = scenarios()
     if unknown := set(names) - {scenario.name for scenario in every}:
         print(f"There is no scenario {', '.join(unknown)}, but: {', '.join(scenario.name for scenario in every)}")

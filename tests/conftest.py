@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests of several floors share: an open OpenGL device, watched for errors, and a worker."""
+"""Fixtures for tests of several layers: an OpenGL device, a render thread, and a check of all compiled shaders."""
 
 import threading
 
@@ -13,7 +13,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--rounds", type=int, default=100, help="renders, and updates of viewports, in a row (%(default)s)"
     )
     parser.addoption("--examples", type=int, default=100, help="random pictures that are drawn (%(default)s)")
-    parser.addoption("--frames", type=int, default=4, help="of animations beside Cycles (%(default)s)")
+    parser.addoption("--frames", type=int, default=4, help="frames of animations, compared with Cycles (%(default)s)")
 
 
 @pytest.fixture(scope="session")
@@ -25,14 +25,14 @@ def watching_compiler():
 
 @pytest.fixture(autouse=True)
 def reference_compiler(watching_compiler):
-    """A test has failed if it compiled a shader that the Khronos reference compiler refuses, whatever drivers take."""
+    """Fails a test that compiled a shader which the Khronos reference compiler rejects, whatever the driver accepts."""
     yield watching_compiler
     watching_compiler.check()
 
 
 @pytest.fixture(scope="session")
 def opened_device():
-    # Imported here, so that tests of the pure floor run without OpenGL.
+    # Imported here, so that tests of pure modules run without OpenGL.
     from ism_addon.gpu.gl.context import open_device
 
     device = open_device()
@@ -42,7 +42,7 @@ def opened_device():
 
 @pytest.fixture
 def device(opened_device):
-    """A Device, current in this thread. A test that leaves an OpenGL error behind has failed."""
+    """A Device, current in this thread. A test that leaves an OpenGL error behind fails."""
     with opened_device.gl as gl:
         assert gl.error == "GL_NO_ERROR", "an earlier use of this context left an error behind"
         yield opened_device
@@ -52,10 +52,10 @@ def device(opened_device):
 
 @pytest.fixture
 def worker():
-    """A RenderThread, whose thread must have ended with it."""
+    """A RenderThread. Its thread must have ended when the test is over."""
     from ism_addon.gpu.jobs.render_thread import RenderThread
 
-    made = RenderThread()
-    yield made
-    made.stop()
+    render_thread = RenderThread()
+    yield render_thread
+    render_thread.stop()
     assert not [thread for thread in threading.enumerate() if thread.name == "ISM renderer"]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measurements, each a module that dev.py bench runs by its name. They report; they judge nothing."""
+"""Benchmarks: modules that dev.py bench runs by name. They measure and assert nothing."""

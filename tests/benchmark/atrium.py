@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Seconds for the demo's atrium: this engine, one sample, beside Cycles at 1 and 16 samples.
+"""Render times of the demo's atrium: this engine with one sample, and Cycles with 1 and 16 samples.
 
-All in one process, in turns, so that a busy machine is as busy for each. What is counted is Blender's render call:
+All run alternately in one process, so that other load affects all alike. The time is that of Blender's render call:
 reading the scene, building what the engine needs, and drawing; not start-up.
 """
 
@@ -24,7 +24,7 @@ ENGINES = {"ISM, 1 sample": ("ISM", 1), "Cycles, 1 sample": ("CYCLES", 1), "Cycl
 
 
 def prepare(engine: str, samples: int, width: int, height: int) -> None:
-    """Set the open scene to one engine; Cycles draws direct light only, on the processor, as noisy as it is."""
+    """Set the open scene to an engine. Cycles renders direct light only, on the CPU, without denoising."""
     scene = bpy.context.scene
     scene.render.engine = engine
     scene.render.resolution_x, scene.render.resolution_y = width, height
@@ -37,7 +37,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.atrium", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the atrium's .blend and of the record")
     parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (%(default)s)")
-    parser.add_argument("--rounds", type=int, default=3, help="renders of each (%(default)s)")
+    parser.add_argument("--rounds", type=int, default=3, help="renders by each engine (%(default)s)")
     options = parser.parse_args()
     width, height = (int(number) for number in options.size.split("x"))
     options.output.mkdir(parents=True, exist_ok=True)

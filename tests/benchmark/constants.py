@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tuned constants at half and at twice their value: `dev.py bench constants`.
 
-The cost of an image is squared error times processor time, that of a new scene is the time to its first image. A number
-is the cost over that with the constant as it is: above 1 is worse. It is the geometric mean over some scenes of the
-error benchmark, in the form that parameters are tuned on.
+The cost of an image is its squared error times CPU time. The cost of a new scene is the time to its first image. A
+result is the cost relative to that of the current constant: above 1 is worse. It is the geometric mean over some scenes
+of the error benchmark, in the variant that parameters are tuned on.
 """
 
 import argparse
@@ -37,7 +37,7 @@ TRUTH_SAMPLES = 128
 def seconds(
     renderer: Renderer, scene: Scene, view: View, settings: Settings, samples: int, clock: Callable[[], float]
 ) -> float:
-    """Time of so many samples of an image."""
+    """Time of the first `samples` samples of an image."""
     start = clock()
     for sample in range(samples):
         for _ in renderer.sample(scene, view, settings, sample, Profile()):
@@ -46,30 +46,31 @@ def seconds(
     return clock() - start
 
 
-def error_times_time(device: Device, stage: BenchmarkScene, settings: Settings, samples: int) -> float:
-    """Squared error, over the squared mean, times seconds of the processor, without compiling and uploading."""
-    renderer, beside = Renderer(device), replace(stage.view, clip_from_view=(1.0 + 1e-6) * stage.view.clip_from_view)
-    seconds(renderer, stage.scene, beside, settings, samples, time.process_time)
-    spent = seconds(renderer, stage.scene, stage.view, settings, samples, time.process_time)
-    found = rmse(renderer.picture()[..., :3], stage.halves) ** 2 * spent
+def error_times_time(device: Device, benchmark_scene: BenchmarkScene, settings: Settings, samples: int) -> float:
+    """(RMSE/mean)² times CPU seconds, without the time for compiling and uploading."""
+    renderer, view = Renderer(device), benchmark_scene.view
+    warm_up_view = replace(view, clip_from_view=(1.0 + 1e-6) * view.clip_from_view)
+    seconds(renderer, benchmark_scene.scene, warm_up_view, settings, samples, time.process_time)
+    spent = seconds(renderer, benchmark_scene.scene, benchmark_scene.view, settings, samples, time.process_time)
+    cost = rmse(renderer.picture()[..., :3], benchmark_scene.halves) ** 2 * spent
     renderer.release()
-    return found
+    return cost
 
 
-def first_image(device: Device, stage: BenchmarkScene) -> float:
-    """Seconds of four samples of a scene that has no BVH and no buffers yet: the median of three."""
+def first_image(device: Device, benchmark_scene: BenchmarkScene) -> float:
+    """Seconds of four samples of a scene without BVH and buffers: the median of three runs."""
     times = []
     for _ in range(3):
         renderer = Renderer(device)
-        scene = replace(stage.scene, meshes=tuple(replace(mesh) for mesh in stage.scene.meshes))
-        times.append(seconds(renderer, scene, stage.view, ALL_SAMPLES, 4, time.perf_counter))
+        scene = replace(benchmark_scene.scene, meshes=tuple(replace(mesh) for mesh in benchmark_scene.scene.meshes))
+        times.append(seconds(renderer, scene, benchmark_scene.view, ALL_SAMPLES, 4, time.perf_counter))
         renderer.release()
     return median(times)
 
 
 @dataclass(frozen=True)
 class Group:
-    """Constants, by module, that are measured in the same way."""
+    """Constants, by module, whose cost is measured in the same way."""
 
     cost: Callable[[Device, BenchmarkScene], float]
     scenes: tuple[str, ...]
@@ -78,7 +79,7 @@ class Group:
 
 GROUPS = {
     "ray-traced images, 16 samples": Group(
-        lambda device, stage: error_times_time(device, stage, ALL_SAMPLES, 16),
+        lambda device, benchmark_scene: error_times_time(device, benchmark_scene, ALL_SAMPLES, 16),
         ("objects", "thin", "lamps"),
         {
             f"{PASSES}.light_selection.cull_lights": (
@@ -100,7 +101,7 @@ GROUPS = {
         },
     ),
     "shadow-mapped images, 8 samples": Group(
-        lambda device, stage: error_times_time(device, stage, SHADOW_MAPS, 8),
+        lambda device, benchmark_scene: error_times_time(device, benchmark_scene, SHADOW_MAPS, 8),
         ("objects", "lamps"),
         {
             f"{PASSES}.shadow_maps.light_importance": ("IMPORTANCE_POINTS",),
@@ -128,7 +129,7 @@ FACTORS = 0.5, 1.0, 2.0
 
 @contextmanager
 def multiplied(module: str, name: str, factor: float) -> Iterator[None]:
-    """A constant of the package, temporarily with another value."""
+    """Temporarily multiply a constant of a module."""
     owner = import_module(module)
     value = getattr(owner, name)
     setattr(owner, name, type(value)(value * factor))
@@ -139,21 +140,21 @@ def multiplied(module: str, name: str, factor: float) -> Iterator[None]:
 
 
 def measure(device: Device, group: Group, folder: Path) -> dict[str, dict[str, float]]:
-    """Of each constant, its value and the relative costs."""
+    """By constant: its value, and the relative costs at half and twice the value."""
     costs: dict[str, dict[float, list[float]]] = {}
     values: dict[str, float] = {}
     for scene in group.scenes:
-        stage = set_up(scene, 1, SIZE, TRUTH_SAMPLES, folder)
-        group.cost(device, stage)  # compiles
+        benchmark_scene = set_up(scene, 1, SIZE, TRUTH_SAMPLES, folder)
+        group.cost(device, benchmark_scene)  # compiles
         for module, names in group.constants.items():
             for name in names:
                 values[name] = getattr(import_module(module), name)
                 for factor in FACTORS:
                     with multiplied(module, name, factor):
-                        costs.setdefault(name, {}).setdefault(factor, []).append(group.cost(device, stage))
+                        costs.setdefault(name, {}).setdefault(factor, []).append(group.cost(device, benchmark_scene))
     rows = {}
-    for name, own in costs.items():
-        half, _, double = (geometric_mean(a / b for a, b in zip(own[f], own[1.0], strict=True)) for f in FACTORS)
+    for name, cost in costs.items():
+        half, _, double = (geometric_mean(a / b for a, b in zip(cost[f], cost[1.0], strict=True)) for f in FACTORS)
         assert math.isfinite(half) and math.isfinite(double)
         rows[name] = {"value": values[name], "half": half, "double": double}
         print(f"{name:26} {values[name]:8g}   half {half:.3f}   double {double:.3f}", flush=True)

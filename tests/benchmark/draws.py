@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long the largest draw of each pass takes: `dev.py bench draws`.
 
-A draw says what it costs in shadow rays, and is split above a limit, see gpu/gl/draw_limit.py. If what it says is
-right, the largest draws of all passes take about as long as those of TraceShadows. Images of the atrium are drawn by
-both methods, with ambient occlusion, and with a wide pixel filter.
+The cost of a draw is estimated in shadow rays, and a draw is split above a limit, see gpu/gl/draw_limit.py. If the
+estimates are right, the largest draws of all passes take about as long as those of TraceShadows. Images of the atrium
+are drawn by both methods, with ambient occlusion, and with a wide pixel filter.
 """
 
 import argparse
@@ -28,14 +28,14 @@ from .error.benchmark_scene import open_scene
 WIDE_FILTER = 20.0  # px
 RAYS = Settings(ssao=SSAO(), quality=Quality(samples=4, error_threshold=0.0))
 MAPS = replace(RAYS, shadow=Shadow(method=Method.SHADOW_MAPS))
-#: By name: settings, and the width of the pixel filter, px.
+#: By name: settings, and the width of the pixel filter in px.
 IMAGES = {"ray-traced": (RAYS, 1.5), "ray-traced, wide filter": (RAYS, WIDE_FILTER), "shadow-mapped": (MAPS, 1.5)}
-#: Passes whose draws cost no more than this are not measured: most of their time is something else.
+#: Passes whose draws cost no more than this are not measured: most of their time is overhead.
 MIN_RAYS = 100_000
 
 
 class CountedRays:
-    """What the draws of a renderer say that they cost, in rays since it was last asked."""
+    """Adds up the estimated cost of a renderer's draws, in rays."""
 
     def __init__(self, renderer: Renderer):
         self.rays = 0.0
@@ -46,35 +46,36 @@ class CountedRays:
         self.rays += rays
         self.before_draw(rays)
 
-    def take(self) -> float:
-        taken, self.rays = self.rays, 0.0
-        return taken
+    def reset(self) -> float:
+        """Start again from 0. Returns the rays so far."""
+        counted, self.rays = self.rays, 0.0
+        return counted
 
 
 def seconds_of_largest_draws(
     device: Device, scene: Scene, view: View, settings: Settings, rounds: int
 ) -> dict[str, list[float]]:
-    """By pass, in each round: seconds over the cost of its draws, for the most that a draw may cost."""
-    found: dict[str, list[float]] = {}
+    """By pass, for each round: seconds of a draw at the limit, from the seconds and the cost of all draws."""
+    result: dict[str, list[float]] = {}
     renderer = Renderer(device)
     counted = CountedRays(renderer)
-    for number in range(-1, rounds):  # the first compiles, and does not count
-        moved = replace(view, clip_from_view=(1.0 + 1e-6 * number) * view.clip_from_view)
+    for index in range(-1, rounds):  # the first one compiles the shaders and is not counted
+        perturbed = replace(view, clip_from_view=(1.0 + 1e-6 * index) * view.clip_from_view)
         profile, rays = Profile(), Counter()
         for sample in range(settings.quality.samples):
-            for name in renderer.sample(scene, moved, settings, sample, profile):
-                rays[name] += counted.take()
+            for name in renderer.sample(scene, perturbed, settings, sample, profile):
+                rays[name] += counted.reset()
         for name, cost in rays.items():
-            if number >= 0 and cost > MIN_RAYS:
-                found.setdefault(name, []).append(profile.rows[name].ms / 1e3 / cost * MAX_RAYS_PER_DRAW)
+            if index >= 0 and cost > MIN_RAYS:
+                result.setdefault(name, []).append(profile.rows[name].ms / 1e3 / cost * MAX_RAYS_PER_DRAW)
     renderer.release()
-    return found
+    return result
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.draws", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the record")
-    parser.add_argument("--rounds", type=int, default=3, help="of each image (%(default)s)")
+    parser.add_argument("--rounds", type=int, default=3, help="repetitions of each image (%(default)s)")
     parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (%(default)s)")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
@@ -83,7 +84,7 @@ def main() -> int:
     seconds = {}
     for name, (settings, width) in IMAGES.items():
         view = replace(opened.view, filter_width=width)
-        with multiplied("ism_addon.gpu.submission", "SHORT_SAMPLE", 0.0):  # each pass is waited for
+        with multiplied("ism_addon.gpu.submission", "SHORT_SAMPLE", 0.0):  # it waits for each pass
             seconds[name] = seconds_of_largest_draws(device, opened.scene, view, settings, options.rounds)
         print(f"{name}: seconds of the largest draw")
         for pass_name, times in seconds[name].items():

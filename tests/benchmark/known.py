@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What skipping could gain if it knew for nothing which blocks see all, nothing or a part of each light.
+"""A bound of what skipping can save: a renderer that knows each tile's visibility of each light without any cost.
 
-Once it has drawn many samples, a renderer is told for all pictures after them what it found. CullLights then costs
-nothing, ProbeVisibility looks only where a light is seen in part, and PredictVisibility need not ask where that is. No
-way to find it is quicker.
+It draws many samples, and then reuses their visibility in all further pictures: CullLights costs nothing,
+ProbeVisibility probes only tiles from which a light is partly visible, and PredictVisibility need not find them.
 """
 
 from dataclasses import replace
@@ -19,49 +18,47 @@ from ism_addon.resources import CONTRIBUTING_LIGHTS, CULLING_STATE, LIGHT_INFLUE
 
 from .error.ism import Ism
 
-#: Samples by which all is found; predictions have just been renewed.
+#: Samples after which the visibility is known. Predictions have just been updated at this number.
 SAMPLES = 65
 
 
 class Known(Ism):
-    """As Ism, but told."""
+    """Ism with known visibility."""
 
     def start(self) -> dict[str, float]:
-        """Upload, compile, and find all there is."""
-        started = super().start()
+        """Upload, compile, and find the visibility."""
+        uncounted = super().start()
         for sample in range(SAMPLES):
-            self._draw(self.stage.view, sample)
-        tell(self.renderer)
-        return started
+            self._draw(self.benchmark_scene.view, sample)
+        use_known_visibility(self.renderer)
+        return uncounted
 
 
-def tell(renderer: Renderer) -> None:
-    """What it has found so far, in each first sample from now on."""
+def use_known_visibility(renderer: Renderer) -> None:
+    """Let each first sample from now on use the visibility that the renderer has found so far."""
     graph = renderer.graph
-    cull, probe, predict = (graph.instance(kind) for kind in (CullLights, ProbeVisibility, PredictVisibility))
+    cull, probe, predict = (graph.instance(pass_type) for pass_type in (CullLights, ProbeVisibility, PredictVisibility))
     execute_cull, execute_probe, rays_of_tiles = cull.execute, probe.execute, predict.rays_of_tiles
     state, influences, visibility = (graph[each] for each in (CULLING_STATE, LIGHT_INFLUENCE, TILE_VISIBILITY))
 
-    def told_cull(frame: Frame) -> None:
+    def known_cull(frame: Frame) -> None:
         if frame.sample:
             execute_cull(frame)
             return
         frame[CULLING_STATE], frame[LIGHT_INFLUENCE] = state, influences
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
-    def told_probe(frame: Frame) -> None:
-        nowhere = np.zeros((*frame.tiles[::-1], 2), bool)
-        partly = {light: visibility.get(light, nowhere).all(2) for light in influences}
+    def known_probe(frame: Frame) -> None:
+        none = np.zeros((*frame.tiles[::-1], 2), bool)
+        partly = {light: visibility.get(light, none).all(2) for light in influences}
         graph[LIGHT_INFLUENCE] = {
-            light: replace(
-                to, contributes=to.contributes & partly[light], coarse_visibility=np.ones_like(nowhere[..., 0])
-            )
+            light: replace(to, contributes=to.contributes & partly[light], coarse_visibility=np.ones_like(none[..., 0]))
             for light, to in influences.items()
         }
         execute_probe(frame)
         graph[LIGHT_INFLUENCE] = influences
 
-    def told_rays(frame: Frame, rays: dict, spacing: int) -> dict[int, np.ndarray]:
+    def known_rays(frame: Frame, rays: dict, spacing: int) -> dict[int, np.ndarray]:
         return rays_of_tiles(frame, rays, spacing) if frame.sample else {k: v.copy() for k, v in visibility.items()}
 
-    cull.execute, probe.execute, predict.rays_of_tiles = told_cull, told_probe, told_rays
+    cull.execute, probe.execute, predict.rays_of_tiles = known_cull, known_probe, known_rays

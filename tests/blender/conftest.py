@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests in Blender share: an empty scene, things to put into it, and a look at what a render is given."""
+"""Fixtures for tests in Blender: an empty scene, objects to add to it, and a render engine that calls a function."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -16,7 +16,7 @@ SQUARE = ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    """The add-on, for as long as the test lasts."""
+    """The add-on is registered during the test."""
     addon.register()
     yield
     addon.unregister()
@@ -24,13 +24,13 @@ def registered() -> Iterator[None]:
 
 @pytest.fixture
 def empty_scene() -> bpy.types.Scene:
-    """Factory settings and nothing in the scene."""
+    """The scene of Blender's factory startup file, without objects."""
     return open_empty_file()
 
 
 @pytest.fixture
 def add(empty_scene) -> Callable[..., bpy.types.Object]:
-    """add(name, data, collection=the scene's): a new object. Data may be vertices and faces, for a new mesh."""
+    """add(name, data, collection=the scene's) makes an object. Data may be vertices and faces, for a new mesh."""
 
     def add(name: str, data: Any = SQUARE, collection: Any = empty_scene.collection) -> bpy.types.Object:
         if isinstance(data, tuple):
@@ -45,46 +45,46 @@ def add(empty_scene) -> Callable[..., bpy.types.Object]:
 
 
 @pytest.fixture
-def extracted(empty_scene) -> Callable[[], Any]:
-    """Our Scene, of what a viewport is given."""
+def read_scene(empty_scene) -> Callable[[], Any]:
+    """read_scene(): our Scene, read from the depsgraph of viewports."""
     return lambda: scene_reader.scene(bpy.context.evaluated_depsgraph_get())
 
 
 @pytest.fixture(scope="session")
-def witness() -> Iterator[type]:
-    """A render engine that only calls `WitnessEngine.look(engine, depsgraph)`, and keeps what it gives or raises."""
+def callback_engine() -> Iterator[type]:
+    """A render engine that only calls `callback(engine, depsgraph)`, and keeps what it returns or raises."""
 
-    class WitnessEngine(bpy.types.RenderEngine):
-        bl_idname = "WITNESS"
-        bl_label = "Witness"
-        look: Callable[[bpy.types.RenderEngine, bpy.types.Depsgraph], Any]
-        seen: list[Any]
+    class CallbackEngine(bpy.types.RenderEngine):
+        bl_idname = "CALLBACK"
+        bl_label = "Callback"
+        callback: Callable[[bpy.types.RenderEngine, bpy.types.Depsgraph], Any]
+        results: list[Any]
 
         def render(self, depsgraph: bpy.types.Depsgraph) -> None:
             try:
-                self.seen.append(type(self).look(self, depsgraph))
+                self.results.append(type(self).callback(self, depsgraph))
             except Exception as error:
-                self.seen.append(error)
+                self.results.append(error)
 
-    bpy.utils.register_class(WitnessEngine)
-    yield WitnessEngine
-    bpy.utils.unregister_class(WitnessEngine)
+    bpy.utils.register_class(CallbackEngine)
+    yield CallbackEngine
+    bpy.utils.unregister_class(CallbackEngine)
 
 
 @pytest.fixture
-def as_rendered(empty_scene, witness) -> Callable[..., list[Any]]:
-    """as_rendered(look): what look(engine, depsgraph) gave in each call of a real render of 32 × 16 pixels."""
+def call_in_render(empty_scene, callback_engine) -> Callable[..., list[Any]]:
+    """call_in_render(callback): the results of callback(engine, depsgraph) in a render of 32 × 16 pixels."""
 
-    def as_rendered(look: Callable[..., Any]) -> list[Any]:
-        witness.look, witness.seen = staticmethod(look), []
-        empty_scene.render.engine = "WITNESS"
+    def call_in_render(callback: Callable[..., Any]) -> list[Any]:
+        callback_engine.callback, callback_engine.results = staticmethod(callback), []
+        empty_scene.render.engine = "CALLBACK"
         bpy.ops.render.render()
-        for seen in witness.seen:
-            if isinstance(seen, Exception):
-                raise seen
-        return witness.seen
+        for result in callback_engine.results:
+            if isinstance(result, Exception):
+                raise result
+        return callback_engine.results
 
     empty_scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     empty_scene.collection.objects.link(empty_scene.camera)
     empty_scene.render.resolution_x, empty_scene.render.resolution_y = 32, 16
-    return as_rendered
+    return call_in_render

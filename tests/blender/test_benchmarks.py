@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The benchmarks that nothing else runs still do."""
+"""Short runs of the benchmarks that no other test runs."""
 
 import json
 import subprocess
@@ -13,11 +13,11 @@ from tests.tools.project import ROOT
 
 def test_a_picture_of_a_growing_scene_is_measured():
     command = [sys.executable, "-m", "tests.benchmark.scale.point", "frames", "1"]
-    told = json.loads(
+    result = json.loads(
         subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, timeout=120, check=True).stdout
     )
-    assert told["triangles"] > 1000
-    assert min(told["first sync s"], told["shadows ms"], told["a frame s"], told["peak bytes"]) > 0.0
+    assert result["triangles"] > 1000
+    assert min(result["first sync s"], result["shadows ms"], result["a frame s"], result["peak bytes"]) > 0.0
 
 
 def test_the_largest_draws_are_measured(device, monkeypatch):
@@ -25,17 +25,17 @@ def test_the_largest_draws_are_measured(device, monkeypatch):
     (settings, _), (maps, _) = draws.IMAGES["ray-traced"], draws.IMAGES["shadow-mapped"]
     small = with_quality(maps, virtual_lights=4, map_size=32, map_points=512)
     for chosen, drawn in ((settings, "TraceShadows"), (small, "SplatMaps")):
-        found = draws.seconds_of_largest_draws(device, *box_over_plane(48, 32), chosen, 2)
-        assert {drawn, "GBuffer", "Accumulate"} <= set(found)
-        assert all(len(times) == 2 and min(times) > 0.0 for times in found.values())
+        seconds = draws.seconds_of_largest_draws(device, *box_over_plane(48, 32), chosen, 2)
+        assert {drawn, "GBuffer", "Accumulate"} <= set(seconds)
+        assert all(len(times) == 2 and min(times) > 0.0 for times in seconds.values())
 
 
 def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):
     command = [sys.executable, "-m", "tests.benchmark.small_meshes", "--output", str(tmp_path)]
     subprocess.run([*command, "--meshes", "20", "--renders", "2"], cwd=ROOT, timeout=120, check=True)
     record = json.loads((tmp_path / "small_meshes.json").read_text())
-    rounds = record["rounds"]
+    repetitions = record["rounds"]
     assert record["command"] == "python3 dev.py bench small_meshes --meshes 20 --renders 2"
     assert record["machine"]["opengl"]
-    assert len(rounds) == 2
-    assert all(min(each["whole"], each["read"], each["BuildBLAS"], each["Cycles"]) > 0.0 for each in rounds)
+    assert len(repetitions) == 2
+    assert all(min(each["whole"], each["read"], each["BuildBLAS"], each["Cycles"]) > 0.0 for each in repetitions)

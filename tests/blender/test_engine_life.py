@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's coming and going: what it leaves in Blender, and how Python ends with it."""
+"""Registering and unregistering the add-on, and the exit of a Python process that has registered it."""
 
 import os
 import subprocess
@@ -22,13 +22,13 @@ def python(script, **environment):
     return subprocess.run(command, cwd=ROOT, env=everything, capture_output=True, text=True, timeout=60)
 
 
-def compatible():
-    """Names of the panels, apart from our own, that show in this engine."""
+def shown_panels():
+    """Names of the panels, other than our own, that are shown for this engine."""
     others = [panel for panel in bpy.types.Panel.__subclasses__() if not panel.__module__.startswith("ism_addon.")]
     return {panel.__name__ for panel in others if "ISM" in getattr(panel, "COMPAT_ENGINES", ())}
 
 
-def test_registers_again_and_again():
+def test_can_be_registered_repeatedly():
     for _ in range(3):
         addon.register()
         assert hasattr(bpy.types.Scene, "ism")
@@ -39,40 +39,40 @@ def test_registers_again_and_again():
             bpy.context.scene.render.engine = "ISM"
 
 
-def test_a_register_that_fails_half_way_can_be_tried_again(monkeypatch):
-    """Whichever class it is that Blender refuses."""
-    handlers, left = list(bpy.app.handlers.load_pre), 0
+def test_registration_can_be_repeated_after_a_failure(monkeypatch):
+    """Each class in turn is the first that Blender refuses."""
+    handlers, remaining = list(bpy.app.handlers.load_pre), 0
     register_class = bpy.utils.register_class
 
     def refused(cls):
-        nonlocal left
-        if not left:
+        nonlocal remaining
+        if not remaining:
             raise ValueError("refused")
-        left -= 1
+        remaining -= 1
         register_class(cls)
 
     monkeypatch.setattr(bpy.utils, "register_class", refused)
-    for tried in range(1000):
-        left = tried
+    for accepted in range(1000):
+        remaining = accepted
         try:
             addon.register()
         except ValueError as error:
             assert str(error) == "refused"
-            assert compatible() == set()
+            assert shown_panels() == set()
             assert not hasattr(bpy.types.Scene, "ism")
             assert list(bpy.app.handlers.load_pre) == handlers
         else:
             break
     addon.unregister()
-    assert tried > 20
+    assert accepted > 20
 
 
-def test_unregister_leaves_blender_as_it_was():
+def test_unregistering_restores_blender():
     handlers = list(bpy.app.handlers.load_pre)
     addon.register()
-    assert len(compatible()) > 100
+    assert len(shown_panels()) > 100
     addon.unregister()
-    assert compatible() == set()
+    assert shown_panels() == set()
     assert list(bpy.app.handlers.load_pre) == handlers
     assert not any(panel.is_registered for panel in panels.CLASSES)
 
@@ -123,12 +123,12 @@ def test_light_panel_shows_for_lights(registered):
         "TEXTURE_PT_image",
     ],
 )
-def test_blenders_own_panels_serve_too(registered, name):
-    assert name in compatible()
+def test_blenders_own_panels_are_shown(registered, name):
+    assert name in shown_panels()
 
 
-def test_panels_about_what_is_not_drawn_stay_away(registered):
-    assert not compatible() & (compatible_panels.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
+def test_panels_of_features_that_are_not_drawn_are_hidden(registered):
+    assert not shown_panels() & (compatible_panels.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
 
 
 def test_register_needs_no_opengl():
@@ -145,7 +145,7 @@ def test_register_needs_no_opengl():
 def test_python_ends_cleanly(last):
     result = python(f"import bpy\nfrom ism_addon import addon\naddon.register()\n{last}\nprint('end')")
     assert result.returncode == 0
-    assert result.stderr == python("import bpy").stderr  # whatever Blender itself has to say about this machine
+    assert result.stderr == python("import bpy").stderr  # Blender itself may print warnings about this machine
 
 
 @pytest.mark.parametrize("last", ["", "bpy.ops.wm.read_factory_settings(use_empty=True); bpy.context.scene.camera"])
@@ -166,7 +166,7 @@ def test_python_ends_cleanly_after_a_render(last):
 
 
 def test_unknown_errors_are_not_swallowed():
-    """A fault of ours must be seen by scripts and in the console, not end as a black picture without a word."""
+    """A bug of ours must raise in scripts and print a traceback, not silently render a black picture."""
     result = python(
         "import bpy\n"
         "from ism_addon import addon\n"
@@ -181,7 +181,7 @@ def test_unknown_errors_are_not_swallowed():
     assert "TypeError" in result.stderr
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="takes the drivers away as it is done on Linux")
+@pytest.mark.skipif(sys.platform != "linux", reason="hides the drivers in a way that is specific to Linux")
 @pytest.mark.parametrize(
     ("before", "environment", "sentence"),
     [
@@ -190,8 +190,8 @@ def test_unknown_errors_are_not_swallowed():
     ],
     ids=["no driver", "no moderngl"],
 )
-def test_what_is_missing_is_one_sentence_of_a_render(before, environment, sentence):
-    """The engine is there all the same."""
+def test_a_missing_driver_or_package_is_reported_in_one_sentence(before, environment, sentence):
+    """The engine is registered nevertheless."""
     result = python(
         f"{before}"
         "import bpy\n"
@@ -205,6 +205,6 @@ def test_what_is_missing_is_one_sentence_of_a_render(before, environment, senten
         **environment,
     )
     assert result.returncode == 0, result.stderr
-    (said,) = [line for line in result.stdout.splitlines() if line.startswith("SAID")]
-    assert said.startswith(f"SAID Error: {sentence}")
+    (message,) = [line for line in result.stdout.splitlines() if line.startswith("SAID")]
+    assert message.startswith(f"SAID Error: {sentence}")
     assert "Traceback" not in result.stderr

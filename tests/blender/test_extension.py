@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension as users get it: built by dev.py, installed from its zip by a Blender that knows nothing of us."""
+"""The extension as users get it: built by dev.py, and installed from its zip into a Blender with no user settings."""
 
 import json
 import os
@@ -22,13 +22,13 @@ def archive(tmp_path_factory):
     folder = tmp_path_factory.mktemp("extension")
     command = [sys.executable, "dev.py", "extension", "--platform", PLATFORM, "--output", str(folder)]
     subprocess.run(command, cwd=project.ROOT, check=True)
-    (found,) = folder.glob("*.zip")
-    return found
+    (path,) = folder.glob("*.zip")
+    return path
 
 
 @pytest.fixture(scope="module")
-def findings(archive):
-    """What a fresh Blender says that installed the zip and rendered with it."""
+def report(archive):
+    """The report of a Blender that installed the zip and rendered with it."""
     program = [sys.executable]
     if bpy.app.binary_path:
         program = [bpy.app.binary_path, "--background", "--python-exit-code", "1", "--python"]
@@ -43,22 +43,22 @@ def findings(archive):
     return next(json.loads(line) for line in run.stdout.splitlines() if line.startswith("{"))
 
 
-def test_enabling_it_imports_no_opengl(findings):
-    assert findings["packages before the first picture"] == []
+def test_enabling_it_imports_no_opengl(report):
+    assert report["packages before the first picture"] == []
 
 
-def test_enabling_it_imports_nothing_that_reads_scenes(findings):
-    assert findings["readers before the first picture"] == []
+def test_enabling_it_imports_nothing_that_reads_scenes(report):
+    assert report["readers before the first picture"] == []
 
 
-def test_enabling_it_starts_no_worker_and_so_compiles_no_shader(findings):
-    assert "ISM renderer" not in findings["threads before the first picture"]
+def test_enabling_it_starts_no_render_thread_and_so_compiles_no_shader(report):
+    assert "ISM renderer" not in report["threads before the first picture"]
 
 
-def test_it_brings_its_own_moderngl(findings):
-    assert Path(findings["moderngl"]).is_relative_to(findings["user"])
+def test_it_brings_its_own_moderngl(report):
+    assert Path(report["moderngl"]).is_relative_to(report["user"])
 
 
-def test_it_renders_a_picture(findings):
-    assert findings["size"] == [48, 32]
-    assert findings["brightest"] > findings["darkest"] + 0.1
+def test_it_renders_a_picture(report):
+    assert report["size"] == [48, 32]
+    assert report["brightest"] > report["darkest"] + 0.1

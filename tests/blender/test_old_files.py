@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that version 0.1.0 saved keep the values of settings that have other names today."""
+"""Files of version 0.1.0 keep the values of settings that have been renamed since."""
 
 from collections.abc import Iterator
 
@@ -34,7 +34,7 @@ OLD = OldShadow, OldQuality, OldSettings
 
 @pytest.fixture
 def old_file(tmp_path) -> Iterator[str]:
-    """A .blend saved while `scene.ism` had the properties of 0.1.0; then the add-on of today is registered."""
+    """A .blend that is saved while `scene.ism` has the properties of 0.1.0; then today's add-on is registered."""
     for cls in OLD:
         bpy.utils.register_class(cls)
     bpy.types.Scene.ism = bpy.props.PointerProperty(type=OldSettings)
@@ -56,7 +56,7 @@ def old_file(tmp_path) -> Iterator[str]:
     addon.unregister()
 
 
-def test_values_keyframes_and_drivers_have_their_new_names(old_file):
+def test_values_keyframes_and_drivers_get_their_new_names(old_file):
     bpy.ops.wm.open_mainfile(filepath=old_file)
     scene = bpy.context.scene
     final, viewport = read_settings.read(scene, "render"), read_settings.read(scene, "viewport")
@@ -70,7 +70,7 @@ def test_values_keyframes_and_drivers_have_their_new_names(old_file):
     assert scene.ism.viewport.virtual_lights == 11
 
 
-def test_what_was_set_since_stays_when_the_file_is_saved_and_loaded_again(old_file):
+def test_later_changes_are_kept_when_the_file_is_saved_and_loaded_again(old_file):
     bpy.ops.wm.open_mainfile(filepath=old_file)
     bpy.context.scene.ism.render.virtual_lights = 21
     bpy.ops.wm.save_mainfile()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Save Snapshot and Reload Shaders, as they are called from editors and scripts."""
+"""The operators Save Snapshot and Reload Shaders, called from editors and scripts."""
 
 import bpy
 import numpy as np
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture
 def scene():
-    """A plane, a camera above it, and both qualities apart."""
+    """The factory scene, with different samples for renders and viewports."""
     scene = open_factory_file()
     scene.render.engine = "ISM"
     scene.render.resolution_x, scene.render.resolution_y = 40, 20
@@ -28,12 +28,12 @@ def scene():
 
 @pytest.fixture
 def viewport():
-    """The 3D viewport of the window, and its region that shows the scene."""
+    """The 3D viewport of the window, and its region of type WINDOW."""
     area = next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
     return area, next(region for region in area.regions if region.type == "WINDOW")
 
 
-def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
+def test_outside_of_viewports_a_snapshot_has_the_cameras_view(scene, tmp_path):
     assert bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz")) == {"FINISHED"}
     saved, view, settings = snapshot.load(tmp_path / "a.npz")
     assert saved.triangle_count == 12
@@ -46,7 +46,7 @@ def test_from_elsewhere_it_is_what_the_camera_sees(scene, tmp_path):
 
 @pytest.mark.parametrize("pressed_in", ["WINDOW", "HEADER"])
 @pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("25", 4)])
-def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, pressed_in, resolution, pixels):
+def test_in_a_viewport_a_snapshot_has_its_view(scene, viewport, tmp_path, pressed_in, resolution, pixels):
     area, window = viewport
     scene.ism.viewport.resolution = resolution
     region = next(region for region in area.regions if region.type == pressed_in)
@@ -59,7 +59,7 @@ def test_from_a_viewport_it_is_what_that_shows(scene, viewport, tmp_path, presse
     assert (settings.quality.samples, settings.debug_view) == (3, DebugView.DEPTH)
 
 
-def test_from_a_viewport_it_is_without_what_that_hides(scene, viewport, tmp_path):
+def test_in_a_viewport_a_snapshot_leaves_out_hidden_objects(scene, viewport, tmp_path):
     area, region = viewport
     area.spaces.active.show_object_viewport_mesh = False
     with bpy.context.temp_override(area=area, region=region):
@@ -68,26 +68,26 @@ def test_from_a_viewport_it_is_without_what_that_hides(scene, viewport, tmp_path
     assert saved.triangle_count == 0
 
 
-def test_without_a_camera_it_says_so(scene, tmp_path):
+def test_a_snapshot_without_a_camera_is_an_error(scene, tmp_path):
     scene.camera = None
     with pytest.raises(RuntimeError, match="not saved: The scene has no active camera"):
         bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "a.npz"))
     assert not (tmp_path / "a.npz").exists()
 
 
-def test_where_it_cannot_be_written_it_says_so(scene, tmp_path):
+def test_a_snapshot_that_cannot_be_written_is_an_error(scene, tmp_path):
     with pytest.raises(RuntimeError, match=r"not saved: .*no folder"):
         bpy.ops.ism.save_snapshot(filepath=str(tmp_path / "no folder" / "a.npz"))
 
 
-def test_nothing_is_offered_in_other_engines(scene):
+def test_the_operators_are_unavailable_in_other_engines(scene):
     scene.render.engine = "BLENDER_WORKBENCH"
     assert not bpy.ops.ism.save_snapshot.poll()
     assert not bpy.ops.ism.reload_shaders.poll()
 
 
-def test_reloading_asks_the_worker(scene):
-    """That files are read then is tested where the worker is, in test_reload."""
+def test_reload_shaders_increases_the_shader_version(scene):
+    """The render thread then reads the files again, which test_reload tests."""
     before = shared.shader_version
     assert bpy.ops.ism.reload_shaders() == {"FINISHED"}
     assert shared.shader_version == before + 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a 3D viewport decides without its window; what it shows is looked at in a Blender that has one."""
+"""The pixel size of a viewport's preview, without a window. tests/gui tests viewports in a window."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from ism_addon.blender.viewport.viewport import MAX_PREVIEW_PIXEL_SIZE, PREVIEW_
 
 
 @pytest.mark.parametrize(
-    ("pixel", "seconds", "then"),
+    ("pixel_size", "seconds", "expected"),
     [
         (4, 3.0 * PREVIEW_SECONDS, 8),
         (MAX_PREVIEW_PIXEL_SIZE, 3.0 * PREVIEW_SECONDS, MAX_PREVIEW_PIXEL_SIZE),
@@ -16,14 +16,14 @@ from ism_addon.blender.viewport.viewport import MAX_PREVIEW_PIXEL_SIZE, PREVIEW_
         (1, 0.1 * PREVIEW_SECONDS, 1),
     ],
 )
-def test_the_first_pictures_pixels_are_as_coarse_as_its_time_allows(pixel, seconds, then):
-    assert next_preview_pixel_size(pixel, seconds) == then
+def test_the_preview_pixel_size_follows_the_time_of_the_last_preview(pixel_size, seconds, expected):
+    assert next_preview_pixel_size(pixel_size, seconds) == expected
 
 
-def test_an_even_pace_settles():
-    for time_of_a_pixel in (1e-6, 1e-4, 1e-2, 1.0):
-        pixel, widths = 4, []
+def test_the_preview_pixel_size_converges_at_a_constant_speed():
+    for seconds_per_pixel in (1e-6, 1e-4, 1e-2, 1.0):
+        pixel_size, sizes = 4, []
         for _ in range(20):
-            pixel = next_preview_pixel_size(pixel, time_of_a_pixel / pixel**2)
-            widths.append(pixel)
-        assert len(set(widths[10:])) == 1
+            pixel_size = next_preview_pixel_size(pixel_size, seconds_per_pixel / pixel_size**2)
+            sizes.append(pixel_size)
+        assert len(set(sizes[10:])) == 1

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo: the figures of the report, drawn again."""
+"""The demo: a figure of the report, and the pictures of docs/method.md."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report's figure 6, drawn again in an atrium of our own: python -m tests.demo.figure6 --output FOLDER
+"""The report's figure 6 with our own atrium: python -m tests.demo.figure6 --output FOLDER
 
-(a) without lighting, (b) soft shadows, (c) soft shadows and ambient occlusion, all through Blender's own render.
+(a) without lighting, (b) soft shadows, (c) soft shadows and ambient occlusion, all by Blender's render operator.
 """
 
 import argparse
@@ -20,25 +20,25 @@ from ism_addon.blender.engine import statistics
 from ism_addon.gpu.profile import table
 from tests.scenes import atrium, atrium_light
 
-BAR = 30  # characters
+BAR_WIDTH = 30  # characters
 
 
 def without_lighting(scene: bpy.types.Scene) -> None:
-    """Textures only: no lamps, and a world that is white everywhere but behind the scene."""
-    for thing in scene.objects:
-        thing.hide_render = thing.hide_render or thing.type == "LIGHT"
+    """Textures only: no lights, a white world and a transparent background."""
+    for each in scene.objects:
+        each.hide_render = each.hide_render or each.type == "LIGHT"
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     scene.render.film_transparent = True
     scene.ism.ssao.enabled = False
 
 
 def soft_shadows(scene: bpy.types.Scene) -> None:
-    """The world's light reaches every crease."""
+    """Without ambient occlusion: the world's light is not occluded."""
     scene.ism.ssao.enabled = False
 
 
 def soft_shadows_ssao(scene: bpy.types.Scene) -> None:
-    """Everything, as the file was saved."""
+    """With all settings as they are in the file."""
 
 
 FIGURES: dict[str, Callable[[bpy.types.Scene], None]] = {
@@ -51,7 +51,7 @@ FIGURES: dict[str, Callable[[bpy.types.Scene], None]] = {
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.demo.figure6", description="Render the report's figure 6.")
     parser.add_argument("--output", type=Path, required=True, help="folder of the pictures and the .blend")
-    parser.add_argument("--samples", type=int, default=16, help="samples a picture (%(default)s)")
+    parser.add_argument("--samples", type=int, default=16, help="samples per picture (%(default)s)")
     parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (%(default)s)")
     options = parser.parse_args()
     width, height = (int(number) for number in options.size.split("x"))
@@ -67,7 +67,7 @@ def main() -> int:
 
 
 def saved_atrium(path: Path) -> Path:
-    """The atrium's .blend, built unless it is there and newer than the scripts that build it."""
+    """The atrium's .blend. It is built if it does not exist, or is older than the scripts that build it."""
     scripts = Path(atrium.__file__).parent.rglob("*.py")
     if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
         print("building the atrium")
@@ -79,7 +79,7 @@ def saved_atrium(path: Path) -> Path:
 
 
 def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:
-    """Render one figure, and print what each pass took."""
+    """Render one figure, and print the time of each pass."""
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = width, height
@@ -98,15 +98,20 @@ def draw(blend: Path, name: str, width: int, height: int, samples: int) -> Path:
 
 @contextmanager
 def progress_bar(name: str) -> Iterator[None]:
-    """A bar of the samples done, instead of the lines that Blender prints while it renders."""
-    started = time.monotonic()
+    """Show a progress bar of the samples done, instead of the lines that Blender prints while it renders."""
+    start = time.monotonic()
 
     def show(line: str, *_more: object) -> None:
         if counted := re.search(r"Sample (\d+)/(\d+)", line):
             done, samples = map(int, counted.groups())
-            bar = "█" * round(BAR * done / samples)
-            seconds = time.monotonic() - started
-            print(f"\r{name:<20} {bar:·<{BAR}} {done}/{samples}  {seconds:.0f} s ", end="", file=sys.stderr, flush=True)
+            bar = "█" * round(BAR_WIDTH * done / samples)
+            seconds = time.monotonic() - start
+            print(
+                f"\r{name:<20} {bar:·<{BAR_WIDTH}} {done}/{samples}  {seconds:.0f} s ",
+                end="",
+                file=sys.stderr,
+                flush=True,
+            )
 
     bpy.app.handlers.render_stats.append(show)
     try:
@@ -119,16 +124,16 @@ def progress_bar(name: str) -> Iterator[None]:
 
 @contextmanager
 def quiet_stdout() -> Iterator[None]:
-    """Blender prints from C, past sys.stdout."""
+    """Discard what is printed. Blender prints from C, which redirecting sys.stdout does not catch."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    stdout = os.dup(1)
     try:
-        with open(os.devnull, "w") as nowhere:
-            os.dup2(nowhere.fileno(), 1)
+        with open(os.devnull, "w") as null:
+            os.dup2(null.fileno(), 1)
         yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        os.dup2(stdout, 1)
+        os.close(stdout)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The method's steps in the demo's atrium, for docs/method.md: python -m tests.demo.steps --output FOLDER
 
-Each is a debug view of one snapshot, drawn without Blender's render call, as a JPEG.
+Each picture is a JPEG of a debug view, drawn without Blender's render operator.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from ism_addon.settings import Quality, Settings
 from .figure6 import quiet_stdout, saved_atrium
 
 SIZE = 640, 360
-#: Views by the sample that they are of. The first one has no rays that correct.
+#: By debug view: samples to draw. The first sample has no residual.
 SAMPLES = {
     DebugView.PRIMITIVE: 1,
     DebugView.PROBE_PREDICTION: 1,
@@ -46,22 +46,22 @@ def main() -> int:
         scene, view = scene_reader.scene(depsgraph), camera.final_view(depsgraph)
     finally:
         addon.unregister()
-    for shown, samples in SAMPLES.items():
-        settings = replace(Settings(), quality=Quality(samples=samples), debug_view=shown)
+    for debug_view, samples in SAMPLES.items():
+        settings = replace(Settings(), quality=Quality(samples=samples), debug_view=debug_view)
         picture, job = draw(Request(scene, view, settings))
         if picture is None:
             sys.exit(job.error)
-        print(save(picture.color, options.output / file_name(shown)))
+        print(save(picture.color, options.output / file_name(debug_view)))
     return 0
 
 
-def file_name(shown: DebugView) -> str:
-    """Of a view's picture."""
-    return f"{shown.label.lower().replace(' ', '-')}.jpg"
+def file_name(debug_view: DebugView) -> str:
+    """The name of a debug view's picture."""
+    return f"{debug_view.label.lower().replace(' ', '-')}.jpg"
 
 
 def save(color: np.ndarray, path: Path) -> Path:
-    """Linear light (H,W,4) as a JPEG."""
+    """Save linear light (H,W,4) as a JPEG."""
     image = bpy.data.images.new(path.stem, SIZE[0], SIZE[1])
     encoded = np.ones((*SIZE[::-1], 4), np.float32)
     encoded[..., :3] = srgb_from_linear(np.clip(color[..., :3], 0.0, 1.0))

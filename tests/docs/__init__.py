@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The documentation's generated parts, and what its tests look at."""
+"""Generators of parts of the documentation, and parsers of its commands and of the code's messages, for tests."""

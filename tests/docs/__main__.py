@@ -12,8 +12,8 @@ from . import generated, record
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.docs", description="Write the documentation's generated parts.")
-    parser.add_argument("names", nargs="*", help="benchmarks whose new records are to be taken first")
-    parser.add_argument("--records", type=Path, required=True, help="folder of what the benchmarks wrote")
+    parser.add_argument("names", nargs="*", help="benchmarks whose new records are first copied to docs/records")
+    parser.add_argument("--records", type=Path, required=True, help="folder that the benchmarks wrote to")
     options = parser.parse_args()
     for name in options.names:
         path = options.records / f"{name}.json"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The generated parts of README.md and docs: each stands between two markers that name it."""
+"""Generates the parts of README.md and docs that are between two markers with their name."""
 
 import re
 from collections.abc import Iterator
@@ -20,25 +20,25 @@ PART = re.compile(r"<!-- generated: ([\w ]+) -->\n.*?<!-- end -->", re.S)
 
 
 def pages() -> list[Path]:
-    """All that is documentation."""
+    """All pages of the documentation."""
     return [project.ROOT / "README.md", *sorted((project.ROOT / "docs").glob("*.md"))]
 
 
 def filled(text: str) -> str:
-    """A page with its parts as they are generated now. Raises KeyError for a part that nothing generates."""
-    return PART.sub(lambda found: f"<!-- generated: {found[1]} -->\n\n{PARTS[found[1]]()}\n\n<!-- end -->", text)
+    """A page with its parts generated anew. Raises KeyError for a part without a generator."""
+    return PART.sub(lambda match: f"<!-- generated: {match[1]} -->\n\n{PARTS[match[1]]()}\n\n<!-- end -->", text)
 
 
 def current() -> Iterator[tuple[Path, str]]:
-    """What each page and plot should hold."""
+    """Each page and plot, and its content as generated now."""
     for page in pages():
         yield page, filled(page.read_text("utf-8"))
-    for name, draw in benchmark_tables.PLOTS.items():
-        yield project.ROOT / name, draw()
+    for name, plot in benchmark_tables.PLOTS.items():
+        yield project.ROOT / name, plot()
 
 
 def write() -> list[Path]:
-    """Write what is not as it should be: its paths."""
+    """Write all pages and plots that have changed. Returns their paths."""
     written = []
     for path, content in current():
         if not path.exists() or path.read_text("utf-8") != content:

@@ -18,4 +18,4 @@ ROWS = {
 
 
 def table() -> str:
-    return "\n".join(["| what | at most |", "|---|---|", *(f"| {what} | {most} |" for what, most in ROWS.items())])
+    return "\n".join(["| what | at most |", "|---|---|", *(f"| {what} | {limit} |" for what, limit in ROWS.items())])

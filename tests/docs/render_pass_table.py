@@ -11,7 +11,9 @@ def table() -> str:
     return "\n".join([*rows, *map(row, RENDER_PASSES)])
 
 
-def row(each: RenderPass) -> str:
-    switch = f"`{each.switch}`" if each.switch else "always there"
-    samples = EVERY_SAMPLE if each.filtered else FIRST_SAMPLE
-    return f"| {each.name} | {switch} | {each.channels} | {samples} | `--output-{each.identifier}` |"
+def row(render_pass: RenderPass) -> str:
+    switch = f"`{render_pass.switch}`" if render_pass.switch else "always there"
+    samples = EVERY_SAMPLE if render_pass.filtered else FIRST_SAMPLE
+    return (
+        f"| {render_pass.name} | {switch} | {render_pass.channels} | {samples} | `--output-{render_pass.identifier}` |"
+    )

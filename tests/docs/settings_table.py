@@ -6,8 +6,8 @@ from dataclasses import Field
 from ism_addon.choices import Choice
 from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, Settings, setting_fields
 
-#: Where scripts find the settings, what they are about, and the class that declares them.
-HOMES = {
+#: By the path in scripts: the title of a group of settings, and the class that declares them.
+GROUPS = {
     "scene.ism.shadow": ("Look of the shadows", SECTIONS["shadow"]),
     "scene.ism.ssao": ("Look of the ambient occlusion", SECTIONS["ssao"]),
     "scene.ism.render` and `scene.ism.viewport": ("Quality of final renders and of the viewport", type(VIEWPORT)),
@@ -17,13 +17,13 @@ UNITS = {"DISTANCE": " m", "TIME_ABSOLUTE": " s", "PIXEL": " px"}
 
 
 def tables() -> str:
-    """A heading and a table for each group; below it the values of settings that are one of a few names."""
+    """A heading and a table for each group, then the values of its enumerated settings."""
     parts = []
-    for home, (title, section) in HOMES.items():
+    for path, (title, section) in GROUPS.items():
         members = list(setting_fields(section))
         rows = [row(section, member, control) for member, control in members]
-        head = ["| name | in the panels | default | range | what it does |", "|---|---|---|---|---|"]
-        parts += [f"### {title}: `{home}`", "\n".join([*head, *rows])]
+        heading = ["| name | in the panels | default | range | what it does |", "|---|---|---|---|---|"]
+        parts += [f"### {title}: `{path}`", "\n".join([*heading, *rows])]
         parts += [values(member) for member, _ in members if isinstance(member.default, Choice)]
     return "\n\n".join(parts)
 
@@ -31,29 +31,29 @@ def tables() -> str:
 def row(section: type, member: Field, control: Control) -> str:
     """One setting. Angles are stored in radians and shown in degrees."""
     bounds = (control.low, control.high)
-    allowed = "–" if None in bounds else " to ".join(number(control, bound) for bound in bounds)
+    allowed = "–" if None in bounds else " to ".join(quantity(control, bound) for bound in bounds)
     cells = f"`{member.name}`", control.label, default(section, member, control), allowed, f"{control.meaning}."
     return f"| {' | '.join(cells)} |"
 
 
 def default(section: type, member: Field, control: Control) -> str:
-    """What a setting is by itself; two values where the viewport has another than final renders."""
+    """A setting's default; two values where the viewport's differs from that of final renders."""
     value = member.default
     if section is not type(VIEWPORT):
-        return shown(control, value)
+        return value_text(control, value)
     if not hasattr(FINAL, member.name):
-        return f"viewport only: {shown(control, value)}"
-    own, viewport = getattr(FINAL, member.name), getattr(VIEWPORT, member.name)
-    return shown(control, own) + (f", viewport {shown(control, viewport)}" if own != viewport else "")
+        return f"viewport only: {value_text(control, value)}"
+    final, viewport = getattr(FINAL, member.name), getattr(VIEWPORT, member.name)
+    return value_text(control, final) + (f", viewport {value_text(control, viewport)}" if final != viewport else "")
 
 
-def shown(control: Control, value: object) -> str:
+def value_text(control: Control, value: object) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
-    return f"`{value}`" if isinstance(value, str) else number(control, value)
+    return f"`{value}`" if isinstance(value, str) else quantity(control, value)
 
 
-def number(control: Control, value: float) -> str:
+def quantity(control: Control, value: float) -> str:
     """A value with its unit."""
     if control.unit == "ANGLE":
         return f"{value:.4g} rad"
@@ -62,6 +62,6 @@ def number(control: Control, value: float) -> str:
 
 
 def values(member: Field) -> str:
-    """The names that a setting may have."""
+    """The values of an enumerated setting."""
     rows = [f"| `{choice}` | {choice.label} | {choice.meaning}. |" for choice in type(member.default)]
     return "\n".join([f"| `{member.name}` | in the panels | meaning |", "|---|---|---|", *rows])

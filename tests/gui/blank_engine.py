@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render engine that does nothing: what Blender itself takes for a redraw."""
+"""A render engine that does nothing: with it, a redraw takes the time that Blender itself needs."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,7 +8,7 @@ import bpy
 
 
 class BlankRenderEngine(bpy.types.RenderEngine):
-    """Its viewport stays empty."""
+    """Leaves its viewport empty."""
 
     bl_idname = "ISM_TEST_BLANK"
     bl_label = "Blank"
@@ -21,8 +21,8 @@ class BlankRenderEngine(bpy.types.RenderEngine):
 
 
 @contextmanager
-def engine() -> Iterator[str]:
-    """Its name, as long as it is there."""
+def registered() -> Iterator[str]:
+    """Register the engine inside this with-block: its bl_idname."""
     bpy.utils.register_class(BlankRenderEngine)
     yield BlankRenderEngine.bl_idname
     bpy.utils.unregister_class(BlankRenderEngine)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only place here that knows the engine's inside: whether its viewports are done, and what went wrong."""
+"""Access to the engine's internals: whether its viewports are done, their jobs, errors and statistics."""
 
 import importlib
 import os
@@ -17,7 +17,7 @@ PACKAGE = "bl_ext.user_default.ism_soft_shadows"
 
 
 def module(name: str) -> ModuleType:
-    """A module of the installed extension, by its name in ism_addon."""
+    """A module of the installed extension, by its name inside ism_addon."""
     return importlib.import_module(f"{PACKAGE}.ism_addon.{name}")
 
 
@@ -26,7 +26,7 @@ def engine_class() -> Any:
 
 
 def is_busy() -> bool:
-    """Whether a viewport lacks samples, or has not shown the last."""
+    """Whether a viewport is still sampling, or has not shown the last sample; also before there is a viewport."""
     viewports = list(module("blender.viewport.redraw_timer")._viewports)
     return not viewports or any(
         viewport._job is None or viewport.is_rendering or viewport.has_update for viewport in viewports
@@ -34,26 +34,26 @@ def is_busy() -> bool:
 
 
 def jobs() -> list[Any]:
-    """What the viewports have asked the worker for last: other objects as soon as they ask for something else."""
+    """The viewports' latest jobs for the render thread: another object for each new request."""
     return [viewport._job for viewport in module("blender.viewport.redraw_timer")._viewports]
 
 
 def errors() -> list[str]:
-    """What the viewports tell their user instead of a picture."""
+    """Error messages that viewports show instead of a picture."""
     return [job.error for job in jobs() if job is not None and job.error]
 
 
-def milliseconds(*passes: str) -> float:
-    """What each of these passes took on average in the viewports' last picture, summed up."""
+def pass_milliseconds(*passes: str) -> float:
+    """Mean times of these passes in the viewports' latest picture, added."""
     rows = module("blender.render.render_statistics").for_use("viewport")["passes"]
     return sum(rows[name]["ms"] / max(rows[name]["drawn"], 1) for name in passes)
 
 
-def drawn(snapshot: Path) -> np.ndarray:
-    """What a snapshot's picture is when it is drawn without Blender: display values, top row first."""
+def render_snapshot(snapshot: Path) -> np.ndarray:
+    """Render a snapshot by `python -m ism_addon.gpu`, without Blender: display values, top row first."""
     path = snapshot.with_suffix(".png")
     command = [sys.executable, "-m", "ism_addon.gpu", str(snapshot), "-o", str(path)]
     installed = Path(module("gpu").__file__).parents[2]
     packages = {"PYTHONPATH": os.pathsep.join(sys.path)}  # Blender's numpy, and moderngl from the extension's wheels
     subprocess.run(command, cwd=installed, env={**os.environ, **packages}, check=True)
-    return screenshots.picture(path)
+    return screenshots.read_png(path)

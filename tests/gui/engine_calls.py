@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Looks over the engine's shoulder in Blender's main thread: when it is called, for how long, and what it has drawn."""
+"""Records when Blender calls the engine in its main thread, for how long, and the colour of a patch it has drawn."""
 
 import time
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from typing import Any
 import gpu
 import numpy as np
 
-PATCH = 24  # pixels: width and height of what is looked at
+PATCH_SIZE = 24  # pixels: width and height of the patch
 
 
 @dataclass(frozen=True)
@@ -19,29 +19,29 @@ class Call:
     name: str
     began: float
     ended: float
-    seen: np.ndarray | None  # (3,) mean colour of the patch after it
+    patch_color: np.ndarray | None  # (3,) mean of the patch after the call; None: not read
 
 
 class EngineCalls:
-    """Wraps the engine's methods that a viewport calls."""
+    """Wraps the engine's methods that a viewport calls, and records each call."""
 
     def __init__(self, engine_class: Any):
         self.calls: list[Call] = []
-        self.place: tuple[float, float] | None = None  # of the patch's middle, as parts of the region, from below left
+        self.patch_uv: tuple[float, float] | None = None  # the patch's middle in the region; None: no patch is read
         for name in ("view_update", "view_draw"):
-            setattr(engine_class, name, self._watched(name, getattr(engine_class, name)))
+            setattr(engine_class, name, self._recorded(name, getattr(engine_class, name)))
 
     def redraws(self, since: float) -> int:
-        """How often the engine drew."""
+        """How often the engine has drawn."""
         return sum(call.name == "view_draw" for call in self._after(since))
 
     def longest_redraw(self, since: float) -> float:
-        """Seconds that one redraw held the main thread for at most, with the updates before it."""
-        longest = held = 0.0
+        """Seconds for which one redraw and the updates before it have blocked the main thread, at most."""
+        longest = blocked = 0.0
         for call in self._after(since):
-            held += call.ended - call.began
+            blocked += call.ended - call.began
             if call.name == "view_draw":
-                longest, held = max(longest, held), 0.0
+                longest, blocked = max(longest, blocked), 0.0
         return longest
 
     def longest_update(self, since: float) -> float:
@@ -49,29 +49,31 @@ class EngineCalls:
         return max((call.ended - call.began for call in self._after(since) if call.name == "view_update"), default=0.0)
 
     def patch_colors(self, since: float) -> list[Call]:
-        """The calls after which the patch was looked at."""
-        return [call for call in self._after(since) if call.seen is not None]
+        """The calls that have a `patch_color`."""
+        return [call for call in self._after(since) if call.patch_color is not None]
 
     def _after(self, since: float) -> list[Call]:
         return [call for call in self.calls if call.began >= since]
 
-    def _watched(self, name: str, method: Callable) -> Callable:
-        def watched(engine: Any, context: Any, depsgraph: Any) -> None:
+    def _recorded(self, name: str, method: Callable) -> Callable:
+        def recorded(engine: Any, context: Any, depsgraph: Any) -> None:
             began = time.perf_counter()
             method(engine, context, depsgraph)
             ended = time.perf_counter()
-            look = name == "view_draw" and self.place is not None
-            seen = _mean_color(context.region, self.place) if look else None
-            self.calls.append(Call(name, began, ended, seen))
+            has_patch = name == "view_draw" and self.patch_uv is not None
+            patch_color = _mean_color(context.region, self.patch_uv) if has_patch else None
+            self.calls.append(Call(name, began, ended, patch_color))
 
-        return watched
+        return recorded
 
 
-def _mean_color(region: Any, place: tuple[float, float]) -> np.ndarray:
+def _mean_color(region: Any, uv: tuple[float, float]) -> np.ndarray:
+    """(3,) of the patch around (u, v)."""
     left, bottom = (
-        round(part * length) - PATCH // 2 for part, length in zip(place, (region.width, region.height), strict=True)
+        round(fraction * length) - PATCH_SIZE // 2
+        for fraction, length in zip(uv, (region.width, region.height), strict=True)
     )
     framebuffer = gpu.state.active_framebuffer_get()
-    pixels = framebuffer.read_color(left, bottom, PATCH, PATCH, 3, 0, "FLOAT")
-    pixels.dimensions = PATCH * PATCH * 3
+    pixels = framebuffer.read_color(left, bottom, PATCH_SIZE, PATCH_SIZE, 3, 0, "FLOAT")
+    pixels.dimensions = PATCH_SIZE * PATCH_SIZE * 3
     return np.array(pixels).reshape(-1, 3).mean(axis=0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Run by a Blender with a window: installs the extension from its zip and plays one scenario.
 
-blender --python play_scenario.py -- ZIP MODULE NAME FOLDER. Leaves result.json in FOLDER; none if Blender crashed.
+blender --python play_scenario.py -- ZIP MODULE NAME FOLDER. Writes result.json to FOLDER, unless Blender crashes.
 """
 
 import importlib
@@ -16,11 +16,11 @@ import bpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).parents[2]))
-STEP = 0.01  # s: Blender's main loop runs freely at least this long between two steps of a scenario
+STEP_INTERVAL = 0.01  # s for which Blender's main loop runs at least between two steps of a scenario
 
 
-class Play:
-    """A scenario on its way, a step at each call of a timer."""
+class Player:
+    """Plays a scenario: a timer, each call of which runs the next step."""
 
     def __init__(self, steps: Generator, session: "object", folder: Path):
         self.steps, self.session, self.folder = steps, session, folder
@@ -29,11 +29,11 @@ class Play:
     def __call__(self) -> float | None:
         try:
             next(self.steps)
-            return STEP
+            return STEP_INTERVAL
         except StopIteration:
-            self.end("\n".join(self.session.missed))
+            self.end("\n".join(self.session.failures))
         except Exception:
-            self.end("\n".join([*self.session.missed, traceback.format_exc()]))
+            self.end("\n".join([*self.session.failures, traceback.format_exc()]))
         return None
 
     def end(self, failure: str) -> None:
@@ -54,7 +54,7 @@ def main() -> None:
 
     session = Session(Path(folder))
     steps = getattr(importlib.import_module(f"tests.gui.scenarios.{module}"), name)(session)
-    bpy.app.timers.register(Play(steps, session, Path(folder)), first_interval=0.5, persistent=True)
+    bpy.app.timers.register(Player(steps, session, Path(folder)), first_interval=0.5, persistent=True)
 
 
 main()

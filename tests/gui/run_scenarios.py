@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender for each scenario, so that a crash names it; then the table of what they said."""
+"""Plays each scenario in a Blender of its own, so that a crash ends only that one; prints a table of the results."""
 
 import json
 import os
@@ -20,38 +20,38 @@ from tests.tools import blender_root, project
 
 from .scenario import Scenario
 
-PLAYER = Path(__file__).with_name("play_scenario.py")
+PLAYER_SCRIPT = Path(__file__).with_name("play_scenario.py")
 DESKTOP = project.ROOT / "tests/tools/desktop.py"
-#: Blender's factory layout gives the 3D viewport this part of the window's width and height, less some pixels.
-PART, LESS = (0.8286, 0.922), (3.7, 45.8)
-#: Blenders at a time, where any pace will do: each waits much of its time, but may take as much longer.
-AT_ONCE = 3
-#: Pixels of a viewport for which a scenario names no number; fewer where any pace will do.
+#: Blender's factory layout gives the 3D viewport this fraction of the window's width and height, less some pixels.
+VIEWPORT_FRACTION, VIEWPORT_MARGIN = (0.8286, 0.922), (3.7, 45.8)
+#: Blenders that run at a time with --any-pace. Each waits much of its time; it may take this many times as long.
+MAX_BLENDERS = 3
+#: Pixels of the viewport, where a scenario does not set them; fewer with --any-pace.
 REGION, ANY_PACE_REGION = (1000, 700), (600, 420)
-START = 60  # s that Blender may take until the scenario begins, and after it has ended
-#: What nobody may say. Mesa names OpenGL's errors if MESA_DEBUG is set, in Blender's context and in ours.
-WRONG = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
+STARTUP_SECONDS = 60  # that Blender may take before the scenario begins and after it has ended, together
+#: Lines of Blender's log that make a scenario fail. With MESA_DEBUG, Mesa logs OpenGL's errors, in our context too.
+ERROR_LINE = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class Blender:
-    """A program to start: in a root folder, or on this machine."""
+    """A Blender to start: in a root folder, or on this machine."""
 
     program: str
     root: Path | None = None
 
     def command(self, size: str, arguments: list[str], variables: dict[str, str], folders: tuple[Path, ...]) -> list:
-        """The command line that starts it on a screen of that size; it needs these folders."""
+        """The command line that starts it on a screen of that size, with access to these folders."""
         settings = ["env", *(f"{name}={value}" for name, value in variables.items())]
         if self.root is None:
             return [*settings, sys.executable, str(DESKTOP), size, self.program, *arguments]
         command = (*settings, "python3", str(DESKTOP), size, self.program, *arguments)
-        return blender_root.inside(self.root, *command, folders=folders)
+        return blender_root.command_in_root(self.root, *command, folders=folders)
 
 
 @dataclass
 class Outcome:
-    """What came of a scenario."""
+    """The result of a scenario."""
 
     name: str
     about: str
@@ -62,15 +62,15 @@ class Outcome:
 
 
 def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blender, any_pace: bool) -> bool:
-    """Play scenarios with the extension in `archive` and keep a record in `output`.
+    """Play scenarios with the extension in `archive`, and write a record to `output`: whether all pass.
 
-    Whether all pass; where any pace will do, also if something takes longer than it must.
+    With `any_pace`, scenarios pass even if something takes longer than its limit.
     """
     outcomes = []
-    with ThreadPoolExecutor(AT_ONCE if any_pace else 1) as pool:
+    with ThreadPoolExecutor(MAX_BLENDERS if any_pace else 1) as pool:
         play_one = partial(_play, archive=archive, output=output, blender=blender, any_pace=any_pace)
         for outcome in pool.map(play_one, chosen):
-            print(_lines(outcome), flush=True)
+            print(_report(outcome), flush=True)
             outcomes.append(outcome)
     record = {"commit": project.commit(), "outcomes": [asdict(outcome) for outcome in outcomes]}
     (output / "record.json").write_text(json.dumps(record, indent=1))
@@ -84,39 +84,42 @@ def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "user").mkdir(parents=True)
     region = scenario.region or (ANY_PACE_REGION if any_pace else REGION)
-    width, height = (round((pixels + less) / part) for pixels, less, part in zip(region, LESS, PART, strict=True))
+    width, height = (
+        round((pixels + margin) / fraction)
+        for pixels, margin, fraction in zip(region, VIEWPORT_MARGIN, VIEWPORT_FRACTION, strict=True)
+    )
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]
-    script = ["--python-exit-code", "1", "--python", str(PLAYER), "--"]
+    script = ["--python-exit-code", "1", "--python", str(PLAYER_SCRIPT), "--"]
     arguments = [*window, *script, str(archive), scenario.module, scenario.name, str(folder)]
     variables = {"BLENDER_USER_RESOURCES": str(folder / "user"), "MESA_DEBUG": "1", "TMPDIR": str(folder)}
     command = blender.command(f"{width}x{height}", arguments, variables, (project.ROOT, archive.parent, folder))
     began = time.perf_counter()
-    status = _run(command, folder / "blender.log", AT_ONCE * scenario.patience + START)
+    status = _run(command, folder / "blender.log", MAX_BLENDERS * scenario.timeout + STARTUP_SECONDS)
     seconds = time.perf_counter() - began
-    said = (folder / "blender.log").read_text("utf-8", "replace")
-    wrong = list(dict.fromkeys(match[0] for match in WRONG.finditer(said)))
+    log = (folder / "blender.log").read_text("utf-8", "replace")
+    errors = list(dict.fromkeys(match[0] for match in ERROR_LINE.finditer(log)))
     if status is None:
-        wrong.append(f"Blender was still busy after {seconds:.0f} s and has been ended")
+        errors.append(f"Blender was still busy after {seconds:.0f} s and has been ended")
     elif status:
-        wrong.append("\n".join([f"Blender's exit status is {status}", *said.strip().splitlines()[-12:]]))
+        errors.append("\n".join([f"Blender's exit status is {status}", *log.strip().splitlines()[-12:]]))
     result: dict[str, Any] = {"failure": "", "slow": "", "figures": {}}
     if (folder / "result.json").is_file():
         result = json.loads((folder / "result.json").read_text())
-    elif not wrong:
-        wrong.append("Blender ended before the scenario did")
+    elif not errors:
+        errors.append("Blender ended before the scenario did")
     shutil.rmtree(folder / "user")
-    failure = "\n".join(filter(None, [result["failure"], *wrong]))
+    failure = "\n".join(filter(None, [result["failure"], *errors]))
     return Outcome(scenario.name, scenario.about, failure, result["slow"], seconds, result["figures"])
 
 
-def _run(command: list[str], log: Path, patience: float) -> int | None:
-    """The exit status; None if the time was up, and then nothing that the command started is left."""
-    with log.open("wb") as said:
+def _run(command: list[str], log: Path, timeout: float) -> int | None:
+    """Run a command: its exit status, or None after a timeout, when all processes that it started are ended."""
+    with log.open("wb") as output:
         process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, cwd=log.parent, start_new_session=True
+            command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, cwd=log.parent, start_new_session=True
         )
         try:
-            return process.wait(patience)
+            return process.wait(timeout)
         except subprocess.TimeoutExpired:
             return None
         finally:
@@ -127,10 +130,10 @@ def _run(command: list[str], log: Path, patience: float) -> int | None:
                 process.wait()
 
 
-def _lines(outcome: Outcome) -> str:
-    """A row of the table, with its figures and what went wrong below."""
-    verdict = "failed" if outcome.failure else "slow  " if outcome.slow else "passed"
-    lines = [f"{verdict}  {outcome.seconds:5.0f} s  {outcome.name}: {outcome.about}"]
+def _report(outcome: Outcome) -> str:
+    """A row of the table, with the figures and the errors below."""
+    result = "failed" if outcome.failure else "slow  " if outcome.slow else "passed"
+    lines = [f"{result}  {outcome.seconds:5.0f} s  {outcome.name}: {outcome.about}"]
     for name, figure in outcome.figures.items():
         bounds = [f"{bound} {figure[bound]:g}" for bound in ("must", "aim") if figure[bound] is not None]
         lines.append(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scenario is, and which there are: known without Blender, which the scenarios themselves need."""
+"""The list of scenarios, read from their source: the scenarios themselves can be imported only in Blender."""
 
 import ast
 from collections.abc import Callable
@@ -17,27 +17,28 @@ class Scenario:
     name: str
     about: str
     region: tuple[int, int] | None = None  # pixels of the 3D viewport, in Blender's factory layout; None: any
-    patience: int = 120  # s, for all of it
+    timeout: int = 120  # s, for all of the scenario
 
 
-def scenario(**_facts: object) -> Callable[[Callable], Callable]:
-    """Mark a function as a scenario. The facts, literals for fields of Scenario, are read by `scenarios`."""
+def scenario(**_fields: object) -> Callable[[Callable], Callable]:
+    """Mark a function as a scenario. `scenarios` reads the arguments, literals for fields of Scenario."""
     return lambda function: function
 
 
 def scenarios() -> list[Scenario]:
-    """All there are, by file and place in it."""
+    """All scenarios, by file and line."""
     found = []
     for path in sorted(FOLDER.glob("[!_]*.py")):
         for node in ast.parse(path.read_text("utf-8")).body:
-            if isinstance(node, ast.FunctionDef) and (facts := _facts(node)) is not None:
+            if isinstance(node, ast.FunctionDef) and (fields := _fields(node)) is not None:
                 about = (ast.get_docstring(node) or "").partition("\n")[0]
-                found.append(Scenario(path.stem, node.name, about, **facts))
+                found.append(Scenario(path.stem, node.name, about, **fields))
     return found
 
 
-def _facts(node: ast.FunctionDef) -> dict | None:
-    for mark in node.decorator_list:
-        if isinstance(mark, ast.Call) and ast.unparse(mark.func) == "scenario":
-            return {keyword.arg: ast.literal_eval(keyword.value) for keyword in mark.keywords}
+def _fields(node: ast.FunctionDef) -> dict | None:
+    """The arguments of the `scenario` decorator; None without one."""
+    for decorator in node.decorator_list:
+        if isinstance(decorator, ast.Call) and ast.unparse(decorator.func) == "scenario":
+            return {keyword.arg: ast.literal_eval(keyword.value) for keyword in decorator.keywords}
     return None

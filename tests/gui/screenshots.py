@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""True screenshots of the window as arrays, and how two pictures differ."""
+"""Screenshots of the window as arrays, and measures of how two pictures differ."""
 
 import shutil
 import struct
@@ -9,32 +9,32 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-#: Of a picture of an area: without the sides, in which Blender draws its round corners and small arrows.
+#: Crops a picture of an area: at its border Blender draws round corners and small arrows.
 WITHOUT_BORDER = np.s_[20:-20, 20:-20]
-MIN_DIFFERENCE = 0.1  # display values that are not to be taken for another at an edge
+MIN_DIFFERENCE = 0.1  # of display values: less is no difference, as at an edge that is smoothed differently
 
 
 def screenshot(path: Path) -> np.ndarray:
-    """Write what is on the screen to a PNG: (H,W,3) float32 display values from 0 to 1, top row first."""
+    """Save the screen as a PNG: its (H,W,3) float32 display values from 0 to 1, top row first."""
     if shutil.which("import"):
         subprocess.run(["import", "-window", "root", "-define", "png:compression-level=1", str(path)], check=True)
     else:
         with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
             bpy.ops.screen.screenshot(filepath=str(path))
-    return picture(path)
+    return read_png(path)
 
 
-def picture(path: Path) -> np.ndarray:
+def read_png(path: Path) -> np.ndarray:
     """A PNG's display values: (H,W,3) float32 from 0 to 1, top row first."""
     if not shutil.which("convert"):
-        return _picture_by_blender(path)
+        return _read_by_blender(path)
     width, height = struct.unpack(">II", path.read_bytes()[16:24])
     read = subprocess.run(["convert", str(path), "-depth", "8", "rgb:-"], check=True, stdout=subprocess.PIPE)
     return np.frombuffer(read.stdout, np.uint8).reshape(height, width, 3).astype(np.float32) / 255
 
 
-def _picture_by_blender(path: Path) -> np.ndarray:
-    """The same, but for Blender the scene has changed by it."""
+def _read_by_blender(path: Path) -> np.ndarray:
+    """The same without ImageMagick; Blender takes it for a change of the scene."""
     image = bpy.data.images.load(str(path))
     image.colorspace_settings.name = "Non-Color"
     pixels = np.empty(len(image.pixels), np.float32)
@@ -45,18 +45,19 @@ def _picture_by_blender(path: Path) -> np.ndarray:
 
 
 def rmse(one: np.ndarray, other: np.ndarray) -> float:
-    """Root of the mean squared difference."""
+    """Root mean square error."""
     return float(np.sqrt(np.mean((one.astype(np.float64) - other) ** 2)))
 
 
 def different_pixels(one: np.ndarray, other: np.ndarray) -> int:
-    """How many pixels of either picture are unlike all that the other has there and in the pixels around."""
-    strays = 0
+    """How many pixels of either picture are outside the range of the other picture's 3×3 pixels there."""
+    count = 0
     for picture, reference in ((one, other), (other, one)):
-        around = np.lib.stride_tricks.sliding_window_view(_padded(reference), (3, 3), axis=(0, 1))
-        low, high = around.min(axis=(-2, -1)) - MIN_DIFFERENCE, around.max(axis=(-2, -1)) + MIN_DIFFERENCE
-        strays += int(((picture < low) | (picture > high)).any(axis=-1).sum())
-    return strays
+        neighbourhoods = np.lib.stride_tricks.sliding_window_view(_padded(reference), (3, 3), axis=(0, 1))
+        low = neighbourhoods.min(axis=(-2, -1)) - MIN_DIFFERENCE
+        high = neighbourhoods.max(axis=(-2, -1)) + MIN_DIFFERENCE
+        count += int(((picture < low) | (picture > high)).any(axis=-1).sum())
+    return count
 
 
 def _padded(picture: np.ndarray) -> np.ndarray:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whole pictures, without Blender."""
+"""Tests of complete pictures, without Blender."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The door without Blender: pictures from snapshots, and a sentence and an exit code where there is none."""
+"""The command line: pictures from snapshots, without Blender; a failure prints one line and sets the exit status."""
 
 import os
 import signal
@@ -35,7 +35,7 @@ def scene_file(tmp_path) -> Path:
 
 @pytest.fixture
 def call(monkeypatch, capsys, tmp_path):
-    """Calls the command line: exit status, and what it wrote to stdout and stderr."""
+    """call(arguments…): runs the command line; its exit status, stdout and stderr."""
 
     def run(*arguments: object) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["ism_addon.gpu", *map(str, arguments)])
@@ -43,41 +43,41 @@ def call(monkeypatch, capsys, tmp_path):
             status = main()
         except SystemExit as end:
             status = end.code
-        told = capsys.readouterr()
-        assert "Traceback" not in told.err
-        return status, told.out, told.err
+        captured = capsys.readouterr()
+        assert "Traceback" not in captured.err
+        return status, captured.out, captured.err
 
     return run
 
 
 def read_png(path: Path) -> np.ndarray:
-    """(H,W,4) uint8, bottom row first, of a PNG whose lines have no filter; checks each chunk's sum."""
+    """(H,W,4) uint8, bottom row first, of an unfiltered PNG; checks the CRC of each chunk."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    at, packed, size = 8, b"", (0, 0)
-    while at < len(data):
-        (length,) = struct.unpack_from(">I", data, at)
-        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
-        assert struct.unpack_from(">I", data, at + 8 + length)[0] == zlib.crc32(kind + body)
-        if kind == b"IHDR":
+    offset, compressed, size = 8, b"", (0, 0)
+    while offset < len(data):
+        (length,) = struct.unpack_from(">I", data, offset)
+        chunk_type, body = data[offset + 4 : offset + 8], data[offset + 8 : offset + 8 + length]
+        assert struct.unpack_from(">I", data, offset + 8 + length)[0] == zlib.crc32(chunk_type + body)
+        if chunk_type == b"IHDR":
             size = struct.unpack_from(">II", body)
             assert body[8:] == bytes((8, 6, 0, 0, 0))
-        packed += body if kind == b"IDAT" else b""
-        at += 12 + length
-    lines = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(size[1], 1 + 4 * size[0])
-    assert not lines[:, 0].any()
-    return lines[:, 1:].reshape(size[1], size[0], 4)[::-1]
+        compressed += body if chunk_type == b"IDAT" else b""
+        offset += 12 + length
+    rows = np.frombuffer(zlib.decompress(compressed), np.uint8).reshape(size[1], 1 + 4 * size[0])
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(size[1], size[0], 4)[::-1]
 
 
-def test_the_picture_is_the_renderers(call, scene_file, tmp_path, device):
+def test_the_picture_is_that_of_the_renderer(call, scene_file, tmp_path, device):
     out = tmp_path / "out.png"
     assert call(scene_file, "-o", out) == (0, "", "")
     expected = display_from_linear(draw(device, *box_over_plane(24, 16), SETTINGS).color)
     assert np.array_equal(read_png(out), expected)
 
 
-def test_it_is_a_module_of_its_own(scene_file, tmp_path):
-    """As a user types it, in a fresh interpreter."""
+def test_it_runs_as_a_module(scene_file, tmp_path):
+    """As a user runs it, in a new interpreter."""
     out = tmp_path / "out.png"
     command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--profile"]
     run = subprocess.run(command, cwd=project.ROOT, capture_output=True, text=True, timeout=60)
@@ -87,24 +87,24 @@ def test_it_is_a_module_of_its_own(scene_file, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal as it is done elsewhere")
-def test_ctrl_c_is_one_line(scene_file, tmp_path):
+def test_ctrl_c_prints_one_line(scene_file, tmp_path):
     out = tmp_path / "out.png"
-    begin = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # it may be ignored here
-    begin += "; import runpy; runpy.run_module('ism_addon.gpu', run_name='__main__')"
-    command = [sys.executable, "-c", begin, str(scene_file), "-o", str(out), "--samples", "65536"]
+    script = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # pytest's parent may ignore it
+    script += "; import runpy; runpy.run_module('ism_addon.gpu', run_name='__main__')"
+    command = [sys.executable, "-c", script, str(scene_file), "-o", str(out), "--samples", "65536"]
     run = subprocess.Popen(command, cwd=project.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         time.sleep(2.0)
         run.send_signal(signal.SIGINT)
-        said = run.communicate(timeout=10.0)
+        output = run.communicate(timeout=10.0)
     finally:
         run.kill()
-    assert (run.returncode, *said) == (130, "", "Interrupted.\n")
+    assert (run.returncode, *output) == (130, "", "Interrupted.\n")
     assert not out.exists()
 
 
 def test_in_an_ascii_locale(scene_file, tmp_path):
-    """As Python is in one, or in Japanese Windows: it reads files in the locale's encoding."""
+    """Python reads files in the locale's encoding, which is not UTF-8 here, as in Japanese Windows."""
     out = tmp_path / "out.png"
     ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
     command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out), "--shadow-method", "SHADOW_MAPS"]
@@ -114,7 +114,7 @@ def test_in_an_ascii_locale(scene_file, tmp_path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only EGL can be hidden by an environment variable")
-def test_without_opengl_it_says_so(scene_file, tmp_path):
+def test_without_opengl_it_prints_an_error(scene_file, tmp_path):
     out = tmp_path / "out.png"
     hidden = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
     command = [sys.executable, "-m", "ism_addon.gpu", str(scene_file), "-o", str(out)]
@@ -134,7 +134,7 @@ def test_every_target_can_be_shown(call, scene_file, tmp_path, target):
     assert read_png(out).shape == (16, 24, 4)
 
 
-def test_an_unknown_target_is_told_with_those_that_there_are(call, scene_file, tmp_path):
+def test_an_unknown_target_is_refused_with_the_known_ones(call, scene_file, tmp_path):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", "--show", "nonsense")
     assert status != 0
     assert "nonsense" in error
@@ -142,7 +142,7 @@ def test_an_unknown_target_is_told_with_those_that_there_are(call, scene_file, t
     assert not (tmp_path / "out.png").exists()
 
 
-def test_the_profile_has_a_line_a_pass(call, scene_file, tmp_path, device):
+def test_the_profile_has_a_line_for_each_pass(call, scene_file, tmp_path, device):
     status, out, _ = call(scene_file, "-o", tmp_path / "out.png", "--profile")
     assert status == 0
     drawn = draw(device, *box_over_plane(24, 16), SETTINGS)
@@ -182,28 +182,28 @@ def test_the_method_is_chosen_by_its_name(call, scene_file, tmp_path, device, me
     assert np.array_equal(read_png(out), display_from_linear(draw(device, *box_over_plane(24, 16), changed).color))
 
 
-def test_an_unknown_method_is_told_with_those_that_there_are(call, scene_file, tmp_path):
+def test_an_unknown_method_is_refused_with_the_known_ones(call, scene_file, tmp_path):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", "--shadow-method", "nonsense")
     assert status != 0
     assert "nonsense is none of RAY_TRACED, SHADOW_MAPS" in error
     assert not (tmp_path / "out.png").exists()
 
 
-def test_another_size_shows_the_same_across(call, scene_file, tmp_path, device):
+def test_another_size_keeps_the_horizontal_field_of_view(call, scene_file, tmp_path, device):
     out = tmp_path / "out.png"
     assert call(scene_file, "-o", out, "--size", "48x32")[0] == 0
     assert np.array_equal(read_png(out), display_from_linear(draw(device, *box_over_plane(48, 32), SETTINGS).color))
 
 
 @pytest.mark.parametrize("size", ["", "0x5", "5x0", "-3x4", "5", "axb", "1x2x3"])
-def test_a_size_that_is_none(call, scene_file, tmp_path, size):
+def test_an_invalid_size(call, scene_file, tmp_path, size):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", f"--size={size}")
     assert status != 0
     assert error
 
 
 @pytest.mark.parametrize("value", [("--samples", "x"), ("--samples", "1.5"), ("--ssao-radius", "")])
-def test_settings_that_are_no_numbers(call, scene_file, tmp_path, value):
+def test_settings_that_are_not_numbers(call, scene_file, tmp_path, value):
     status, _, error = call(scene_file, "-o", tmp_path / "out.png", *value)
     assert status != 0
     assert error
@@ -220,9 +220,7 @@ def test_settings_that_are_no_numbers(call, scene_file, tmp_path, value):
         ("--ssao-radius", "nan", "0"),
     ],
 )
-def test_settings_out_of_their_range_are_told_and_the_nearest_is_drawn(
-    call, scene_file, tmp_path, flag, value, nearest
-):
+def test_settings_out_of_their_range_are_reported_and_clamped(call, scene_file, tmp_path, flag, value, nearest):
     pictures = []
     for given in (value, nearest):
         out = tmp_path / f"{given}.png"
@@ -251,7 +249,7 @@ def test_an_output_that_cannot_be_written(call, scene_file, tmp_path):
     assert "no folder" in error
 
 
-def test_the_scenes_warnings_are_told(call, tmp_path):
+def test_the_scenes_warnings_are_printed(call, tmp_path):
     scene, view = box_over_plane(24, 16)
     path = tmp_path / "scene.npz"
     snapshot.save(path, replace(scene, warnings=("The mesh Cube has no triangles and is left out.",)), view, SETTINGS)
@@ -260,7 +258,7 @@ def test_the_scenes_warnings_are_told(call, tmp_path):
     assert "Cube" in error
 
 
-def test_images_that_are_drawn_smaller_are_told(call, tmp_path, monkeypatch):
+def test_reduced_images_are_reported(call, tmp_path, monkeypatch):
     scene, view = box_over_plane(24, 16)
     path = tmp_path / "scene.npz"
     snapshot.save(path, replace(scene, images=(Image(np.zeros((256, 256, 4), np.uint8)),)), view, SETTINGS)
@@ -274,10 +272,10 @@ def test_display_values_are_srgb_with_straight_alpha(tmp_path):
     color = np.array(
         [[[0.0, 0.0, 0.0, 0.0], [0.25, 0.5, 1.0, 1.0], [0.125, 0.25, 0.5, 0.5], [9.0, -1.0, 0.002, 1.0]]], np.float32
     )
-    told = display_from_linear(color)
-    assert told[0, 0].tolist() == [0, 0, 0, 0]
-    assert told[0, 1].tolist() == [137, 188, 255, 255]
-    assert told[0, 2, :3].tolist() == told[0, 1, :3].tolist()
-    assert told[0, 3].tolist() == [255, 0, 7, 255]
-    write_png(tmp_path / "a.png", told)
-    assert np.array_equal(read_png(tmp_path / "a.png"), told)
+    displayed = display_from_linear(color)
+    assert displayed[0, 0].tolist() == [0, 0, 0, 0]
+    assert displayed[0, 1].tolist() == [137, 188, 255, 255]
+    assert displayed[0, 2, :3].tolist() == displayed[0, 1, :3].tolist()
+    assert displayed[0, 3].tolist() == [255, 0, 7, 255]
+    write_png(tmp_path / "a.png", displayed)
+    assert np.array_equal(read_png(tmp_path / "a.png"), displayed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ends a picture: its samples, an error that is small enough, or time; and how that is told."""
+"""A picture stops after its samples, at its error threshold or at its time limit; and how that is reported."""
 
 import math
 import threading
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.jobs.job import Job, Request
-from ism_addon.gpu.jobs.render_loop import draw_job as steps
+from ism_addon.gpu.jobs.render_loop import draw_job
 from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.gpu.profile import table
 from ism_addon.gpu.renderer import Renderer
@@ -20,7 +20,7 @@ from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
 @pytest.fixture
 def drawn(device):
-    """Draws a picture of another quality to its end: the job, and how it stood after each sample."""
+    """drawn(settings, **quality): draws a picture to its end; the job, and its successive status texts."""
     renderers = Renderer(device), Renderer(device)
 
     def drawn(settings=SMALL_SETTINGS, preview_pixel_size: int = 1, **quality: float) -> tuple[Job, list[str]]:
@@ -28,48 +28,48 @@ def drawn(device):
             Request(*pillar_field(48, 32), with_quality(settings, **quality), preview_pixel_size=preview_pixel_size),
             threading.Condition(),
         )
-        told = [""]
-        for _ in steps(*renderers, job):
-            if told[-1] != job.status:
-                told.append(job.status)
-        return job, told[1:]
+        statuses = [""]
+        for _ in draw_job(*renderers, job):
+            if statuses[-1] != job.status:
+                statuses.append(job.status)
+        return job, statuses[1:]
 
     yield drawn
     for renderer in renderers:
         renderer.release()
 
 
-def test_all_samples_if_nothing_else_ends_it(drawn):
+def test_all_samples_are_drawn_if_nothing_else_stops_it(drawn):
     job, _ = drawn(samples=5)
     assert (job.samples_done, job.statistics["samples"], job.statistics["stopped_by"]) == (5, 5, "samples")
 
 
 @pytest.mark.parametrize("method", Method)
-def test_a_small_error_ends_it(drawn, device, method):
+def test_a_small_error_stops_it(drawn, device, method):
     settings = replace(SMALL_SETTINGS, shadow=Shadow(method=method))
     job, _ = drawn(settings, samples=4096, error_threshold=0.2)
     assert job.statistics["stopped_by"] == "error"
     assert MIN_SAMPLES_TO_STOP <= job.samples_done == job.picture().samples < 4096
     assert job.statistics["error"] < 0.2
-    asked = with_quality(settings, samples=4096, error_threshold=0.2)
+    requested = with_quality(settings, samples=4096, error_threshold=0.2)
     assert np.array_equal(
-        job.picture().color, draw(device, *pillar_field(48, 32), asked, last=job.samples_done - 1).color
+        job.picture().color, draw(device, *pillar_field(48, 32), requested, last=job.samples_done - 1).color
     )
 
 
-def test_less_error_is_less(drawn):
+def test_a_lower_threshold_gives_less_error(drawn):
     jobs = [drawn(samples=4096, error_threshold=threshold)[0] for threshold in (0.3, 0.1)]
     assert jobs[0].samples_done < jobs[1].samples_done
     assert jobs[0].statistics["error"] > jobs[1].statistics["error"]
 
 
 @pytest.mark.parametrize("preview_pixel_size", [1, 4])
-def test_one_sample_is_drawn_however_little_time_there_is(drawn, preview_pixel_size):
+def test_one_sample_is_drawn_however_short_the_time_limit(drawn, preview_pixel_size):
     job, _ = drawn(samples=4096, time_limit=1e-9, preview_pixel_size=preview_pixel_size)
     assert (job.samples_done, job.picture().samples, job.statistics["stopped_by"]) == (1, 1, "time")
 
 
-def test_no_sample_is_begun_when_the_time_is_up(drawn):
+def test_no_sample_begins_after_the_time_limit(drawn):
     job, _ = drawn(samples=65536, time_limit=0.5)
     assert job.statistics["stopped_by"] == "time"
     assert 1 < job.samples_done < 65536
@@ -77,21 +77,21 @@ def test_no_sample_is_begun_when_the_time_is_up(drawn):
     assert job.statistics["seconds"] >= 0.5
 
 
-def test_time_that_is_enough_ends_nothing(drawn):
+def test_a_long_time_limit_stops_nothing(drawn):
     assert drawn(samples=3, time_limit=1e6)[0].statistics["stopped_by"] == "samples"
 
 
-def test_the_error_is_told_as_soon_as_there_are_two_samples(drawn):
-    job, told = drawn(samples=3)
-    assert told[:2] == ["Sample 0/3", "Sample 1/3"]
-    assert told[-1] == f"Sample 3/3, error {100.0 * job.statistics['error']:.1f} %"
+def test_the_error_is_reported_from_two_samples_on(drawn):
+    job, statuses = drawn(samples=3)
+    assert statuses[:2] == ["Sample 0/3", "Sample 1/3"]
+    assert statuses[-1] == f"Sample 3/3, error {100.0 * job.statistics['error']:.1f} %"
     assert math.isinf(drawn(samples=1)[0].statistics["error"])
 
 
-def test_the_table_says_what_ended_it(drawn):
+def test_the_table_says_what_stopped_it(drawn):
     assert "stopped by time" in table(drawn(samples=9, time_limit=1e-9)[0].statistics)
     assert "error" not in table(drawn(samples=1)[0].statistics)
     job, _ = drawn(samples=2)
-    told = table(job.statistics)
-    assert "stopped by samples" in told
-    assert f"estimated error {100.0 * job.statistics['error']:.2f} %" in told
+    text = table(job.statistics)
+    assert "stopped by samples" in text
+    assert f"estimated error {100.0 * job.statistics['error']:.2f} %" in text

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that are linked to some objects: those alone are lit, and those alone are in the way."""
+"""Light and shadow linking: only linked objects are lit, and only linked objects cast shadows."""
 
 from dataclasses import replace
 
@@ -25,13 +25,13 @@ SETTINGS = {Method.RAY_TRACED: with_quality(SMALL_SETTINGS, samples=8), Method.S
 LEFT, RIGHT = quad((-2, -2, 0), (2, 0, 0), (0, 4, 0)), quad((0, -2, 0), (2, 0, 0), (0, 4, 0))
 LIDS = [quad((x, -2, 1.0), (2, 0, 0), (0, 4, 0)) for x in (-2, 0)]
 VIEW = view_from_above(3.0, (64, 48), height=0.8)
-#: Of the floor's halves and the two lids, the first groups or the last.
+#: Link groups of the floor's two halves and of the two lids: the first four possible groups or the last.
 GROUPS = pytest.mark.parametrize("groups", [range(4), range(MAX_LINK_GROUPS - 4, MAX_LINK_GROUPS)], ids=str)
 
 
-def halves(device, settings, lamps, groups: range = range(4)) -> tuple[float, float]:
-    """The mean brightness of the floor's left and right, whose lids are as large; each of the four is a group."""
-    scene = make_scene([LEFT, RIGHT, *LIDS], lamps)
+def half_radiances(device, settings, lights, groups: range = range(4)) -> tuple[float, float]:
+    """The mean radiance of the floor's left and right halves. Each half and each half's lid is a link group."""
+    scene = make_scene([LEFT, RIGHT, *LIDS], lights)
     bits = np.array([1 << group for group in groups], np.uint32)
     scene = replace(scene, instances=replace(scene.instances, groups=bits))
     picture = draw(device, scene, VIEW, settings).color[..., 0]
@@ -43,8 +43,8 @@ def settings(request):
     return SETTINGS[request.param]
 
 
-def lamp(height: float, **links: int):
-    """Small, so that where its light ends there is no penumbra."""
+def small_light(height: float, **links: int):
+    """A light so small that it has no visible penumbra."""
     return light(position=(0, 0, height), axis_u=(0.01, 0, 0), axis_v=(0, -0.01, 0), radiance=1e4, **links)
 
 
@@ -52,20 +52,23 @@ def lamp(height: float, **links: int):
 def test_only_the_linked_are_lit(device, settings, groups):
     left, right, lid, _ = groups
     for group, lit in ((-1, (True, True)), (left, (True, False)), (right, (False, True)), (lid, (False, False))):
-        assert tuple(half > 0.0 for half in halves(device, settings, lamp(0.9, receivers=group), groups)) == lit
+        radiances = half_radiances(device, settings, small_light(0.9, receivers=group), groups)
+        assert tuple(half > 0.0 for half in radiances) == lit
 
 
 @GROUPS
 def test_only_the_linked_cast_shadows(device, settings, groups):
     floor, _, left, right = groups
     for group, lit in ((-1, (False, False)), (left, (False, True)), (right, (True, False)), (floor, (True, True))):
-        found = halves(device, settings, lamp(1.5, blockers=group), groups)
-        bright = max(halves(device, settings, lamp(1.5, casts_shadow=False)))
-        assert tuple(half > 0.5 * bright for half in found) == lit
+        radiances = half_radiances(device, settings, small_light(1.5, blockers=group), groups)
+        unshadowed = max(half_radiances(device, settings, small_light(1.5, casts_shadow=False)))
+        assert tuple(half > 0.5 * unshadowed for half in radiances) == lit
 
 
-def test_of_lights_that_are_dim_too(device, monkeypatch):
+def test_linking_of_faint_lights(device, monkeypatch):
     monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
-        found = halves(device, SETTINGS[Method.RAY_TRACED], join_lights(lamp(0.9, **links), lamp(0.9, receivers=2)))
-        assert tuple(half > 0.0 for half in found) == lit
+        radiances = half_radiances(
+            device, SETTINGS[Method.RAY_TRACED], join_lights(small_light(0.9, **links), small_light(0.9, receivers=2))
+        )
+        assert tuple(half > 0.0 for half in radiances) == lit

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What another setting has drawn again, and what is not; the same request gives the same picture. See test_edits."""
+"""Which passes a changed setting draws again; the same request gives the same picture. See also test_edits."""
 
 from dataclasses import replace
 
@@ -23,18 +23,18 @@ from tests.support.small_scenes import (
 )
 
 SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
-BY_MAPS = replace(SMALL_SHADOW_MAPS, ssao=SSAO())
-METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, BY_MAPS), strict=True)}
-TREES = {"BuildBLAS", "UploadBLAS", "BuildTLAS"}
-STAGES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
-BEFORE = {kind.__name__ for kind in STAGES} - TREES - {"UploadUVs"}
-LIGHT = {kind.__name__ for kind in RayTracedDirect.pass_types} - {"RetestOccluded"}  # nothing to retest yet
-RAYS = TREES | LIGHT
-SHADOWS = {kind.__name__ for kind in ShadowMappedDirect.FOR_EACH_ATLAS}
-ALL_MAPS = {kind.__name__ for kind in ShadowMappedDirect.pass_types}
-OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
-WANTED = {"CullMeshes"}
-AFTER = {"Shade", "Accumulate", "Resolve", "EstimateError"}
+SHADOW_MAP_SETTINGS = replace(SMALL_SHADOW_MAPS, ssao=SSAO())
+METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, SHADOW_MAP_SETTINGS), strict=True)}
+BVH_PASSES = {"BuildBLAS", "UploadBLAS", "BuildTLAS"}
+PHASES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
+COMMON_PASSES = {pass_type.__name__ for pass_type in PHASES} - BVH_PASSES - {"UploadUVs"}
+NOT_IN_FIRST_SAMPLE = {"RetestOccluded"}  # nothing to retest yet
+DIRECT_LIGHT_PASSES = {pass_type.__name__ for pass_type in RayTracedDirect.pass_types} - NOT_IN_FIRST_SAMPLE
+RAY_PASSES = BVH_PASSES | DIRECT_LIGHT_PASSES
+ATLAS_PASSES = {pass_type.__name__ for pass_type in ShadowMappedDirect.FOR_EACH_ATLAS}
+SHADOW_MAP_PASSES = {pass_type.__name__ for pass_type in ShadowMappedDirect.pass_types}
+OCCLUSION_PASSES = {"AmbientOcclusion", "BlurOcclusion"}
+FILM_PASSES = {"Shade", "Accumulate", "Resolve", "EstimateError"}
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def base(request):
 
 @pytest.fixture
 def again(device, scene_and_view):
-    """Draws once, and then something else: the names of the passes that the second picture drew."""
+    """again(before, scene, view, after): the names of the passes that a second picture draws after a first one."""
     scene, view = scene_and_view
 
     def passes(before=SETTINGS, scene=scene, view=view, after=None) -> set[str]:
@@ -58,22 +58,25 @@ def again(device, scene_and_view):
         assert first.color.any()
         second = draw(device, scene, view, after or before, first.renderer)
         fresh = draw(device, scene, view, after or before)
-        assert np.array_equal(second.color, fresh.color), "what was used again was out of date"
+        assert np.array_equal(second.color, fresh.color), "a reused result was out of date"
         return {name for name, row in second.profile.rows.items() if row.drawn}
 
     return passes
 
 
-@pytest.mark.parametrize(("settings", "expected"), [(SETTINGS, RAYS), (BY_MAPS, ALL_MAPS)], ids=METHODS)
+@pytest.mark.parametrize(
+    ("settings", "expected"), [(SETTINGS, RAY_PASSES), (SHADOW_MAP_SETTINGS, SHADOW_MAP_PASSES)], ids=METHODS
+)
 def test_the_first_picture_draws_the_passes_of_its_method(device, scene_and_view, settings, expected):
     drawn = draw(device, *scene_and_view, settings)
     assert drawn.color.any()
-    assert {name for name, row in drawn.profile.rows.items() if row.drawn} == BEFORE | expected | OCCLUSION | AFTER
-    assert drawn.profile.counts["virtual_lights"] == (8 if settings == BY_MAPS else 0)
+    passes = {name for name, row in drawn.profile.rows.items() if row.drawn}
+    assert passes == COMMON_PASSES | expected | OCCLUSION_PASSES | FILM_PASSES
+    assert drawn.profile.counts["virtual_lights"] == (8 if settings == SHADOW_MAP_SETTINGS else 0)
     assert drawn.profile.counts["bytes_uploaded"] > 0
 
 
-def test_renderers_share_what_they_have_of_one_scene(device, scene_and_view):
+def test_renderers_share_the_buffers_of_a_scene(device, scene_and_view):
     first, second = (draw(device, *scene_and_view, SETTINGS) for _ in range(2))
     for resource in (MESH_BUFFERS, MATERIAL_BUFFERS):
         assert first.renderer.graph[resource] is second.renderer.graph[resource]
@@ -105,52 +108,52 @@ def test_equal_settings_draw_nothing(again, base):
 
 def test_another_world_is_only_shaded(again, scene_and_view, base):
     scene, _ = scene_and_view
-    assert again(base, replace(scene, world=replace(scene.world, radiance=np.full(3, 0.4, np.float32)))) == AFTER
+    assert again(base, replace(scene, world=replace(scene.world, radiance=np.full(3, 0.4, np.float32)))) == FILM_PASSES
 
 
-def test_the_other_method_keeps_what_the_camera_sees(again):
-    assert again(SETTINGS, after=BY_MAPS) >= ALL_MAPS | {"SelectTiles", "Shade", "Accumulate"}
-    assert again(BY_MAPS, after=SETTINGS) >= RAYS | {"SelectTiles", "Shade", "Accumulate"}
-    assert not again(SETTINGS, after=BY_MAPS) & {"UploadMeshes", "UploadInstances", "UploadMaterials"}
-    assert "UploadMaterials" not in again(BY_MAPS, after=SETTINGS), (
-        "rays want triangles in an order of their own, but no more"
+def test_the_other_method_keeps_uploaded_data(again):
+    assert again(SETTINGS, after=SHADOW_MAP_SETTINGS) >= SHADOW_MAP_PASSES | {"SelectTiles", "Shade", "Accumulate"}
+    assert again(SHADOW_MAP_SETTINGS, after=SETTINGS) >= RAY_PASSES | {"SelectTiles", "Shade", "Accumulate"}
+    assert not again(SETTINGS, after=SHADOW_MAP_SETTINGS) & {"UploadMeshes", "UploadInstances", "UploadMaterials"}
+    assert "UploadMaterials" not in again(SHADOW_MAP_SETTINGS, after=SETTINGS), (
+        "rays need another order of the triangles, but no other materials"
     )
 
 
 @pytest.mark.parametrize(
     ("section", "changes", "by_rays", "by_maps"),
     [
-        ("ssao", {"radius": 0.2}, OCCLUSION | AFTER, OCCLUSION | AFTER),
-        ("ssao", {"intensity": 2.0}, OCCLUSION | AFTER, OCCLUSION | AFTER),
-        ("ssao", {"enabled": False}, AFTER, AFTER),
-        ("shadow", {"bias": 2.0}, set(), {"GatherLight"} | AFTER),
-        ("shadow", {"fill_threshold": 0.1}, set(), {"FillHoles", "GatherLight"} | AFTER),
-        ("shadow", {"fill_holes": False}, set(), {"GatherLight"} | AFTER),
-        ("shadow", {"splat_size": 2.0}, set(), {"SelectPoints"} | SHADOWS | AFTER),
+        ("ssao", {"radius": 0.2}, OCCLUSION_PASSES | FILM_PASSES, OCCLUSION_PASSES | FILM_PASSES),
+        ("ssao", {"intensity": 2.0}, OCCLUSION_PASSES | FILM_PASSES, OCCLUSION_PASSES | FILM_PASSES),
+        ("ssao", {"enabled": False}, FILM_PASSES, FILM_PASSES),
+        ("shadow", {"bias": 2.0}, set(), {"GatherLight"} | FILM_PASSES),
+        ("shadow", {"fill_threshold": 0.1}, set(), {"FillHoles", "GatherLight"} | FILM_PASSES),
+        ("shadow", {"fill_holes": False}, set(), {"GatherLight"} | FILM_PASSES),
+        ("shadow", {"splat_size": 2.0}, set(), {"SelectPoints"} | ATLAS_PASSES | FILM_PASSES),
         (
             "shadow",
             {"enabled": False},
-            {"CullMeshes", "CullLights", "SelectFaintLights", "TraceShadows"} | AFTER,
-            {"CullMeshes", "PlaceVirtualLights", "GatherLight"} | AFTER,
+            {"CullMeshes", "CullLights", "SelectFaintLights", "TraceShadows"} | FILM_PASSES,
+            {"CullMeshes", "PlaceVirtualLights", "GatherLight"} | FILM_PASSES,
         ),
-        ("quality", {"map_size": 64}, set(), SHADOWS | AFTER),
-        ("quality", {"map_points": 1000}, set(), ALL_MAPS | AFTER),
-        ("quality", {"virtual_lights": 5}, set(), {"PlaceVirtualLights"} | SHADOWS | AFTER),
+        ("quality", {"map_size": 64}, set(), ATLAS_PASSES | FILM_PASSES),
+        ("quality", {"map_points": 1000}, set(), SHADOW_MAP_PASSES | FILM_PASSES),
+        ("quality", {"virtual_lights": 5}, set(), {"PlaceVirtualLights"} | ATLAS_PASSES | FILM_PASSES),
     ],
 )
 def test_a_setting_redraws_its_own_passes(again, section, changes, by_rays, by_maps):
-    for before, expected in ((SETTINGS, by_rays), (BY_MAPS, by_maps)):
+    for before, expected in ((SETTINGS, by_rays), (SHADOW_MAP_SETTINGS, by_maps)):
         after = replace(before, **{section: replace(getattr(before, section), **changes)})
         assert again(before, after=after) == expected
 
 
 def test_switched_on_again_after_it_was_off(device, scene_and_view, base):
-    """A pass that was left out must not be taken for up to date."""
+    """A pass that was skipped must not count as up to date."""
     scene, view = scene_and_view
     first = draw(device, scene, view, base)
     before = first.color
-    off = replace(base, ssao=replace(base.ssao, enabled=False), shadow=replace(base.shadow, enabled=False))
-    assert not np.array_equal(draw(device, scene, view, off, first.renderer).color, before)
+    disabled = replace(base, ssao=replace(base.ssao, enabled=False), shadow=replace(base.shadow, enabled=False))
+    assert not np.array_equal(draw(device, scene, view, disabled, first.renderer).color, before)
     assert np.array_equal(draw(device, scene, view, base, first.renderer).color, before)
 
 
@@ -163,8 +166,8 @@ def test_another_size_of_picture(device, scene_and_view, base):
     assert second.profile.rows["SplatMaps"].drawn == second.profile.rows["BuildTLAS"].drawn == 0
 
 
-def test_every_sample_has_its_own_light_points(device, scene_and_view):
-    rows = draw(device, *scene_and_view, with_quality(BY_MAPS, samples=3)).profile.rows
+def test_every_sample_has_its_own_virtual_lights(device, scene_and_view):
+    rows = draw(device, *scene_and_view, with_quality(SHADOW_MAP_SETTINGS, samples=3)).profile.rows
     assert rows["PlaceVirtualLights"].drawn == rows["SplatMaps"].drawn == rows["GBuffer"].drawn == 3
     assert rows["UploadMeshes"].drawn == rows["SamplePoints"].drawn == rows["SelectPoints"].drawn == 1
 
@@ -188,20 +191,20 @@ def test_two_renders_are_bit_identical(device, scene_and_view, base):
 
 
 def test_an_interrupted_picture_leaves_no_trace(device, scene_and_view, base):
-    """A request that was dropped in the middle of a sample, and another one drawn after it."""
+    """A request is dropped in the middle of a sample, and another one is drawn after it."""
     from ism_addon.gpu.profile import Profile
 
     scene, view = scene_and_view
     settings = with_quality(base, samples=2)
-    whole = draw(device, scene, view, settings)
-    expected = whole.color
+    complete = draw(device, scene, view, settings)
+    expected = complete.color
     other = replace(scene, lights=replace(scene.lights, position=scene.lights.position + 0.3))
-    for steps in range(1, len(whole.profile.rows), 2):
-        drawing = whole.renderer.sample(other, view, settings, 0, Profile())
-        for _ in range(steps):
+    for pass_count in range(1, len(complete.profile.rows), 2):
+        drawing = complete.renderer.sample(other, view, settings, 0, Profile())
+        for _ in range(pass_count):
             next(drawing)
         drawing.close()
-        assert np.array_equal(draw(device, scene, view, settings, whole.renderer).color, expected), steps
+        assert np.array_equal(draw(device, scene, view, settings, complete.renderer).color, expected), pass_count
 
 
 @pytest.mark.parametrize("target", DebugView)
@@ -211,8 +214,8 @@ def test_every_target_can_be_shown(device, scene_and_view, base, target):
     assert np.isfinite(shown).all()
 
 
-@pytest.mark.parametrize("off", ["ssao", "shadow"])
-def test_targets_that_nobody_drew_can_be_shown(device, scene_and_view, base, off):
-    settings = replace(base, **{off: replace(getattr(base, off), enabled=False)})
+@pytest.mark.parametrize("disabled", ["ssao", "shadow"])
+def test_targets_of_skipped_passes_can_be_shown(device, scene_and_view, base, disabled):
+    settings = replace(base, **{disabled: replace(getattr(base, disabled), enabled=False)})
     for target in DebugView:
         assert np.isfinite(draw(device, *scene_and_view, replace(settings, debug_view=target)).color).all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the settings say of themselves is so: which of them count for which method."""
+"""Each setting changes the picture of exactly those methods that its tooltip names."""
 
 from dataclasses import replace
 
@@ -11,8 +11,8 @@ from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, Vi
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 
-#: For each setting that shapes light and shadow a value that changes the picture where it counts.
-OTHER = {
+#: For each setting of light and shadow, a value that changes the picture of its methods.
+OTHER_VALUES = {
     "enabled": False,
     "splat_size": 2.5,
     "bias": 8.0,
@@ -23,20 +23,20 @@ OTHER = {
     "map_size": 16,
     "map_points": 256,
 }
-LIMITED = [
+SETTINGS_WITH_METHOD = [
     pytest.param(name, member.name, control.method, id=member.name)
     for name in ("shadow", "quality")
     for member, control in setting_fields(SECTIONS[name])
-    if member.name not in ("method", "error_threshold", "time_limit")  # the last two end a picture: see test_ends
+    if member.name not in ("method", "error_threshold", "time_limit")  # the last two stop a picture: see test_ends
 ]
 
 
 def changed(settings, section, name):
-    return replace(settings, **{section: replace(getattr(settings, section), **{name: OTHER[name]})})
+    return replace(settings, **{section: replace(getattr(settings, section), **{name: OTHER_VALUES[name]})})
 
 
-@pytest.mark.parametrize(("section", "name", "method"), LIMITED)
-def test_a_setting_counts_for_the_methods_that_it_names(device, section, name, method):
+@pytest.mark.parametrize(("section", "name", "method"), SETTINGS_WITH_METHOD)
+def test_a_setting_affects_the_methods_that_it_names(device, section, name, method):
     scene, view = box_over_plane(48, 32)
     with_holes = with_quality(SMALL_SHADOW_MAPS, map_size=128)
     for settings in (with_quality(SMALL_SETTINGS, samples=2), with_holes):
@@ -52,7 +52,7 @@ def test_the_methods_draw_different_pictures(device):
     assert not np.array_equal(one, other)
 
 
-def test_every_setting_is_explained_to_its_user():
+def test_every_setting_has_a_tooltip():
     for section in (*SECTIONS.values(), ViewportQuality, Settings):
         for member, control in setting_fields(section):
             text = help_text(member, control)

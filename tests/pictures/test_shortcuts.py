@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The counts of what is left out, or taken from the picture before; and that it changes no picture."""
+"""Shortcuts skip or reuse work: the counts of that, and that the picture does not change."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +15,7 @@ SIZE = 48, 32
 
 
 def with_small_maps(picture: Picture) -> Picture:
-    """The same by fewer and coarser shadow maps."""
+    """The picture with fewer and coarser shadow maps."""
     scene, view, settings = picture
     return scene, view, with_quality(settings, virtual_lights=16, map_size=64, map_points=4096)
 
@@ -26,33 +26,33 @@ CASES = {
     )
     for case in cases(*SIZE)
 }
-EACH = pytest.mark.parametrize("name", CASES, scope="module")  # both tests of a case, one after the other
-#: Of what is left out, and of the noise that is left after 16 samples, which are others, as a part of the mean.
-LEFT_OUT = 0.02
+EACH_CASE = pytest.mark.parametrize("name", CASES, scope="module")  # both tests of a case run in succession
+#: Bound of the error over the mean: of what is culled, and of the noise of 16 samples, which differ.
+MAX_ERROR = 0.02
 
 
 @pytest.fixture(scope="module")
 def finished() -> dict[str, tuple[Profile, np.ndarray]]:
-    """Of cases that have been drawn: what was done, and the picture."""
+    """A cache of the profile and the picture of each case."""
     return {}
 
 
 @pytest.fixture
 def drawn(device, finished) -> Callable[[Case], tuple[Profile, np.ndarray]]:
-    """drawn(case): its picture, after the one before it. Both tests of a case look at one."""
+    """drawn(case): its profile and picture, drawn after the case's previous picture. Both tests share them."""
 
     def drawn(case: Case) -> tuple[Profile, np.ndarray]:
         if case.name not in finished:
             renderer = draw(device, *case.before).renderer if case.before else None
-            found = draw(device, *case.picture, renderer)
-            finished[case.name] = found.profile, found.color[..., :3]
-            found.renderer.release()
+            result = draw(device, *case.picture, renderer)
+            finished[case.name] = result.profile, result.color[..., :3]
+            result.renderer.release()
         return finished[case.name]
 
     return drawn
 
 
-@EACH
+@EACH_CASE
 def test_counts(drawn, name):
     case = CASES[name]
     profile, _ = drawn(case)
@@ -65,10 +65,10 @@ def test_counts(drawn, name):
         assert profile.counts[count] <= value, count
 
 
-@EACH
-def test_without_skipping_it_is_the_same_picture(device, drawn, name):
+@EACH_CASE
+def test_without_shortcuts_it_is_the_same_picture(device, drawn, name):
     case = CASES[name]
     scene, view, settings = case.picture
-    whole = draw(device, scene, view, replace(settings, shortcuts=False)).color[..., :3]
-    _, found = drawn(case)
-    assert np.sqrt(((found - whole) ** 2).mean()) <= LEFT_OUT * max(whole.mean(), 1e-6)
+    expected = draw(device, scene, view, replace(settings, shortcuts=False)).color[..., :3]
+    _, color = drawn(case)
+    assert np.sqrt(((color - expected) ** 2).mean()) <= MAX_ERROR * max(expected.mean(), 1e-6)

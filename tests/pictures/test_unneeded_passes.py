@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture does not need is not drawn, and takes no memory: a few neutral texels stand for it."""
+"""Passes that a picture does not need are not drawn, and tiny neutral textures replace their targets."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,65 +35,71 @@ SETTINGS = {
 }
 SIZE = 64, 48
 
-RAYS = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
-LIGHTS = {"UploadLights", "CullLights"}
-LIGHT_BY_RAYS = {"PredictVisibility", "SelectFaintLights", "TraceShadows"}
-LIGHT_BY_MAPS = {"PlaceVirtualLights", "GatherLight"}
-MAPS_ALONE = {"SamplePoints", "WeighLights", "SelectPoints", "SplatMaps", "FillHoles"}
-OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
+RAY_PASSES = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
+LIGHT_PASSES = {"UploadLights", "CullLights"}
+RAY_TRACED_LIGHT_PASSES = {"PredictVisibility", "SelectFaintLights", "TraceShadows"}
+SHADOW_MAPPED_LIGHT_PASSES = {"PlaceVirtualLights", "GatherLight"}
+SHADOW_MAP_PASSES = {"SamplePoints", "WeighLights", "SelectPoints", "SplatMaps", "FillHoles"}
+OCCLUSION_PASSES = {"AmbientOcclusion", "BlurOcclusion"}
 
-#: What only the other method draws.
-OTHERS = {
-    Method.RAY_TRACED: LIGHT_BY_MAPS | MAPS_ALONE,
-    Method.SHADOW_MAPS: RAYS | LIGHT_BY_RAYS,
+#: Passes that only the other method draws.
+OTHER_METHOD_PASSES = {
+    Method.RAY_TRACED: SHADOW_MAPPED_LIGHT_PASSES | SHADOW_MAP_PASSES,
+    Method.SHADOW_MAPS: RAY_PASSES | RAY_TRACED_LIGHT_PASSES,
 }
-LIT = {Method.RAY_TRACED: LIGHTS | RAYS | LIGHT_BY_RAYS, Method.SHADOW_MAPS: LIGHTS | MAPS_ALONE | LIGHT_BY_MAPS}
-SHADOWED = {Method.RAY_TRACED: RAYS | {"PredictVisibility"}, Method.SHADOW_MAPS: MAPS_ALONE}
+#: Passes that lights need, and those that shadows need.
+PASSES_FOR_LIGHTS = {
+    Method.RAY_TRACED: LIGHT_PASSES | RAY_PASSES | RAY_TRACED_LIGHT_PASSES,
+    Method.SHADOW_MAPS: LIGHT_PASSES | SHADOW_MAP_PASSES | SHADOW_MAPPED_LIGHT_PASSES,
+}
+PASSES_FOR_SHADOWS = {Method.RAY_TRACED: RAY_PASSES | {"PredictVisibility"}, Method.SHADOW_MAPS: SHADOW_MAP_PASSES}
 
-
-WITHOUT = {
-    **dict.fromkeys(WITHOUT_LIGHT, LIT),
-    **dict.fromkeys(WITHOUT_SHADOWS, SHADOWED),
-    **dict.fromkeys(WITHOUT_OCCLUSION, dict.fromkeys(Method, OCCLUSION)),
+#: Changes of a scene and its settings, and the passes that each makes unnecessary.
+UNNEEDED_PASSES = {
+    **dict.fromkeys(WITHOUT_LIGHT, PASSES_FOR_LIGHTS),
+    **dict.fromkeys(WITHOUT_SHADOWS, PASSES_FOR_SHADOWS),
+    **dict.fromkeys(WITHOUT_OCCLUSION, dict.fromkeys(Method, OCCLUSION_PASSES)),
 }
 
 
-def lit_stage():
-    """A box over a plane under a lamp, all of it before the camera."""
+def lit_scene():
+    """A box over a plane under a light and a bright world, in view of the camera."""
     scene, view = box_over_plane(*SIZE)
     return replace(scene, world=replace(scene.world, radiance=np.full(3, 0.5, np.float32))), view
 
 
 @pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
-@pytest.mark.parametrize("why", WITHOUT)
-def test_what_is_not_needed_is_left_out(device, why, method):
-    scene, view = lit_stage()
-    with_all = with_quality(SETTINGS[method], samples=2)
-    scene_without, without = why(scene, with_all)
-    whole, part = draw(device, scene, view, with_all), draw(device, scene_without, view, without)
-    drawn = {name for name, row in part.profile.rows.items() if row.drawn}
-    left_out = WITHOUT[why][method]
-    assert drawn == {name for name, row in whole.profile.rows.items() if row.drawn} - left_out
-    assert not drawn & OTHERS[method]
-    outputs = {target for kind in renderer.PASSES if kind.__name__ in left_out for target in kind.outputs}
-    spared = {each for each in outputs if each in whole.renderer.graph.targets.textures}
-    neutral = part.renderer.graph.targets.textures
-    assert {neutral[target].size for target in spared & neutral.keys()} <= {driver_variants.sides((1, 1))}
-    taken, left = (
-        sum(memory_of(textures[target]) for target in spared & textures.keys())
-        for textures in (each.renderer.graph.targets.textures for each in (whole, part))
+@pytest.mark.parametrize("change", UNNEEDED_PASSES)
+def test_unneeded_passes_are_skipped(device, change, method):
+    scene, view = lit_scene()
+    all_settings = with_quality(SETTINGS[method], samples=2)
+    changed_scene, changed_settings = change(scene, all_settings)
+    complete, reduced = draw(device, scene, view, all_settings), draw(device, changed_scene, view, changed_settings)
+    drawn = {name for name, row in reduced.profile.rows.items() if row.drawn}
+    skipped = UNNEEDED_PASSES[change][method]
+    assert drawn == {name for name, row in complete.profile.rows.items() if row.drawn} - skipped
+    assert not drawn & OTHER_METHOD_PASSES[method]
+    outputs = {target for pass_type in renderer.PASSES if pass_type.__name__ in skipped for target in pass_type.outputs}
+    skipped_targets = {each for each in outputs if each in complete.renderer.graph.targets.textures}
+    reduced_textures = reduced.renderer.graph.targets.textures
+    assert {reduced_textures[target].size for target in skipped_targets & reduced_textures.keys()} <= {
+        driver_variants.sides((1, 1))
+    }
+    complete_bytes, reduced_bytes = (
+        sum(texture_bytes(textures[target]) for target in skipped_targets & textures.keys())
+        for textures in (each.renderer.graph.targets.textures for each in (complete, reduced))
     )
-    counted = (each.profile.counts["render_target_bytes"] for each in (whole, part))
-    assert left <= 9 * 16 * len(spared) < taken
-    assert next(counted) - next(counted) >= taken - left
+    target_bytes = (each.profile.counts["render_target_bytes"] for each in (complete, reduced))
+    assert reduced_bytes <= 9 * 16 * len(skipped_targets) < complete_bytes
+    assert next(target_bytes) - next(target_bytes) >= complete_bytes - reduced_bytes
 
 
-def memory_of(texture) -> int:
+def texture_bytes(texture) -> int:
     return texture.width * texture.height * texture.components * int(texture.dtype[1:])
 
 
-def test_without_images_no_texel_and_no_shader_for_them(device):
-    scene, view = lit_stage()
+def test_without_images_there_are_no_texels_and_no_textured_shader(device):
+    scene, view = lit_scene()
     assert not scene.images
     before = set(device.programs)
     drawn = draw(device, scene, view, SETTINGS[Method.RAY_TRACED])
@@ -101,81 +107,83 @@ def test_without_images_no_texel_and_no_shader_for_them(device):
     assert not [key for key in device.programs.keys() - before if ("images", 1) in key[-1]]
 
 
-@pytest.mark.parametrize("across", [0.1, 1.0, 2.5])
-@pytest.mark.parametrize("away", [None, -6.0, 6.0])
-def test_no_point_about_what_is_seen_is_farther_on_the_screen_than_is_said(device, away, across):
+@pytest.mark.parametrize("field_of_view", [0.1, 1.0, 2.5])
+@pytest.mark.parametrize("camera_y", [None, -6.0, 6.0])
+def test_projected_radius_bounds_the_projections_of_nearby_points(device, camera_y, field_of_view):
     generator, radius = np.random.default_rng(5), 0.2
-    view = look_at((0.0, away, 1.0), (0.2, 0.0, 0.0), SIZE, across) if away else view_from_above(2.0, SIZE)
+    view = (
+        look_at((0.0, camera_y, 1.0), (0.2, 0.0, 0.0), SIZE, field_of_view) if camera_y else view_from_above(2.0, SIZE)
+    )
     scene = make_scene([random_triangles()])
     prepared_renderer, _ = first_frame(device, scene)
     drawn = draw(device, scene, view, renderer=prepared_renderer)
     frame = prepared_renderer.last[0]
     points = drawn.target("position")[drawn.target("position")[..., 3] != 0.0][:, :3]
     assert len(points) > 10
-    around = generator.normal(size=(200, 1, 3))
-    around *= radius / np.linalg.norm(around, axis=2, keepdims=True)
+    offsets = generator.normal(size=(200, 1, 3))
+    offsets *= radius / np.linalg.norm(offsets, axis=2, keepdims=True)
     clip = clip_from_anchor(view, frame.anchor)
-    before, after = (on_screen(clip, p) for p in (points[None], points[None] + around))
+    before, after = (projected(clip, p) for p in (points[None], points[None] + offsets))
     farthest = (np.abs(after - before) * SIZE).max() / 2.0
-    said = projected_radius(frame, radius)
-    assert 0.2 * said < farthest <= said
+    bound = projected_radius(frame, radius)
+    assert 0.2 * bound < farthest <= bound
 
 
-def on_screen(clip, points):
-    """(…,2): from -1 to 1 in the picture."""
+def projected(clip, points):
+    """(…,2): normalised device coordinates of points (…,3)."""
     homogeneous = points @ clip[:, :3].T + clip[:, 3]
     return homogeneous[..., :2] / homogeneous[..., 3:]
 
 
-def test_what_the_camera_may_be_in_the_middle_of_is_any_distance_away(device):
+def test_projected_radius_is_infinite_if_the_camera_may_be_near_a_surface(device):
     room = make_scene([quad((-4.0, -4.0, 0.0), (8.0, 0.0, 0.0), (0.0, 8.0, 0.0))])
     frame, _ = draw(device, room, look_at((0.0, 0.0, 1.0), (0.0, 3.0, 0.0))).renderer.last
     assert projected_radius(frame, 1e-3) == np.inf
 
 
 @pytest.mark.parametrize(("radius", "drawn"), [(0.03, 0), (0.07, 1)])
-def test_a_radius_of_less_than_half_a_pixel_is_too_small(device, radius, drawn):
-    """In a view from above whose pixels are an eighth of a metre wide."""
-    scene, _ = lit_stage()
+def test_an_occlusion_radius_below_half_a_pixel_is_not_drawn(device, radius, drawn):
+    """The view is from above; a pixel is 1/8 m wide."""
+    scene, _ = lit_scene()
     settings = with_ssao(SETTINGS[Method.RAY_TRACED], radius=radius)
     rows = draw(device, scene, view_from_above(8.0, (64, 64)), settings).profile.rows
-    assert {rows[name].drawn for name in OCCLUSION} == {drawn}
+    assert {rows[name].drawn for name in OCCLUSION_PASSES} == {drawn}
 
 
-def test_where_occlusion_is_left_out_it_would_have_changed_nothing(device):
-    scene, view = lit_stage()
+def test_skipped_occlusion_would_have_changed_nothing(device):
+    scene, view = lit_scene()
     settings = with_ssao(SETTINGS[Method.RAY_TRACED], radius=1e-3)
-    left_out = draw(device, scene, view, settings)
-    assert not left_out.profile.rows["AmbientOcclusion"].drawn
+    skipped = draw(device, scene, view, settings)
+    assert not skipped.profile.rows["AmbientOcclusion"].drawn
     drawn = draw(device, scene, view, replace(settings, shortcuts=False))
     assert drawn.profile.rows["AmbientOcclusion"].drawn
     assert (drawn.target("raw_occlusion") == 1.0).all()
     assert (drawn.target("ambient_occlusion") == 1.0).all()
 
 
-#: Shaders of one sample without lights; what lights add to it, shadows to that, and what further samples do.
-UNLIT = {"visibility_buffer.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
+#: Shaders of one sample without lights, and those added by lights, by shadows and by further samples.
+UNLIT_FILES = {"visibility_buffer.frag", "gbuffer.frag", "shade.frag", "accumulate.frag", "resolve.frag"}
 LIT_FILES = {"cull_lights.frag", "trace_shadows.frag"}
 SHADOW_FILES = {
     "probe_rays.frag",
-    *(f"predict_visibility{part}.frag" for part in ("", "_tiles", "_probes")),
+    *(f"predict_visibility{suffix}.frag" for suffix in ("", "_tiles", "_probes")),
 }
 FURTHER_FILES = {"resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
 
 
 @pytest.mark.parametrize(
-    ("why", "samples", "files"),
+    ("change", "samples", "files"),
     [
-        (WITHOUT_LIGHT[0], 1, UNLIT),
-        (WITHOUT_SHADOWS[0], 1, UNLIT | LIT_FILES),
-        (WITHOUT_OCCLUSION[0], 1, UNLIT | LIT_FILES | SHADOW_FILES),
-        (WITHOUT_OCCLUSION[0], 2, UNLIT | LIT_FILES | SHADOW_FILES | FURTHER_FILES),
+        (WITHOUT_LIGHT[0], 1, UNLIT_FILES),
+        (WITHOUT_SHADOWS[0], 1, UNLIT_FILES | LIT_FILES),
+        (WITHOUT_OCCLUSION[0], 1, UNLIT_FILES | LIT_FILES | SHADOW_FILES),
+        (WITHOUT_OCCLUSION[0], 2, UNLIT_FILES | LIT_FILES | SHADOW_FILES | FURTHER_FILES),
     ],
     ids=["unlit", "without shadows", "one sample", "two samples"],
 )
-def test_programs_of_passes_that_are_not_needed_are_not_linked(why, samples, files):
-    device, (scene, view) = open_device(), lit_stage()
-    scene, settings = why(scene, with_quality(SMALL_SETTINGS, samples=samples))
+def test_programs_of_unneeded_passes_are_not_linked(change, samples, files):
+    device, (scene, view) = open_device(), lit_scene()
+    scene, settings = change(scene, with_quality(SMALL_SETTINGS, samples=samples))
     draw(device, scene, view, settings)
     linked = {Path(name).name for names, *_ in device.programs for name in names if name.endswith(".frag")}
     device.close()

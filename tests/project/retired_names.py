@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names that the code had in version 0.1.0, and what took their place. They are not used again."""
+"""Names of version 0.1.0 and their replacements. The code must not use the old names again."""
 
-#: Old names, and the new ones.
+#: Old names, and their replacements.
 RETIRED = {
     "Wanted": "CullMeshes",
     "Unwrap Colours": "UploadMeshes UploadUVs UploadInstances UploadMaterials UploadLights",
@@ -182,8 +182,8 @@ RETIRED = {
     "bytes_of_targets ended_by": "render_target_bytes stopped_by",
 }
 
-#: Words of many meanings: those that have one of these names no more, and where.
-WORN = (
+#: Words that had several meanings: the words, their replacements, files that must not use them, and exceptions.
+AMBIGUOUS = (
     (
         ("block", "blocks"),
         "tile",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The developer's door: what it installs, what it packs, and what it says where it cannot."""
+"""dev.py: what it installs and packs, and its messages about missing programs and wrong arguments."""
 
 import os
 import subprocess
@@ -24,7 +24,7 @@ def test_every_package_has_one_exact_version():
     assert set(project.PACKAGES["gpu"]) == set(project.WHEELS["linux-x64"]["packages"])
 
 
-def test_continuous_integration_can_be_run():
+def test_the_script_of_continuous_integration_is_executable():
     assert os.access(project.ROOT / ".ci" / "run", os.X_OK)
 
 
@@ -47,7 +47,7 @@ def test_a_user_who_may_not_install_gets_the_command(monkeypatch):
     ("program", "package"),
     [("glslangValidator", "glslang-tools"), ("git", "git"), ("lavapipe", "mesa-vulkan-drivers")],
 )
-def test_a_program_that_is_missing_is_looked_for_in_its_package(monkeypatch, tmp_path, program, package):
+def test_a_missing_program_is_installed_by_its_package(monkeypatch, tmp_path, program, package):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(machine, "VULKAN_DRIVERS", tmp_path)
     assert package in machine.missing_packages(program)
@@ -57,7 +57,7 @@ def test_a_program_that_is_missing_is_looked_for_in_its_package(monkeypatch, tmp
     ("blender", "sentence"),
     [(None, "there is no blender on the PATH"), ("echo versions 3 6 5 3 10", "too old"), ("false", "does not start")],
 )
-def test_a_python_without_bpy_is_told_which_has_one(monkeypatch, tmp_path, blender, sentence):
+def test_a_python_without_bpy_gets_a_message_that_names_versions_with_bpy(monkeypatch, tmp_path, blender, sentence):
     if blender:
         (tmp_path / "blender").write_text(f"#!/bin/sh\n{blender}\n")
         (tmp_path / "blender").chmod(0o755)
@@ -75,19 +75,19 @@ def test_an_unknown_scenario_is_named():
     assert "no scenario no_such_thing, but: switch_to_rendered" in run.stdout
 
 
-def test_without_a_blender_with_a_window_it_says_so_and_is_skipped(tmp_path):
+def test_without_a_blender_with_a_window_gui_test_is_skipped_with_a_message(tmp_path):
     run = dev("gui-test", "--blender", str(tmp_path / "blender"))
     assert run.returncode == 77
     assert "Not tested in a real Blender: there is no program" in run.stdout
 
 
-def test_a_root_folder_is_for_root(monkeypatch, tmp_path):
+def test_a_root_folder_can_be_installed_by_root_only(monkeypatch, tmp_path):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     with pytest.raises(blender_root.Missing, match="by root only"):
         blender_root.install(tmp_path)
 
 
-def test_every_scenario_says_what_it_is_about():
+def test_every_scenario_has_a_name_and_a_description():
     found = scenarios()
     assert len({scenario.name for scenario in found}) == len(found) > 10
     assert all(scenario.about.endswith(".") for scenario in found)
@@ -95,7 +95,7 @@ def test_every_scenario_says_what_it_is_about():
 
 @pytest.fixture(scope="module")
 def archives(tmp_path_factory):
-    """Platform to the zip that dev.py makes for it."""
+    """The zip that dev.py makes for each platform."""
     folder = tmp_path_factory.mktemp("extension")
     run = dev("extension", "--output", str(folder))
     assert run.returncode == 0, run.stdout + run.stderr
@@ -108,13 +108,13 @@ def test_a_zip_holds_the_addon_and_its_platforms_wheels(archives, platform):
         names = set(archive.namelist())
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
     wheels = {name for name in names if name.startswith("wheels/")}
-    carried = project.WHEELS[platform]
-    assert len(wheels) == len(carried["python"]) * len(carried["packages"])
+    contents = project.WHEELS[platform]
+    assert len(wheels) == len(contents["python"]) * len(contents["packages"])
     assert wheels == {name.removeprefix("./") for name in manifest["build"]["generated"]["wheels"]}
     addon = {name for name in project.files() if name.startswith("ism_addon/")}
     assert names - wheels - {"README.md"} == addon | {"__init__.py", "blender_manifest.toml", "CHANGELOG.md", "LICENSE"}
 
 
-def test_the_version_stands_in_the_changelog():
+def test_the_version_is_in_the_changelog():
     manifest = tomllib.loads((project.ROOT / "blender_manifest.toml").read_text("utf-8"))
     assert f"\n## {manifest['version']}\n" in (project.ROOT / "CHANGELOG.md").read_text("utf-8")

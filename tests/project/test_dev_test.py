@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `dev.py test` runs, in which environments, and what it says of it."""
+"""What `dev.py test` runs, in which environments, and what it reports."""
 
 import json
 import sys
@@ -9,7 +9,7 @@ import pytest
 import dev
 from tests.tools.environments import Environment
 
-#: Stands where `python -m` would: writes down what it should run, and exits as it is told for that module.
+#: Replaces `python -m`: logs its arguments, and exits with the status that EXIT_OF_module has.
 RECORDER = """
 import json, os, sys
 module, *arguments = sys.argv[3:]
@@ -22,39 +22,39 @@ sys.exit(int(os.environ.get(f"EXIT_OF_{module}", 0)))
 
 @pytest.fixture
 def run(monkeypatch, tmp_path):
-    """run(command line after `test`): its exit status, the commands by environment, and those that played a window."""
+    """run(arguments after `test`): the exit status, the commands by environment, and `any_pace` of each window test."""
     (tmp_path / "recorder.py").write_text(RECORDER)
-    log, windows, installed = tmp_path / "log", [], []
+    log, window_tests, installed = tmp_path / "log", [], []
 
     def environment(name: str, has_processes: bool = True) -> Environment:
         start = sys.executable, str(tmp_path / "recorder.py"), str(log), name
         return Environment(name, tmp_path, start, (), has_processes=has_processes)
 
     def play(names: list, program: None, root: object, output: object, any_pace: bool) -> int:
-        windows.append(any_pace)
+        window_tests.append(any_pace)
         return dev.SKIPPED
 
     monkeypatch.setattr(dev, "gui_test", play)
     monkeypatch.setattr(dev.blender_root, "install", installed.append)
 
     def run(*arguments: str, in_blender: bool = False) -> tuple[int, list[list[str]], list[bool]]:
-        every = [environment("first", not in_blender), environment("second")]
-        monkeypatch.setattr(dev, "environments", lambda: iter(every))
-        monkeypatch.setattr(dev, "all_environments", lambda: every)
+        prepared = [environment("first", not in_blender), environment("second")]
+        monkeypatch.setattr(dev, "environments", lambda: iter(prepared))
+        monkeypatch.setattr(dev, "all_environments", lambda: prepared)
         monkeypatch.setattr(sys, "argv", ["dev.py", "test", *arguments])
         log.write_text("")
-        windows.clear()
+        window_tests.clear()
         installed.clear()
         status = dev.main()
-        assert installed == [dev.BLENDER_ROOT] * len(windows)
-        return status, [json.loads(line) for line in log.read_text().splitlines()], windows
+        assert installed == [dev.BLENDER_ROOT] * len(window_tests)
+        return status, [json.loads(line) for line in log.read_text().splitlines()], window_tests
 
     return run
 
 
-def test_one_bpy_the_style_and_the_types(run, capsys):
-    status, commands, windows = run()
-    assert (status, windows) == (0, [])
+def test_by_default_it_checks_style_types_and_tests_with_one_bpy(run, capsys):
+    status, commands, window_tests = run()
+    assert (status, window_tests) == (0, [])
     assert {where for where, *_ in commands} == {"first"}
     assert [" ".join(command) for _, *command in commands][:3] == ["ruff check", "ruff format --check", "mypy"]
     tests = [command for _, module, *command in commands if module == "pytest"]
@@ -69,35 +69,35 @@ def test_inside_a_blender_tests_run_in_one_process_and_mypy_does_not(run):
     assert commands == [["first", "ruff", "check"], ["first", "ruff", "format", "--check"], ["first", "pytest"]]
 
 
-def test_all_adds_the_other_bpys_and_the_window(run, capsys):
-    status, commands, windows = run("--all", "--any-pace")
-    assert (status, windows) == (0, [True])
+def test_all_adds_the_other_releases_of_bpy_and_the_window(run, capsys):
+    status, commands, window_tests = run("--all", "--any-pace")
+    assert (status, window_tests) == (0, [True])
     others = [command for where, _, *command in commands if where == "second"]
     assert len(others) == 2
     assert all("--override-ini=testpaths=tests/blender" in command for command in others)
     assert "not tried: the window\n" in capsys.readouterr().out
 
 
-def test_the_window_has_its_pace_where_none_is_told(run):
+def test_the_window_test_is_timed_by_default(run):
     assert run("--all")[2] == [False]
 
 
 @pytest.mark.parametrize(("flags", "where"), [([], ["first"]), (["--all"], ["first", "second"])])
-def test_chosen_tests_are_run_alone(run, flags, where):
-    status, commands, windows = run(*flags, "-k", "name", "--all-of-them")
-    assert (status, windows) == (0, [])
+def test_chosen_tests_are_run_without_other_checks(run, flags, where):
+    status, commands, window_tests = run(*flags, "-k", "name", "--all-of-them")
+    assert (status, window_tests) == (0, [])
     assert [command[0] for command in commands] == where
     assert all(command[-3:] == ["-k", "name", "--all-of-them"] for command in commands)
 
 
 @pytest.mark.parametrize("module", ["ruff", "mypy", "pytest"])
-def test_what_fails_is_named(run, monkeypatch, capsys, module):
+def test_failed_checks_are_named(run, monkeypatch, capsys, module):
     monkeypatch.setenv(f"EXIT_OF_{module}", "1")
     assert run()[0] == 1
     names = {"ruff": "ruff, ruff's format", "mypy": "mypy", "pytest": "first, first, one by one"}
     assert f"failed: {names[module]}\n" in capsys.readouterr().out
 
 
-def test_choosing_none_is_a_failure(run, monkeypatch):
+def test_choosing_no_test_is_a_failure(run, monkeypatch):
     monkeypatch.setenv("EXIT_OF_pytest", str(dev.NO_TEST_WAS_CHOSEN))
     assert run("-k", "no_such_test")[0] == 1

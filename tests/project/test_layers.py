@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The house's laws: who may import whom and why, one name for a pass and its shaders, and what no file may hold."""
+"""Rules of the code: which modules may import which, names of passes and shaders, and what files may contain."""
 
 import ast
 import re
@@ -13,21 +13,21 @@ import pytest
 from tests.tools import project
 
 ADDON = project.ROOT / "ism_addon"
-MAP = ADDON / "__init__.py"
-MODULES = sorted(set(ADDON.rglob("*.py")) - {MAP})
-STAGES = ADDON / "gpu" / "passes"
-#: Files of passes, and what several of a stage share.
-PASSES = sorted(path for path in STAGES.glob("*/*.py") if path.stem != "__init__")
+ROOT_MODULE = ADDON / "__init__.py"
+MODULES = sorted(set(ADDON.rglob("*.py")) - {ROOT_MODULE})
+PASS_ROOT = ADDON / "gpu" / "passes"
+#: Modules of passes, and modules that several passes of a folder share.
+PASSES = sorted(path for path in PASS_ROOT.glob("*/*.py") if path.stem != "__init__")
 SHADERS = sorted(path for path in ADDON.rglob("*") if path.suffix in {".frag", ".vert", ".glsl"})
-OF_PASSES = [path for path in SHADERS if path.is_relative_to(STAGES)]
-#: What every pass may draw with, by a method of Pass of this name: all pixels, or the blocks that take part.
+PASS_SHADERS = [path for path in SHADERS if path.is_relative_to(PASS_ROOT)]
+#: Vertex shaders that all passes share, and the method of Pass that uses each: for all pixels, or for some tiles.
 COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_program"}
-#: Shaders that have the name of a step of their pass.
-STEPS = {"pull": "fill_holes", "push": "fill_holes"}
-#: Files of a folder, at most.
-MOST_FILES = 14
+#: Shaders that are named after a part of their pass, and that pass.
+INTERNAL_SHADERS = {"pull": "fill_holes", "push": "fill_holes"}
+#: Limit of the files in a folder.
+MAX_FILES = 14
 SOURCES = [name for name in project.files() if Path(name).suffix in {".py", ".frag", ".vert", ".geom", ".glsl"}]
-#: Those of modules and of tests.
+#: Folders of the product's and the tests' sources.
 FOLDERS = sorted({Path(name).parent.as_posix() for name in SOURCES if name.startswith(("ism_addon/", "tests/"))})
 PURE = (
     "atomic_files",
@@ -49,8 +49,8 @@ PURE = (
 
 
 @dataclass(frozen=True)
-class Floor:
-    """What modules may import besides the standard library: parts of ism_addon, packages, and why no more."""
+class Layer:
+    """What modules may import besides the standard library: modules of ism_addon, packages, and why no more."""
 
     ours: tuple[str, ...]
     packages: tuple[str, ...]
@@ -58,55 +58,55 @@ class Floor:
 
 
 BLENDER_PACKAGES = ("bpy", "bpy_extras", "bl_operators", "bl_ui", "mathutils", "gpu", "gpu_extras")
-FLOORS = {
+LAYERS = {
     **dict.fromkeys(
-        PURE, Floor(PURE, ("numpy",), "the method's data and mathematics must be testable without Blender and OpenGL")
+        PURE, Layer(PURE, ("numpy",), "the method's data and mathematics must be testable without Blender and OpenGL")
     ),
-    "gpu": Floor((*PURE, "gpu"), ("numpy", "moderngl"), "the pipeline must run without Blender, on a snapshot alone"),
-    "blender": Floor(
+    "gpu": Layer((*PURE, "gpu"), ("numpy", "moderngl"), "the pipeline must run without Blender, on a snapshot alone"),
+    "blender": Layer(
         (*PURE, "blender", "gpu.jobs.job", "gpu.jobs.render_thread"),
         ("numpy", *BLENDER_PACKAGES),
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
-    "ui": Floor(
+    "ui": Layer(
         ("atomic_files", "choices", "old_names", "settings", "render_passes", "resources", "resource_types", "ui"),
         BLENDER_PACKAGES,
         "panels must show, and tests of them run, without OpenGL",
     ),
-    "presets": Floor((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
-    "addon": Floor(("blender", "ui"), ("bpy",), "it is the order of registration, and how that is undone"),
+    "presets": Layer((), ("bpy",), "Blender runs them as scripts, which belong to no package"),
+    "addon": Layer(("blender", "ui"), ("bpy",), "it only registers and unregisters the others"),
 }
 
 
-def name_of(module: Path) -> str:
-    """The dotted name below ism_addon; a package's own module is called like the package."""
+def module_name(module: Path) -> str:
+    """The dotted name below ism_addon. That of an __init__.py is the package's."""
     parts = module.relative_to(ADDON).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports_of(module: Path) -> list[tuple[int, str]]:
-    """(line, name) of each import: names of ours begin with a dot and are counted from ism_addon.
+def find_imports(module: Path) -> list[tuple[int, str]]:
+    """(line, name) of each import. Names of our modules begin with a dot and are relative to ism_addon.
 
-    But of those that only type checkers follow.
+    Imports that only type checkers follow are left out.
     """
     package = module.relative_to(ADDON).parts[:-1]
     found, tree = [], ast.parse(module.read_text("utf-8"))
-    of_types = [
+    type_checking = [
         node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
     ]
-    unfollowed = {id(node) for block in of_types for part in block.body for node in ast.walk(part)}
+    skipped = {id(node) for branch in type_checking for part in branch.body for node in ast.walk(part)}
     for node in ast.walk(tree):
-        if id(node) in unfollowed:
+        if id(node) in skipped:
             continue
         if isinstance(node, ast.Import):
             found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and not node.level:
             found.append((node.lineno, node.module or ""))
         elif isinstance(node, ast.ImportFrom):
-            base = [*package[: len(package) + 1 - node.level], *(node.module or "").split(".")]
-            whole = "".join(f".{part}" for part in base if part)
+            parts = [*package[: len(package) + 1 - node.level], *(node.module or "").split(".")]
+            base = "".join(f".{part}" for part in parts if part)
             # `from package import name` may mean a module or something that the package defines.
-            found += [(node.lineno, f"{whole}.{alias.name}" if is_package(whole) else whole) for alias in node.names]
+            found += [(node.lineno, f"{base}.{alias.name}" if is_package(base) else base) for alias in node.names]
     return found
 
 
@@ -114,31 +114,31 @@ def is_package(name: str) -> bool:
     return (ADDON.joinpath(*name.split(".")) / "__init__.py").exists()
 
 
-def allowed(name: str, floor: Floor) -> bool:
+def is_allowed(name: str, layer: Layer) -> bool:
     if name.startswith("."):
-        return any(f"{name}.".startswith(f".{ours}.") for ours in floor.ours)
+        return any(f"{name}.".startswith(f".{ours}.") for ours in layer.ours)
     top = name.split(".")[0]
-    return top in sys.stdlib_module_names or top in floor.packages
+    return top in sys.stdlib_module_names or top in layer.packages
 
 
-def test_the_map_imports_nothing():
-    assert imports_of(MAP) == [], "whoever imports one part must not get others with it"
+def test_the_root_module_imports_nothing():
+    assert find_imports(ROOT_MODULE) == [], "importing one module must not import others"
 
 
-@pytest.mark.parametrize("module", MODULES, ids=name_of)
-def test_imports_only_what_its_floor_may(module):
-    floor = FLOORS[name_of(module).split(".")[0]]
-    for line, name in imports_of(module):
+@pytest.mark.parametrize("module", MODULES, ids=module_name)
+def test_a_module_imports_only_what_its_layer_may(module):
+    layer = LAYERS[module_name(module).split(".")[0]]
+    for line, name in find_imports(module):
         assert name.split(".")[0] != "ism_addon", f"{module.name}:{line}: as an extension our package has another name"
-        assert allowed(name, floor), f"{module.relative_to(project.ROOT)}:{line} imports {name}, but {floor.reason}"
+        assert is_allowed(name, layer), f"{module.relative_to(project.ROOT)}:{line} imports {name}, but {layer.reason}"
 
 
-@pytest.mark.parametrize("path", PASSES, ids=name_of)
+@pytest.mark.parametrize("path", PASSES, ids=module_name)
 def test_passes_never_import_one_another(path):
-    for line, imported in imports_of(path):
+    for line, imported in find_imports(path):
         other = re.fullmatch(r"\.gpu\.passes\.(\w+)\.(\w+)(\..*)?", imported)
-        assert other is None or not defines_a_pass(STAGES / other[1] / f"{other[2]}.py"), (
-            f"{path.name}:{line} imports {imported}, but passes meet in targets only: else none can be left out"
+        assert other is None or not defines_a_pass(PASS_ROOT / other[1] / f"{other[2]}.py"), (
+            f"{path.name}:{line} imports {imported}, but passes must share only targets: else none can be left out"
         )
 
 
@@ -146,49 +146,49 @@ def defines_a_pass(path: Path) -> bool:
     return "(Pass):" in path.read_text("utf-8")
 
 
-@pytest.mark.parametrize("path", PASSES, ids=name_of)
+@pytest.mark.parametrize("path", PASSES, ids=module_name)
 def test_a_pass_that_draws_has_a_shader_of_its_name_beside_it(path):
     source = path.read_text("utf-8")
-    draws = any(f"self.{way}(" in source for way in COMMON.values()) or "compile_program(" in source
-    assert draws == any(belongs(shader, path) for shader in OF_PASSES)
+    draws = any(f"self.{method}(" in source for method in COMMON.values()) or "compile_program(" in source
+    assert draws == any(belongs(shader, path) for shader in PASS_SHADERS)
 
 
 @pytest.mark.parametrize("shader", COMMON)
-def test_a_vertex_shader_without_a_pass_is_what_passes_share(shader):
+def test_each_common_vertex_shader_has_its_method(shader):
     tree = ast.parse((ADDON / "gpu" / "frame.py").read_text("utf-8"))
-    ways = {node.name: ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-    assert [name for name, body in ways.items() if f"'glsl/{shader}'" in body] == [COMMON[shader]]
+    methods = {node.name: ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    assert [name for name, body in methods.items() if f"'glsl/{shader}'" in body] == [COMMON[shader]]
 
 
-@pytest.mark.parametrize("shader", OF_PASSES, ids=lambda path: path.name)
+@pytest.mark.parametrize("shader", PASS_SHADERS, ids=lambda path: path.name)
 def test_a_shader_has_the_name_of_its_pass(shader):
     assert any(belongs(shader, path) for path in PASSES), f"no pass beside it is called {shader.stem}"
 
 
 def belongs(shader: Path, path: Path) -> bool:
     """resolve_neighbours.frag belongs to resolve.py beside it."""
-    name = STEPS.get(shader.stem, shader.stem)
+    name = INTERNAL_SHADERS.get(shader.stem, shader.stem)
     return shader.parent == path.parent and (name == path.stem or name.startswith(f"{path.stem}_"))
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_a_folder_is_seen_at_a_glance(folder):
+def test_a_folder_holds_few_files(folder):
     files = [path for path in (project.ROOT / folder).iterdir() if path.is_file() and path.name != "__init__.py"]
-    assert len(files) <= MOST_FILES
+    assert len(files) <= MAX_FILES
 
 
 @pytest.mark.parametrize("folder", [folder for folder in FOLDERS if folder.startswith("tests/unit/")])
-def test_unit_tests_lie_where_what_they_test_lies(folder):
-    """By the folder's name: tests/unit/film holds tests of ism_addon/gpu/passes/film."""
+def test_folders_of_unit_tests_are_named_like_the_tested_folders(folder):
+    """For example, tests/unit/film tests ism_addon/gpu/passes/film."""
     assert any(path.is_dir() for path in ADDON.rglob(Path(folder).name))
 
 
 @pytest.mark.parametrize("module", ["ism_addon.gpu", "ism_addon.gpu.jobs.render_thread"])
 def test_the_pipeline_starts_without_blender_and_opengl(module):
     names = ("bpy", "mathutils", "moderngl", "glcontext")
-    question = f"import sys, {module}; print([name for name in {names} if name in sys.modules])"
-    answer = subprocess.run([sys.executable, "-c", question], cwd=project.ROOT, capture_output=True, text=True)
-    assert (answer.stdout.strip(), answer.stderr) == ("[]", "")
+    script = f"import sys, {module}; print([name for name in {names} if name in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", script], cwd=project.ROOT, capture_output=True, text=True)
+    assert (run.stdout.strip(), run.stderr) == ("[]", "")
 
 
 @pytest.mark.parametrize("name", [name for name in SOURCES if name.endswith(".py")])
@@ -198,14 +198,14 @@ def test_the_first_line_names_the_licence(name):
 
 
 @pytest.mark.parametrize("name", SOURCES)
-def test_a_file_holds_one_idea(name):
+def test_a_file_is_short(name):
     lines = (project.ROOT / name).read_text("utf-8").count("\n")
-    assert lines <= 300, f"{name} has {lines} lines: look for the second idea in it"
+    assert lines <= 300, f"{name} has {lines} lines: split it by subject"
 
 
 @pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
 def test_shaders_are_ascii(shader):
-    """Drivers need not take anything else, not even in a comment."""
+    """Drivers need not accept other characters, not even in comments."""
     assert shader.read_bytes().isascii()
 
 
@@ -220,4 +220,4 @@ def test_no_file_names_a_registry_or_a_machine():
         content = (project.ROOT / name).read_bytes()
         if b"\0" not in content and (match := FOREIGN.search(content.decode("utf-8"))):
             found.append(f"{name}: {match[0].strip()}")
-    assert not found, "what holds on one machine only must not be in the project"
+    assert not found, "paths and addresses of one machine must not be in the project"

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of mutations fits the code as it is, and the tool tells a test that notices from one that does not."""
+"""All mutations apply to the current code, and the tool reports which test detects a mutation."""
 
 import pytest
 
 from tests.tools import project
-from tests.tools.mutations import MUTATIONS, Mutation, notice, place
+from tests.tools.mutations import MUTATIONS, Mutation, detecting_test, source_file
 from tests.tools.mutations import test_files as files_of
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.about)
-def test_each_has_one_place_and_tests(mutation):
-    place(mutation, project.ROOT)
+def test_each_mutation_applies_once_and_has_tests(mutation):
+    source_file(mutation, project.ROOT)
     assert files_of(mutation.tests, project.ROOT)
     assert mutation.new != mutation.old
 
 
 @pytest.fixture
 def small_project(tmp_path):
-    """A package of one number, and a test that it is one."""
+    """A package with two constants, and a test of the first."""
     for folder in ("ism_addon", "tests"):
         (tmp_path / folder).mkdir()
     (tmp_path / "ism_addon" / "numbers.py").write_text("ONE, SPARE = 1, 2\n")
@@ -32,22 +32,23 @@ def small_project(tmp_path):
     [(" = 1", " = 3", "tests/test_numbers.py::test_one"), ("1, 2", "1, 3", "")],
     ids=["noticed", "survives"],
 )
-def test_who_notices(small_project, old, new, noticed):
+def test_notice_names_the_test_that_fails(small_project, old, new, noticed):
     before = (small_project / "ism_addon" / "numbers.py").read_bytes()
     mutation = Mutation("a number", old, new, ("test_numbers",))
-    assert notice(mutation, small_project, everything=False, seconds=60.0) == noticed
+    assert detecting_test(mutation, small_project, everything=False, seconds=60.0) == noticed
     assert (small_project / "ism_addon" / "numbers.py").read_bytes() == before
 
 
-def test_a_test_that_fails_anyway_notices_nothing(small_project):
+def test_a_test_that_fails_without_a_mutation_is_an_error(small_project):
     (small_project / "tests" / "test_numbers.py").write_text("def test_one():\n    assert False\n")
     with pytest.raises(ValueError, match="fails without a mutation"):
-        notice(Mutation("a number", "1, 2", "1, 3", ("test_numbers",)), small_project, everything=False, seconds=60.0)
+        mutation = Mutation("a number", "1, 2", "1, 3", ("test_numbers",))
+        detecting_test(mutation, small_project, everything=False, seconds=60.0)
 
 
 @pytest.mark.parametrize("old", ["THREE", ", "], ids=["gone", "not only once"])
-def test_a_text_that_is_not_there_once_is_an_error(small_project, old):
+def test_a_text_that_does_not_occur_exactly_once_is_an_error(small_project, old):
     with pytest.raises(ValueError, match="times in the package"):
-        notice(Mutation("a number", old, "", ("test_numbers",)), small_project, everything=False, seconds=60.0)
+        detecting_test(Mutation("a number", old, "", ("test_numbers",)), small_project, everything=False, seconds=60.0)
     with pytest.raises(ValueError, match="no tests are called test_others"):
         files_of(("test_others",), small_project)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of version 0.1.0 that a graphics engineer would have to look up do not come back."""
+"""Names of version 0.1.0 that were replaced by standard terms are not used again."""
 
 import io
 import re
@@ -11,23 +11,23 @@ import pytest
 
 from tests.tools import project
 
-from .retired_names import RETIRED, WORN
+from .retired_names import AMBIGUOUS, RETIRED
 
-#: They say what the old names were.
+#: Files that list old names.
 EXEMPT = {"ism_addon/old_names.py", "CHANGELOG.md"}
 NAMES = {name: new for names, new in RETIRED.items() for name in names.split()}
 PYTHON = [name for name in project.files() if name.startswith("ism_addon/") and name.endswith(".py")]
 SHADERS = [name for name in project.files() if Path(name).suffix in {".glsl", ".frag", ".vert"}]
 TEXTS = [name for name in project.files() if name == "README.md" or name.startswith(("docs/", ".github/"))]
-#: Names of benchmarks, which texts speak of.
+#: Names of benchmarks, which texts mention.
 BENCHMARKS = {path.stem for path in (project.ROOT / "tests/benchmark").glob("*.py")}
-#: Of texts: names as code, in backquotes, and labels.
+#: In texts: names in backquotes, and labels.
 AS_CODE = re.compile(r"`([\w./]+)`")
 LABELS = re.compile(r"\*(?:Fitted|Classic|Surface Points|Light Points|Seen By|Ended By|Memory of Targets)\*")
 
 
 def identifiers(name: str) -> list[tuple[int, str]]:
-    """(line, identifier) of a file: of code, not of comments and texts."""
+    """(line, identifier) of a file's code, without comments and strings."""
     text = (project.ROOT / name).read_text("utf-8")
     if name.endswith(".py"):
         tokens = tokenize.generate_tokens(io.StringIO(text).readline)
@@ -42,9 +42,14 @@ def test_code_has_no_retired_name(name):
 
 
 @pytest.mark.parametrize("name", sorted({*PYTHON, *SHADERS}))
-def test_a_word_of_many_meanings_has_one_where_it_was_replaced(name):
+def test_ambiguous_words_are_not_used_where_they_were_replaced(name):
     matches = lambda patterns: any(fnmatch(name, pattern) for pattern in patterns)  # noqa: E731
-    replaced = {word: new for words, new, files, but in WORN if matches(files) and not matches(but) for word in words}
+    replaced = {
+        word: new
+        for words, new, files, exceptions in AMBIGUOUS
+        if matches(files) and not matches(exceptions)
+        for word in words
+    }
     found = identifiers(name) if replaced else []
     assert [f"{name}:{line}: {old} is {replaced[old]} here" for line, old in found if old in replaced] == []
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every program that a test compiles goes through the Khronos reference compiler: what drivers take and it does not."""
+"""The Khronos reference compiler checks every program that a test compiles, and rejects what is not GLSL 4.10."""
 
 import re
 
@@ -16,13 +16,13 @@ def fragment(body: str, declared: str = "", version: str = "410 core") -> str:
 
 
 def sampling(count: int) -> str:
-    """A shader that fetches from so many textures."""
+    """A fragment shader with `count` samplers."""
     declared = "".join(f"uniform samplerBuffer buffer_{k};\n" for k in range(count - 1)) + "uniform usampler2D whole;\n"
-    fetched = "".join(f" + texelFetch(buffer_{k}, 0).x" for k in range(count - 1))
-    return fragment(f"float x = float(texelFetch(whole, ivec2(0), 0).x){fetched};", declared)
+    fetches = "".join(f" + texelFetch(buffer_{k}, 0).x" for k in range(count - 1))
+    return fragment(f"float x = float(texelFetch(whole, ivec2(0), 0).x){fetches};", declared)
 
 
-#: What Mesa takes, and what is said of it.
+#: Shaders that Mesa accepts, and the error that the reference compiler reports.
 FAULTS = {
     "a reserved word": (fragment("float shared = 1.0;\nfloat x = shared;"), r"(?s)SHARED.*in the line: float shared"),
     "a semicolon too many": (fragment("float x = 1.0;", "struct S { float f; };;\n"), "extraneous semicolon"),
@@ -32,7 +32,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize(("shader", "sentence"), FAULTS.values(), ids=FAULTS)
-def test_what_the_driver_takes_against_the_standard_fails_the_test(device, reference_compiler, shader, sentence):
+def test_what_the_driver_accepts_against_the_standard_fails_the_test(device, reference_compiler, shader, sentence):
     device.gl.program(vertex_shader=VERTEX, fragment_shader=shader)
     with pytest.raises(AssertionError, match=sentence):
         reference_compiler.check()
@@ -46,18 +46,18 @@ def test_what_the_driver_takes_against_the_standard_fails_the_test(device, refer
         ("float x = height.x;", "in vec2 height;\n", "(?s)Linking vertex and fragment stages: Types must match"),
     ],
 )
-def test_what_drivers_refuse_is_refused_too(body, declared, sentence):
+def test_errors_that_drivers_report_are_reported(body, declared, sentence):
     fault = glslang.find_fault({"vertex_shader": VERTEX, "fragment_shader": fragment(body, declared)})
     assert re.search(sentence, fault), fault
 
 
-def test_sixteen_samplers_are_none_too_many(device, reference_compiler):
+def test_sixteen_samplers_are_accepted(device, reference_compiler):
     device.gl.program(vertex_shader=VERTEX, fragment_shader=sampling(driver_variants.SAMPLERS))
     assert len(reference_compiler.waiting) == 1
     reference_compiler.check()
 
 
-def test_each_text_is_compiled_once(device, reference_compiler):
+def test_each_program_is_compiled_once(device, reference_compiler):
     for _ in range(2):
         device.gl.program(vertex_shader=VERTEX, fragment_shader=fragment("float x = 0.125;"))
     assert len(reference_compiler.waiting) == 1

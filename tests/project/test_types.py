@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""mypy knows what a frame holds under each resource's name."""
+"""mypy knows the type of each resource of a frame."""
 
 import re
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 from tests.tools import project
 
-#: What a pass may write, and what mypy must say of it: nothing where it is right.
+#: Statements of a pass, and the error that mypy must report; empty for correct ones.
 SNIPPETS = {
     "width: int = frame[NORMAL].width": "",
     "width: int = frame[NORMAL]": r'expression has type "Texture"',
@@ -20,8 +20,8 @@ SNIPPETS = {
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory) -> dict[str, str]:
-    """What mypy says of each snippet."""
+def mypy_errors(tmp_path_factory) -> dict[str, str]:
+    """mypy's errors for each snippet."""
     imports = "from ism_addon.gpu.frame import Frame\nfrom ism_addon.resources import LIGHT_INFLUENCE, NORMAL\n"
     bodies = "".join(f"def body_{k}(frame: Frame) -> None: {snippet}\n" for k, snippet in enumerate(SNIPPETS))
     path = tmp_path_factory.mktemp("types") / "snippets.py"
@@ -38,7 +38,7 @@ def said(tmp_path_factory) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("snippet", SNIPPETS)
-def test_a_frame_is_typed(said, snippet):
+def test_a_frame_is_typed(mypy_errors, snippet):
     expected = SNIPPETS[snippet]
-    assert bool(said[snippet]) == bool(expected)
-    assert re.search(expected, said[snippet]), said[snippet]
+    assert bool(mypy_errors[snippet]) == bool(expected)
+    assert re.search(expected, mypy_errors[snippet]), mypy_errors[snippet]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes made by script: the demo's atrium, small scenes as pure data, and their truth from Cycles."""
+"""Scenes built by scripts, as .blend files or as arrays, and reference images of them by Cycles."""

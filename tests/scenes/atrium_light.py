@@ -11,13 +11,13 @@ WARM = (1.0, 0.64, 0.34)
 
 
 def add_lights() -> None:
-    """A low sun and a soft sky over the roof, lamps in the galleries, a dim blue world."""
-    area("Sun", "DISK", (-6.0, 4.4, 17.0), (2.5, -1.5, 0.0), 5400.0, (1.0, 0.87, 0.70), (1.1, 1.1))
-    area("Sky", "RECTANGLE", (0.0, 0.6, 10.6), (0.0, -0.3, 0.0), 420.0, (0.78, 0.89, 1.0), (18.0, 5.0))
-    area("Lamp, left", "SQUARE", (4.5, 5.8, 3.6), (4.5, 5.6, 0.0), 55.0, WARM, (0.4, 0.4))
-    area("Lamp, right", "ELLIPSE", (-1.5, -5.8, 3.6), (-1.5, -5.6, 0.0), 55.0, WARM, (0.6, 0.3))
-    area("Lamp, far", "DISK", (13.7, 0.0, 3.6), (13.6, 0.0, 0.0), 55.0, WARM, (0.4, 0.4))
-    area("Lamp, upper", "SQUARE", (7.5, -5.8, 8.2), (7.5, -5.6, 4.6), 55.0, WARM, (0.4, 0.4))
+    """Add area lights for a low sun, for the sky above the roof and in the galleries, and a dim blue world."""
+    add_area_light("Sun", "DISK", (-6.0, 4.4, 17.0), (2.5, -1.5, 0.0), 5400.0, (1.0, 0.87, 0.70), (1.1, 1.1))
+    add_area_light("Sky", "RECTANGLE", (0.0, 0.6, 10.6), (0.0, -0.3, 0.0), 420.0, (0.78, 0.89, 1.0), (18.0, 5.0))
+    add_area_light("Lamp, left", "SQUARE", (4.5, 5.8, 3.6), (4.5, 5.6, 0.0), 55.0, WARM, (0.4, 0.4))
+    add_area_light("Lamp, right", "ELLIPSE", (-1.5, -5.8, 3.6), (-1.5, -5.6, 0.0), 55.0, WARM, (0.6, 0.3))
+    add_area_light("Lamp, far", "DISK", (13.7, 0.0, 3.6), (13.6, 0.0, 0.0), 55.0, WARM, (0.4, 0.4))
+    add_area_light("Lamp, upper", "SQUARE", (7.5, -5.8, 8.2), (7.5, -5.6, 4.6), 55.0, WARM, (0.4, 0.4))
     world = bpy.data.worlds.new("Evening sky")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.105, 0.135, 0.19, 1.0)
@@ -25,7 +25,7 @@ def add_lights() -> None:
     bpy.context.scene.world = world
 
 
-def area(
+def add_area_light(
     name: str,
     shape: str,
     position: Sequence[float],
@@ -34,24 +34,24 @@ def area(
     color: Sequence[float],
     size: tuple[float, float],
 ) -> None:
-    """An area light that shines on a target and is not seen itself."""
-    lamp = bpy.data.lights.new(name, "AREA")
-    lamp.shape, lamp.energy, lamp.color = shape, watts, color
-    lamp.size, lamp.size_y = size
-    place = bpy.data.objects.new(name, lamp)
-    place.location = position
-    place.rotation_euler = aim(position, target)
-    place.visible_camera = False
-    bpy.context.scene.collection.objects.link(place)
+    """Add an area light aimed at a target. The camera does not see it."""
+    data = bpy.data.lights.new(name, "AREA")
+    data.shape, data.energy, data.color = shape, watts, color
+    data.size, data.size_y = size
+    light_object = bpy.data.objects.new(name, data)
+    light_object.location = position
+    light_object.rotation_euler = aim(position, target)
+    light_object.visible_camera = False
+    bpy.context.scene.collection.objects.link(light_object)
 
 
 def aim(position: Sequence[float], target: Sequence[float]) -> object:
-    """Rotation that lets an object's -z axis point from a position to a target."""
+    """The rotation that makes an object's -z axis point from a position to a target."""
     return (Vector(target) - Vector(position)).to_track_quat("-Z", "Y").to_euler()
 
 
 def set_up_camera() -> None:
-    """The camera at eye height, and a plain view transform that is the same in every Blender."""
+    """Add the camera at eye height, and set a view transform that is the same in every Blender version."""
     scene = bpy.context.scene
     lens = bpy.data.cameras.new("Camera")
     lens.lens = 21.0
@@ -69,5 +69,5 @@ def set_up_camera() -> None:
 
 
 def set_up_ssao(ssao: bpy.types.PropertyGroup) -> None:
-    """The engine's ambient occlusion for a room of this size."""
+    """Set the ambient occlusion for a building of this size."""
     ssao.radius, ssao.intensity, ssao.attenuation = 1.5, 2.0, 0.5

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the benchmark's scenes share: a black world, lamps and a camera by a few words, meshes of one colour.
+"""What the scripts of the benchmark's .blend files share: a black world, area lights, a camera, large meshes.
 
-Materials are Lambertian and all light comes from area lights, so Cycles without bounces is the truth.
+Materials are Lambertian and all light comes from area lights, so that Cycles without bounces renders the reference.
 """
 
 import math
@@ -27,9 +27,9 @@ SIZE = 640, 360  # px
 
 @dataclass(frozen=True)
 class AreaLight:
-    """An area light that shines from a position on a target and is not seen itself."""
+    """An area light at a position, aimed at a target. The camera does not see it."""
 
-    shape: str  # Blender's name of it
+    shape: str  # as Blender names it
     position: Point  # m
     target: Point  # m
     watts: float
@@ -39,34 +39,34 @@ class AreaLight:
 
 
 def new_file() -> None:
-    """An empty file with a black world."""
+    """Open an empty file with a black world."""
     open_empty_file()
-    black_world()
+    set_black_world()
 
 
-def black_world() -> None:
-    """Let no light come from the world of the open file."""
+def set_black_world() -> None:
+    """Give the open file a world that emits no light."""
     world = bpy.data.worlds.new("Night")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     bpy.context.scene.world = world
 
 
-def add_lights(lamps: Sequence[AreaLight]) -> None:
-    """Hang the lamps."""
-    for number, lamp in enumerate(lamps, 1):
-        data = bpy.data.lights.new(f"Lamp {number}", "AREA")
-        data.shape, data.energy, data.color = lamp.shape, lamp.watts, lamp.color
-        data.size, data.size_y = lamp.size
-        data.spread = math.radians(lamp.spread)
-        place = bpy.data.objects.new(data.name, data)
-        place.location, place.rotation_euler = lamp.position, aim(lamp.position, lamp.target)
-        place.visible_camera = False
-        bpy.context.scene.collection.objects.link(place)
+def add_lights(lights: Sequence[AreaLight]) -> None:
+    """Add area lights to the open scene."""
+    for index, light in enumerate(lights, 1):
+        data = bpy.data.lights.new(f"Lamp {index}", "AREA")
+        data.shape, data.energy, data.color = light.shape, light.watts, light.color
+        data.size, data.size_y = light.size
+        data.spread = math.radians(light.spread)
+        light_object = bpy.data.objects.new(data.name, data)
+        light_object.location, light_object.rotation_euler = light.position, aim(light.position, light.target)
+        light_object.visible_camera = False
+        bpy.context.scene.collection.objects.link(light_object)
 
 
 def add_camera(position: Point, target: Point, lens: float) -> None:
-    """The camera, its lens in millimetres, and a plain view transform that is the same in every Blender."""
+    """Add the camera, its lens in millimetres, and set a view transform that is the same in every Blender version."""
     scene = bpy.context.scene
     data = bpy.data.cameras.new("Camera")
     data.lens, data.clip_start, data.clip_end = lens, 0.01, 500.0
@@ -77,7 +77,7 @@ def add_camera(position: Point, target: Point, lens: float) -> None:
 
 
 def save(path: Path) -> None:
-    """Write the open file; pictures of it have the benchmark's size."""
+    """Save the open file, with the benchmark's resolution."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
@@ -88,7 +88,7 @@ def save(path: Path) -> None:
 
 
 def large_mesh(name: str, positions: np.ndarray, quads: np.ndarray, material: bpy.types.Material) -> bpy.types.Mesh:
-    """A smooth mesh of positions (V,3) and quads (F,4), copied as arrays because it has a million triangles."""
+    """A smooth mesh of positions (V,3) and quads (F,4). It is copied as arrays: it may have a million triangles."""
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may change between two pictures, and what may be missing in one; and what an edit has drawn again."""
+"""Edits of a scene, scenes and settings without lights, shadows or occlusion, and the passes that an edit repeats."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +10,7 @@ from ism_addon.scene import Lights, Scene, View
 from ism_addon.settings import Method, Settings
 
 Edit = Callable[[Scene, View], tuple[Scene, View]]
-Lack = Callable[[Scene, Settings], tuple[Scene, Settings]]
+Removal = Callable[[Scene, Settings], tuple[Scene, Settings]]
 
 
 def nothing_changed(scene: Scene, view: View) -> tuple[Scene, View]:
@@ -18,11 +18,11 @@ def nothing_changed(scene: Scene, view: View) -> tuple[Scene, View]:
 
 
 def view_turned(scene: Scene, view: View) -> tuple[Scene, View]:
-    """By a tenth of a radian about the vertical."""
+    """Rotated by a tenth of a radian about the vertical."""
     cosine, sine = np.cos(0.1), np.sin(0.1)
-    turned = np.eye(4)
-    turned[:2, :2] = [[cosine, -sine], [sine, cosine]]
-    return scene, replace(view, view_from_world=view.view_from_world @ turned)
+    rotation = np.eye(4)
+    rotation[:2, :2] = [[cosine, -sine], [sine, cosine]]
+    return scene, replace(view, view_from_world=view.view_from_world @ rotation)
 
 
 def light_moved(scene: Scene, view: View) -> tuple[Scene, View]:
@@ -35,7 +35,7 @@ def colour_changed(scene: Scene, view: View) -> tuple[Scene, View]:
 
 
 def object_moved(scene: Scene, view: View) -> tuple[Scene, View]:
-    """The last instance, upwards."""
+    """The last instance, moved upwards."""
     matrices = scene.instances.world_from_object.copy()
     matrices[-1, 2, 3] += 0.2
     return replace(scene, instances=replace(scene.instances, world_from_object=matrices)), view
@@ -43,20 +43,24 @@ def object_moved(scene: Scene, view: View) -> tuple[Scene, View]:
 
 EDITS: tuple[Edit, ...] = (nothing_changed, view_turned, light_moved, colour_changed, object_moved)
 
-SEEN = {"VisibilityBuffer", "GBuffer"}
+VISIBLE_SURFACES = {"VisibilityBuffer", "GBuffer"}
 OCCLUSION = {"AmbientOcclusion", "BlurOcclusion"}
-PICTURE = {"Shade", "Accumulate", "EstimateError", "Resolve"}
-BY_RAYS = {"CullLights", "PredictVisibility", "SelectFaintLights", "TraceShadows"}
-BY_MAPS = {"SplatMaps", "FillHoles", "GatherLight"}
+FILM = {"Shade", "Accumulate", "EstimateError", "Resolve"}
+RAY_TRACED_LIGHT = {"CullLights", "PredictVisibility", "SelectFaintLights", "TraceShadows"}
+SHADOW_MAPPED_LIGHT = {"SplatMaps", "FillHoles", "GatherLight"}
 
-#: Other ones, or nothing new, in each sample.
+#: Passes that are drawn in every sample.
 EACH_SAMPLE = {
-    Method.RAY_TRACED: {"SelectTiles"} | SEEN | BY_RAYS | OCCLUSION | PICTURE,
-    Method.SHADOW_MAPS: {"SelectTiles", "CullLights", "PlaceVirtualLights"} | SEEN | BY_MAPS | OCCLUSION | PICTURE,
+    Method.RAY_TRACED: {"SelectTiles"} | VISIBLE_SURFACES | RAY_TRACED_LIGHT | OCCLUSION | FILM,
+    Method.SHADOW_MAPS: {"SelectTiles", "CullLights", "PlaceVirtualLights"}
+    | VISIBLE_SURFACES
+    | SHADOW_MAPPED_LIGHT
+    | OCCLUSION
+    | FILM,
 }
 
 
-#: What an edit has drawn again, of that which samples share;
+#: Passes that an edit repeats, of those whose results serve all samples.
 SHARED = {
     Method.RAY_TRACED: {
         nothing_changed: set(),
@@ -74,21 +78,21 @@ SHARED = {
     },
 }
 
-#: and of a first sample, where all that was drawn is that of another first sample.
+#: Passes that an edit repeats in a first sample, where only a first sample was drawn before it.
 FIRST = {
     Method.RAY_TRACED: {
         nothing_changed: set(),
-        view_turned: {"SelectTiles"} | SEEN | BY_RAYS | OCCLUSION | PICTURE,
-        light_moved: BY_RAYS | PICTURE,
-        colour_changed: {"GBuffer", "TraceShadows"} | PICTURE,  # radiance, as it is towards the camera
-        object_moved: SEEN | BY_RAYS | OCCLUSION | PICTURE,
+        view_turned: {"SelectTiles"} | VISIBLE_SURFACES | RAY_TRACED_LIGHT | OCCLUSION | FILM,
+        light_moved: RAY_TRACED_LIGHT | FILM,
+        colour_changed: {"GBuffer", "TraceShadows"} | FILM,  # radiance reflected to the camera depends on the colour
+        object_moved: VISIBLE_SURFACES | RAY_TRACED_LIGHT | OCCLUSION | FILM,
     },
     Method.SHADOW_MAPS: {
         nothing_changed: set(),
-        view_turned: {"SelectTiles", "CullLights", "GatherLight"} | SEEN | OCCLUSION | PICTURE,
-        light_moved: {"CullLights", "PlaceVirtualLights"} | BY_MAPS | PICTURE,
-        colour_changed: {"GBuffer", "GatherLight"} | PICTURE,
-        object_moved: {"CullLights", "PlaceVirtualLights"} | SEEN | BY_MAPS | OCCLUSION | PICTURE,
+        view_turned: {"SelectTiles", "CullLights", "GatherLight"} | VISIBLE_SURFACES | OCCLUSION | FILM,
+        light_moved: {"CullLights", "PlaceVirtualLights"} | SHADOW_MAPPED_LIGHT | FILM,
+        colour_changed: {"GBuffer", "GatherLight"} | FILM,
+        object_moved: {"CullLights", "PlaceVirtualLights"} | VISIBLE_SURFACES | SHADOW_MAPPED_LIGHT | OCCLUSION | FILM,
     },
 }
 
@@ -135,6 +139,6 @@ def black_world(scene: Scene, settings: Settings) -> tuple[Scene, Settings]:
     return replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32))), settings
 
 
-WITHOUT_LIGHT: tuple[Lack, ...] = (unlit,)
-WITHOUT_SHADOWS: tuple[Lack, ...] = (without_casters, unshadowed, shadows_off)
-WITHOUT_OCCLUSION: tuple[Lack, ...] = (occlusion_off, no_intensity, no_radius, tiny_radius, black_world)
+WITHOUT_LIGHT: tuple[Removal, ...] = (unlit,)
+WITHOUT_SHADOWS: tuple[Removal, ...] = (without_casters, unshadowed, shadows_off)
+WITHOUT_OCCLUSION: tuple[Removal, ...] = (occlusion_off, no_intensity, no_radius, tiny_radius, black_world)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A narrow corridor of pillars whose lights hang, stand and lie close to what they light."""
+"""A narrow corridor of pillars, with area lights very close to the surfaces that they light."""
 
 import math
 from pathlib import Path
@@ -18,7 +18,7 @@ from .blend_file import COOL, WARM, WHITE, AreaLight
 HALF, HEIGHT, BAY, BAYS = 1.25, 2.9, 1.8, 7  # m: to the walls, to the vaults, from pillar to pillar; and bays
 INSET = 0.27  # m, from a wall to its pillars' axes
 
-# One shines down from the vaults, one up a wall from 6 cm, one on a pillar from 8 cm, one on a crate from 5 mm.
+# One light shines down from the vaults, one up a wall 6 cm away, one on a pillar 8 cm away, one on a crate 5 mm away.
 LIGHTS = (
     (
         AreaLight("RECTANGLE", (0.0, 3.6, 2.72), (0.0, 3.6, 0.0), 100.0, (0.5, 1.2), WHITE),
@@ -39,45 +39,47 @@ CAMERAS = (((0.35, -0.6, 1.45), (-0.1, 4.0, 1.15), 24.0), ((-0.45, 0.2, 1.2), (0
 
 
 def build(path: Path, variant: int = 0) -> None:
-    """Write the scene to a .blend; what was open is replaced."""
+    """Build the scene and save it as a .blend. It replaces the open file."""
     blend_file.new_file()
-    mason, random = SceneBuilder(), np.random.default_rng(400 + variant)
+    builder, random = SceneBuilder(), np.random.default_rng(400 + variant)
     length = BAY * BAYS
     shell = [box((-HALF - 0.3, -2.0, -0.2), (HALF + 0.3, length + 0.3, 0.0))]
     shell += [box((s - 0.15, -2.0, -0.1), (s + 0.15, length + 0.3, 3.6)) for s in (-HALF - 0.15, HALF + 0.15)]
     for wall in (*shell, box((-HALF, length, 0.0), (HALF, length + 0.3, 3.6))):
-        mason.set(f"Wall {len(mason.meshes)}", [(wall, "Concrete")])
-    colonnade(mason)
-    furnish(mason, random, 1.0 - 2.0 * variant)
+        builder.add(f"Wall {len(builder.meshes)}", [(wall, "Concrete")])
+    add_colonnade(builder)
+    furnish(builder, random, 1.0 - 2.0 * variant)
     blend_file.add_lights(LIGHTS[variant])
     blend_file.add_camera(*CAMERAS[variant])
     blend_file.save(path)
 
 
-def colonnade(mason: SceneBuilder) -> None:
-    """Pillars along both walls, vaults over them and ribs between the vaults."""
+def add_colonnade(builder: SceneBuilder) -> None:
+    """Pillars along both walls, blocks on top of them, and vaults."""
     shaft, ends = pillar(2.2, 0.13, 0.36, flutes=12)
-    spots = [Matrix.Translation((s * (HALF - INSET), BAY * bay, 0.0)) for s in (-1, 1) for bay in range(BAYS + 1)]
-    mason.set("Pillar", [(shaft, "Marble"), (ends, "Paper")], spots)
-    above = [spot @ Matrix.Translation((0.0, 0.0, 2.2)) for spot in spots]
-    mason.set("Block", [(pier(HEIGHT - 2.2, 0.15), "Paper")], above)
+    feet = [Matrix.Translation((s * (HALF - INSET), BAY * bay, 0.0)) for s in (-1, 1) for bay in range(BAYS + 1)]
+    builder.add("Pillar", [(shaft, "Marble"), (ends, "Paper")], feet)
+    above = [foot @ Matrix.Translation((0.0, 0.0, 2.2)) for foot in feet]
+    builder.add("Block", [(pier(HEIGHT - 2.2, 0.15), "Paper")], above)
     vault = groin_vault(HALF, 0.5 * BAY, 2.35, 0.5)
-    places = [Matrix.Translation((0.0, BAY * (bay + 0.5), 0.0)) for bay in range(-1, BAYS)]
-    mason.set("Vault", [(vault, "Paper")], places)
+    middles = [Matrix.Translation((0.0, BAY * (bay + 0.5), 0.0)) for bay in range(-1, BAYS)]
+    builder.add("Vault", [(vault, "Paper")], middles)
 
 
-def furnish(mason: SceneBuilder, random: np.random.Generator, side: float) -> None:
-    """Crates, jars and balls along the walls, and the crate that the lowest lamp nearly touches."""
-    mason.set("Crate", [(box((-0.22, -0.22, 0.0), (0.22, 0.22, 0.5)), "Ochre")], [
+def furnish(builder: SceneBuilder, random: np.random.Generator, side: float) -> None:
+    """Crates, jars and balls along the walls, and the crate that the lowest light almost touches."""
+    builder.add("Crate", [(box((-0.22, -0.22, 0.0), (0.22, 0.22, 0.5)), "Ochre")], [
         Matrix.Translation((0.55 * side, 2.4 - 0.2 * side, 0.0)) @ Matrix.Rotation(0.3, 4, "Z"),
     ])  # fmt: skip
     jar = urn(0.6)
     for bay in range(1, BAYS):
         x = 0.62 * (-1.0) ** bay * side
-        place = Matrix.Translation((x, BAY * bay - 0.7, 0.0)) @ Matrix.Rotation(random.uniform(0.0, math.pi), 4, "Z")
-        mason.set("Jar", [(jar, "Terracotta")], [place @ Matrix.Scale(random.uniform(0.7, 1.1), 4)])
+        matrix = Matrix.Translation((x, BAY * bay - 0.7, 0.0)) @ Matrix.Rotation(random.uniform(0.0, math.pi), 4, "Z")
+        builder.add("Jar", [(jar, "Terracotta")], [matrix @ Matrix.Scale(random.uniform(0.7, 1.1), 4)])
         for _ in range(4):
             radius = random.uniform(0.04, 0.11)
-            spot = (random.uniform(-0.8, 0.8), BAY * bay + random.uniform(-0.6, 0.8), radius)
+            position = (random.uniform(-0.8, 0.8), BAY * bay + random.uniform(-0.6, 0.8), radius)
             color = ("Teal", "Clay", "Plum")[random.integers(3)]
-            mason.set(f"Ball, {color}", [(ball(1.0, 8), color)], [Matrix.Translation(spot) @ Matrix.Scale(radius, 4)])
+            builder.add(
+                f"Ball, {color}", [(ball(1.0, 8), color)], [Matrix.Translation(position) @ Matrix.Scale(radius, 4)]
+            )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The truth of the open scene's direct light: Cycles without bounces, as a float picture."""
+"""Reference images of the open scene's direct light: Cycles without bounces, as float arrays."""
 
 import tempfile
 from pathlib import Path
@@ -15,16 +15,16 @@ def direct_light(
 ) -> np.ndarray:
     """Render the open file with Cycles on the processor: (H,W,4) float32 scene-linear, premultiplied, bottom row first.
 
-    `filter_width` is the Blackman-Harris pixel filter's in pixels. The world's light counts as the scene has it.
+    `filter_width` is that of the Blackman-Harris pixel filter, in pixels. The world's light is included.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "truth.exr"
         render_exr(path, samples, filter_width, bounces, seed, light_tree)
-        return picture_in(path)
+        return image_pixels(path)
 
 
-def picture_in(path: Path) -> np.ndarray:
-    """An image file's pixels as they are: (H,W,4) float32, bottom row first."""
+def image_pixels(path: Path) -> np.ndarray:
+    """An image file's pixels without colour conversion: (H,W,4) float32, bottom row first."""
     image = bpy.data.images.load(str(path))
     image.colorspace_settings.name = "Non-Color"
     width, height = image.size
@@ -42,7 +42,7 @@ def render_exr(
     seed: int = 0,
     light_tree: bool = False,
 ) -> None:
-    """The same picture, written as a 32-bit OpenEXR file; the scene keeps Cycles' settings."""
+    """Write the image of `direct_light` as a 32-bit OpenEXR file. The scene keeps Cycles' settings."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     cycles = scene.cycles

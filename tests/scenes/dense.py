@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A million triangles in few meshes: a canyon of eroded rock, and boulders that lie in it."""
+"""A million triangles in few meshes: a canyon of eroded rock, with boulders in it."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from . import blend_file
 from .atrium import SceneBuilder
 from .blend_file import COOL, WARM, AreaLight, large_mesh
 
-SIDE, REACH = 620, 6.0  # quads along the ground's side, and half of the side in m
+SIDE, HALF_WIDTH = 620, 6.0  # quads along the ground's side, and half of the side in m
 BOULDER = 72  # quads along a boulder's side
 
 LIGHTS = (
@@ -34,34 +34,34 @@ CAMERAS = (((0.5, -3.9, 2.1), (0.1, 0.6, 0.45), 34.0), ((-1.2, -3.8, 2.0), (-0.1
 
 
 def build(path: Path, variant: int = 0) -> None:
-    """Write the scene to a .blend; what was open is replaced."""
+    """Build the scene and save it as a .blend. It replaces the open file."""
     blend_file.new_file()
     random = np.random.default_rng(300 + variant)
     materials = SceneBuilder().materials
-    line = np.linspace(-REACH, REACH, SIDE + 1)
+    line = np.linspace(-HALF_WIDTH, HALF_WIDTH, SIDE + 1)
     x, y = np.meshgrid(line, line, indexing="ij")
     bed = rocks(np.stack([x, y, np.zeros_like(x)], axis=-1), random)
     index = np.arange(x.size).reshape(x.shape)
     quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    place("Canyon", large_mesh("Canyon", bed.reshape(-1, 3), quads, materials["Sandstone"]))
-    for number, (spot, radius) in enumerate(boulders(random)):
-        column, row = (np.array(spot) + REACH) / (2.0 * REACH) * SIDE
+    add_object("Canyon", large_mesh("Canyon", bed.reshape(-1, 3), quads, materials["Sandstone"]))
+    for index, (position, radius) in enumerate(boulders(random)):
+        column, row = (np.array(position) + HALF_WIDTH) / (2.0 * HALF_WIDTH) * SIDE
         height = bed[int(column), int(row), 2] + 0.55 * radius
         shape = boulder(radius, random)
-        color = ("Concrete", "Clay", "Marble")[number % 3]
-        solid = large_mesh(f"Boulder {number + 1}", shape.positions + (*spot, height), shape.quads, materials[color])
-        place(solid.name, solid)
+        color = ("Concrete", "Clay", "Marble")[index % 3]
+        solid = large_mesh(f"Boulder {index + 1}", shape.positions + (*position, height), shape.quads, materials[color])
+        add_object(solid.name, solid)
     blend_file.add_lights(LIGHTS[variant])
     blend_file.add_camera(*CAMERAS[variant])
     blend_file.save(path)
 
 
-def place(name: str, mesh: bpy.types.Mesh) -> None:
+def add_object(name: str, mesh: bpy.types.Mesh) -> None:
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
 def rocks(plane: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """Ground (N,N,3) with ridges that rise to the sides, terraces, and grit."""
+    """Ground (N,N,3) with ridges that rise to the sides, terraces, and fine bumps."""
     x, y = plane[..., 0], plane[..., 1]
     shift = np.stack([x, y, np.zeros_like(x)], axis=-1)
     broad = ridges(shift, random, (0.35, 0.8, 1.7))
@@ -78,29 +78,29 @@ def ridges(points: np.ndarray, random: np.random.Generator, frequencies: tuple[f
     total = np.zeros(points.shape[:-1])
     for frequency in frequencies:
         for _ in range(3):
-            way = random.normal(size=3)
-            phase = points @ (way * frequency / np.linalg.norm(way) * 2.0) + random.uniform(0.0, 6.3)
+            direction = random.normal(size=3)
+            phase = points @ (direction * frequency / np.linalg.norm(direction) * 2.0) + random.uniform(0.0, 6.3)
             bend = 0.8 * np.sin(0.6 * phase + points[..., 0] * frequency + random.uniform(0.0, 6.3))
             total += (1.0 - np.abs(np.sin(phase + bend))) * frequencies[0] / frequency / 3.0
     return total / sum(frequencies[0] / frequency for frequency in frequencies)
 
 
 def boulder(radius: float, random: np.random.Generator) -> Shape:
-    """A ball cut, cracked and pitted."""
+    """A rounded block, displaced by ridges of three sizes."""
     sphere = ball(1.0, BOULDER, 2.6)
-    grown = 1.0 + 0.35 * (ridges(sphere.positions, random, (1.2, 2.6)) - 0.5)
-    grown += 0.07 * ridges(sphere.positions, random, (7.0, 15.0)) + 0.012 * ridges(sphere.positions, random, (31.0,))
-    return Shape(radius * sphere.positions * grown[:, None] * (1.0, 1.0, 0.85), sphere.quads, sphere.uvs)
+    scale = 1.0 + 0.35 * (ridges(sphere.positions, random, (1.2, 2.6)) - 0.5)
+    scale += 0.07 * ridges(sphere.positions, random, (7.0, 15.0)) + 0.012 * ridges(sphere.positions, random, (31.0,))
+    return Shape(radius * sphere.positions * scale[:, None] * (1.0, 1.0, 0.85), sphere.quads, sphere.uvs)
 
 
 def boulders(random: np.random.Generator) -> list[tuple[tuple[float, float], float]]:
-    """Places (x, y) m and radii m of eight boulders in the valley."""
-    found = []
+    """Positions (x, y) and radii of eight boulders in the valley, all in m."""
+    placed = []
     for radius in (0.62, 0.5, 0.45, 0.36, 0.3, 0.25, 0.22, 0.18):
         x, y = random.uniform((-1.9, -1.6), (1.9, 2.6))
         for _ in range(50):
-            if all(np.hypot(x - a, y - b) > 0.9 * (radius + r) for (a, b), r in found):
+            if all(np.hypot(x - a, y - b) > 0.9 * (radius + r) for (a, b), r in placed):
                 break
             x, y = random.uniform((-1.9, -1.6), (1.9, 2.6))
-        found.append(((float(x), float(y)), radius))
-    return found
+        placed.append(((float(x), float(y)), radius))
+    return placed

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo's atrium without its sky's light, and the same building with other lamps and another camera."""
+"""The demo's atrium with a black world; as variant 1, with other lights and another camera too."""
 
 from pathlib import Path
 
@@ -19,12 +19,12 @@ OTHER_CAMERA = (10.6, 1.6, 2.1), (-2.0, -0.4, 2.6), 22.0
 
 
 def build(path: Path, variant: int = 0) -> None:
-    """Write the scene to a .blend; what was open is replaced."""
+    """Build the scene and save it as a .blend. It replaces the open file."""
     atrium.build(path)
-    blend_file.black_world()
+    blend_file.set_black_world()
     if variant:
-        for thing in [each for each in bpy.data.objects if each.type in {"LIGHT", "CAMERA"}]:
-            bpy.data.objects.remove(thing)
+        for old in [each for each in bpy.data.objects if each.type in {"LIGHT", "CAMERA"}]:
+            bpy.data.objects.remove(old)
         blend_file.add_lights(OTHER_LIGHTS)
         blend_file.add_camera(*OTHER_CAMERA)
     blend_file.save(path)

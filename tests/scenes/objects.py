@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many small objects: balls, rings, knots, blocks, bottles and gems of few facets, strewn before a curved backdrop."""
+"""Many small objects in front of a curved backdrop: balls, rings, knots, blocks, bottles, and gems of few facets."""
 
 import math
 from pathlib import Path
@@ -9,13 +9,13 @@ from mathutils import Matrix
 
 from tests.scenes.parts.architecture import urn
 from tests.scenes.parts.shapes import Shape, grid, lathe
-from tests.scenes.parts.solids import ball, knot, lowest
+from tests.scenes.parts.solids import ball, knot, lowest_point
 
 from . import blend_file
 from .atrium import SceneBuilder
 from .blend_file import COOL, WARM, AreaLight
 
-COUNT, REACH = 190, 3.2  # objects, and m that they are strewn about
+COUNT, EXTENT = 190, 3.2  # objects, and half the width in m of the area that they lie in
 
 LIGHTS = (
     (
@@ -34,18 +34,18 @@ COLORS = ("Marble", "Clay", "Ochre", "Teal", "Plum", "Leaf")
 
 
 def build(path: Path, variant: int = 0) -> None:
-    """Write the scene to a .blend; what was open is replaced."""
+    """Build the scene and save it as a .blend. It replaces the open file."""
     blend_file.new_file()
-    mason = SceneBuilder()
-    mason.set("Backdrop", [(backdrop(), "Paper")])
-    scatter(mason, np.random.default_rng(100 + variant))
+    builder = SceneBuilder()
+    builder.add("Backdrop", [(backdrop(), "Paper")])
+    scatter(builder, np.random.default_rng(100 + variant))
     blend_file.add_lights(LIGHTS[variant])
     blend_file.add_camera(*CAMERAS[variant])
     blend_file.save(path)
 
 
 def backdrop() -> Shape:
-    """A floor that bends up into a wall."""
+    """A floor that curves up into a wall."""
     bend = np.linspace(0.0, 0.5 * math.pi, 17)
     y = np.concatenate([[-9.0], np.linspace(-5.0, 3.0, 9), 4.0 + 1.5 * np.sin(bend), [5.5]])
     z = np.concatenate([np.zeros(10), 1.5 * (1.0 - np.cos(bend)), [7.0]])
@@ -55,7 +55,7 @@ def backdrop() -> Shape:
     return grid(np.stack([columns, *rows], axis=-1), np.stack([columns, rows[0]], axis=-1))
 
 
-def forms() -> dict[str, Shape]:
+def solids() -> dict[str, Shape]:
     """Solids about as large as a ball of radius 1, from 40 to 8,000 triangles."""
     bottle = np.array([(0.004, -1.0), (0.5, -1.0), (0.55, -0.92), (0.55, 0.1), (0.2, 0.5), (0.2, 0.95), (0.004, 0.96)])
     cone = np.array([(0.004, -0.8), (0.8, -0.8), (0.8, -0.74), (0.05, 0.95), (0.004, 0.97)])
@@ -73,25 +73,25 @@ def forms() -> dict[str, Shape]:
     }
 
 
-def scatter(mason: SceneBuilder, random: np.random.Generator) -> None:
-    """Set objects of all sizes on the floor, some of them tumbled, large ones first; small ones fill the gaps."""
-    shapes = forms()
+def scatter(builder: SceneBuilder, random: np.random.Generator) -> None:
+    """Put objects on the floor, the largest first, where they hardly overlap. Some are rotated about a random axis."""
+    shapes = solids()
     names = list(shapes)
     radii = np.sort(0.07 + 0.42 * random.random(COUNT) ** 3.0)[::-1]
     taken = np.zeros((0, 3))
     for radius in radii:
         for _ in range(60):
-            spot = random.uniform((-REACH, -0.75 * REACH), (REACH, 0.75 * REACH))
-            apart = np.linalg.norm(taken[:, :2] - spot, axis=1) - taken[:, 2] - radius
-            if not len(taken) or apart.min() > -0.15 * radius:
+            position = random.uniform((-EXTENT, -0.75 * EXTENT), (EXTENT, 0.75 * EXTENT))
+            gaps = np.linalg.norm(taken[:, :2] - position, axis=1) - taken[:, 2] - radius
+            if not len(taken) or gaps.min() > -0.15 * radius:
                 break
         else:
             continue
-        taken = np.vstack([taken, [*spot, radius]])
+        taken = np.vstack([taken, [*position, radius]])
         name, color = names[random.integers(len(names))], COLORS[random.integers(len(COLORS))]
         tumble = Matrix.Rotation(random.uniform(0.0, math.pi), 3, random.normal(size=3))
         upright = Matrix.Rotation(random.uniform(0.0, 2.0 * math.pi), 3, "Z")
         rotation = tumble if name in ("Gem", "Block", "Trefoil", "Star knot", "Wire ring") else upright
-        height = -radius * lowest(shapes[name], np.array(rotation))
-        place = Matrix.Translation((*spot, height)) @ rotation.to_4x4() @ Matrix.Scale(radius, 4)
-        mason.set(f"{name}, {color}", [(shapes[name], color)], [place])
+        height = -radius * lowest_point(shapes[name], np.array(rotation))
+        matrix = Matrix.Translation((*position, height)) @ rotation.to_4x4() @ Matrix.Scale(radius, 4)
+        builder.add(f"{name}, {color}", [(shapes[name], color)], [matrix])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of which much can be left out, or taken from the one before: the cases of `dev.py bench skip`.
+"""Pictures for which much work can be skipped or reused: the cases of `dev.py bench skip`.
 
-Each has the counts that must hold; tests assert them on small pictures, the benchmark reports what they save on large.
+Each case has the counts that are expected. Tests assert them on small pictures; the benchmark measures the time saved.
 """
 
 from collections.abc import Iterator
@@ -22,80 +22,81 @@ from tests.scenes.changes import (
     Edit,
     tiny_radius,
 )
-from tests.scenes.rooms import IDLE, SEEN, SIZE, corner_of, rooms
+from tests.scenes.rooms import IDLE, SIZE, VISIBLE_ROOM, room_corner, rooms
 from tests.scenes.small import sphere
-from tests.scenes.small import view as looking
+from tests.scenes.small import view as look_at
 
 Picture = tuple[Scene, View, Settings]
 SAMPLES = 16
 IDLE_LIGHTS = 195
 
-#: A room beyond the wall behind the camera.
-NEXT_DOOR = (SEEN[0] - 1, *SEEN[1:])
+#: The room beyond the wall behind the camera.
+ROOM_BEHIND_CAMERA = (VISIBLE_ROOM[0] - 1, *VISIBLE_ROOM[1:])
 
-#: What may be uploaded for each triangle, its part of a tree included; and for instances, lights and materials.
-BYTES_A_TRIANGLE = 64
+#: Most bytes uploaded: for each triangle, its BVH nodes included; and for instances, lights and materials together.
+BYTES_PER_TRIANGLE = 64
 OTHER_BYTES = 1 << 18
 
 
 @dataclass(frozen=True)
 class Case:
-    """A picture, perhaps after another by the same renderer, and what must hold of it."""
+    """A picture, drawn by a new renderer or after another picture, and what is expected of it."""
 
     name: str
     picture: Picture
     before: Picture | None = None
-    drawn: frozenset[str] | None = None  # the passes that must be drawn
-    never: frozenset[str] = frozenset()  # those that must not be
-    equal: dict[str, int] = field(default_factory=dict)  # counts that must be just so
-    at_most: dict[str, int] = field(default_factory=dict)  # or no more than this
+    drawn: frozenset[str] | None = None  # exactly the passes that must be drawn
+    never: frozenset[str] = frozenset()  # passes that must not be drawn
+    equal: dict[str, int] = field(default_factory=dict)  # counts and their exact values
+    at_most: dict[str, int] = field(default_factory=dict)  # counts and their upper bounds
 
 
-def words(function: object) -> str:
+def function_title(function: object) -> str:
+    """A function's name in words."""
     return function.__name__.replace("_", " ")
 
 
 def settings(method: Method = Method.RAY_TRACED, samples: int = SAMPLES) -> Settings:
-    """The defaults, with so many samples whatever their error."""
+    """The defaults, with a fixed number of samples."""
     base = Settings(quality=Quality(samples=samples, error_threshold=0.0))
     return replace(base, shadow=replace(base.shadow, method=method))
 
 
 def cases(width: int = 640, height: int = 360) -> Iterator[Case]:
-    """All of them, at a size."""
+    """All cases, at a resolution."""
     scene, view = rooms({}, width, height)
-    whole = scene, view, settings()
+    lit = scene, view, settings()
     pixels = width * height
-    of_them = SAMPLES * scene.triangle_count // 4  # the other rooms are beside the picture
-    yield Case("first picture", whole, equal={"lights_used": 5}, at_most={"triangles_drawn": of_them})
-    sky = looking((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), width, height)
-    nothing = {"lights_used": 0, "pairs_traced": 0, "retests": 0}
-    yield Case("nothing but background", (scene, sky, settings()), equal=nothing)
-    yield from (edited(edit, *whole[:2], method) for method in Method for edit in EDITS)
-    for lack in WITHOUT_LIGHT + WITHOUT_SHADOWS:
-        lacking, without = lack(scene, settings())
+    in_view = SAMPLES * scene.triangle_count // 4  # the other rooms are outside the frustum
+    yield Case("first picture", lit, equal={"lights_used": 5}, at_most={"triangles_drawn": in_view})
+    sky = look_at((0.6, 0.4, 40.0), (0.6, 9.0, 80.0), width, height)
+    none = {"lights_used": 0, "pairs_traced": 0, "retests": 0}
+    yield Case("nothing but background", (scene, sky, settings()), equal=none)
+    yield from (edited(edit, *lit[:2], method) for method in Method for edit in EDITS)
+    for remove in WITHOUT_LIGHT + WITHOUT_SHADOWS:
+        without, options = remove(scene, settings())
         never = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded", "PredictVisibility"}
-        yield Case(words(lack), (lacking, view, without), never=frozenset(never), equal={"pairs_traced": 0})
-    for lack in WITHOUT_OCCLUSION:
-        lacking, without = lack(scene, settings())
-        if lack is not tiny_radius:  # in a room, a camera may be as close as it likes to what it sees
-            yield Case(words(lack), (lacking, view, without), never=frozenset(OCCLUSION))
-    beside, triangles = with_ball_next_door(scene)
-    at_most = {"bytes_uploaded": BYTES_A_TRIANGLE * (triangles - len(beside.meshes[-1].triangles)) + OTHER_BYTES}
-    yield Case("a dense ball next door", (beside, view, settings()), at_most=at_most)
+        yield Case(function_title(remove), (without, view, options), never=frozenset(never), equal={"pairs_traced": 0})
+    for remove in WITHOUT_OCCLUSION:
+        without, options = remove(scene, settings())
+        if remove is not tiny_radius:  # inside a room, a surface may be so close that the radius covers pixels
+            yield Case(function_title(remove), (without, view, options), never=frozenset(OCCLUSION))
+    with_ball, triangles = with_ball_behind_camera(scene)
+    at_most = {"bytes_uploaded": BYTES_PER_TRIANGLE * (triangles - len(with_ball.meshes[-1].triangles)) + OTHER_BYTES}
+    yield Case("a dense ball next door", (with_ball, view, settings()), at_most=at_most)
     for why in IDLE:
-        lit, _ = rooms({why: IDLE_LIGHTS}, width, height)
-        looked_for = {"hidden": 4 * pixels, "faint": pixels}.get(why, 0)
-        used = 5 + (IDLE_LIGHTS // 10 if why == "faint" else 0)  # here and there in the dark they may count
-        at_most = {"retests": looked_for, "lights_used": used}
-        yield Case(f"{IDLE_LIGHTS} lights {why}", (lit, view, settings()), at_most=at_most)
+        with_idle, _ = rooms({why: IDLE_LIGHTS}, width, height)
+        retests = {"hidden": 4 * pixels, "faint": pixels}.get(why, 0)
+        used = 5 + (IDLE_LIGHTS // 10 if why == "faint" else 0)  # in dark tiles some may contribute
+        at_most = {"retests": retests, "lights_used": used}
+        yield Case(f"{IDLE_LIGHTS} lights {why}", (with_idle, view, settings()), at_most=at_most)
 
 
-def with_ball_next_door(scene: Scene) -> tuple[Scene, int]:
-    """A ball of many triangles in the room behind the camera's, into which no light of ours shines; and all meshes'."""
+def with_ball_behind_camera(scene: Scene) -> tuple[Scene, int]:
+    """The scene with a ball of many triangles in the unlit room behind the camera, and how many all meshes have."""
     ball, instances = sphere((0.0, 0.0, 0.0), 0.8, 300, 200), scene.instances
     matrix = np.eye(4)
-    matrix[:3, 3] = corner_of(NEXT_DOOR) + SIZE / 2.0
+    matrix[:3, 3] = room_corner(ROOM_BEHIND_CAMERA) + SIZE / 2.0
     added = replace(
         instances,
         mesh=np.append(instances.mesh, np.int32(len(scene.meshes))),
@@ -109,7 +110,9 @@ def with_ball_next_door(scene: Scene) -> tuple[Scene, int]:
 
 
 def edited(edit: Edit, scene: Scene, view: View, method: Method) -> Case:
-    """A first sample after the same one before an edit."""
-    one = settings(method, 1)
+    """A first sample, drawn after the first sample of the unedited scene."""
+    one_sample = settings(method, 1)
     drawn = frozenset(SHARED[method][edit] | FIRST[method][edit])
-    return Case(f"{words(edit)}, {method.label}", (*edit(scene, view), one), (scene, view, one), drawn)
+    return Case(
+        f"{function_title(edit)}, {method.label}", (*edit(scene, view), one_sample), (scene, view, one_sample), drawn
+    )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three small scenes as pure data, for comparison with a reference that tests every ray against every triangle."""
+"""Three small scenes as arrays, for comparison with a reference that tests every ray against every triangle."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,43 +8,44 @@ import numpy as np
 
 from ism_addon.scene import Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
 
-Lamp = tuple[LightShape, Sequence[float], Sequence[float], tuple[float, float], float, float]
+#: Shape, position (m), target (m), size (m), watts and spread (rad).
+AreaLight = tuple[LightShape, Sequence[float], Sequence[float], tuple[float, float], float, float]
 
 
 def box_over_plane(width: int = 96, height: int = 64) -> tuple[Scene, View]:
-    """A box that floats over a plane under a square light: umbra, penumbra and nothing else."""
+    """A box above a plane, below a square light: one umbra with its penumbra."""
     meshes = [
         subdivided_box((-4.0, -4.0, -0.1), (4.0, 4.0, 0.0), 8),
         subdivided_box((-0.5, -0.4, 0.6), (0.5, 0.4, 1.0), 3),
     ]
-    lamp = (LightShape.RECTANGLE, (0.8, -0.6, 3.2), (0.0, 0.0, 0.5), (0.9, 0.9), 12.0, math.pi)
-    return scene(meshes, [lamp]), view((3.2, -3.6, 2.6), (0.0, 0.0, 0.3), width, height)
+    light = (LightShape.RECTANGLE, (0.8, -0.6, 3.2), (0.0, 0.0, 0.5), (0.9, 0.9), 12.0, math.pi)
+    return scene(meshes, [light]), view((3.2, -3.6, 2.6), (0.0, 0.0, 0.3), width, height)
 
 
 def sphere_in_corner(width: int = 96, height: int = 64) -> tuple[Scene, View]:
-    """A finely tessellated sphere in a room's corner under a disk and a rectangle."""
+    """A finely tessellated sphere in the corner of a room, below a disk light and a rectangular one."""
     floor = subdivided_box((-0.2, -0.2, -0.2), (3.0, 3.0, 0.0), 6)
     walls = [subdivided_box((-0.2, 0.0, 0.0), (0.0, 3.0, 2.6), 6), subdivided_box((0.0, -0.2, 0.0), (3.0, 0.0, 2.6), 6)]
-    lamps = [
+    area_lights = [
         (LightShape.ELLIPSE, (2.2, 1.2, 2.5), (0.9, 0.9, 0.4), (0.7, 0.7), 14.0, math.pi),
         (LightShape.RECTANGLE, (1.0, 2.6, 1.8), (0.8, 0.8, 0.6), (1.0, 0.3), 9.0, math.pi),
     ]
     meshes = [floor, *walls, sphere((1.0, 1.0, 0.55), 0.5, 40, 24)]
-    return scene(meshes, lamps), view((3.6, 3.2, 2.0), (0.7, 0.7, 0.6), width, height)
+    return scene(meshes, area_lights), view((3.6, 3.2, 2.0), (0.7, 0.7, 0.6), width, height)
 
 
 def pillar_field(width: int = 96, height: int = 64) -> tuple[Scene, View]:
-    """Thin pillars under an elliptical light whose spread is narrow: many penumbrae that cross."""
+    """Thin pillars below an elliptical light of narrow spread: many penumbrae that overlap."""
     floor = subdivided_box((-3.0, -3.0, -0.1), (3.0, 3.0, 0.0), 8)
     pillar = subdivided_box((-0.06, -0.06, 0.0), (0.06, 0.06, 1.2), 2)
-    spots = np.stack(np.meshgrid(np.linspace(-1.5, 1.5, 5), np.linspace(-1.5, 1.5, 5)), -1).reshape(-1, 2)
-    lamp = (LightShape.ELLIPSE, (-2.2, -1.4, 3.0), (0.0, 0.0, 0.2), (1.2, 0.5), 30.0, math.radians(110.0))
-    places = np.concatenate([np.zeros((1, 3)), np.pad(spots, ((0, 0), (0, 1)))])
-    meshes = np.array([0] + [1] * len(spots))
-    return scene([floor, pillar], [lamp], meshes, places), view((2.6, -4.2, 2.7), (0.0, 0.0, 0.4), width, height)
+    feet = np.stack(np.meshgrid(np.linspace(-1.5, 1.5, 5), np.linspace(-1.5, 1.5, 5)), -1).reshape(-1, 2)
+    light = (LightShape.ELLIPSE, (-2.2, -1.4, 3.0), (0.0, 0.0, 0.2), (1.2, 0.5), 30.0, math.radians(110.0))
+    positions = np.concatenate([np.zeros((1, 3)), np.pad(feet, ((0, 0), (0, 1)))])
+    mesh_ids = np.array([0] + [1] * len(feet))
+    return scene([floor, pillar], [light], mesh_ids, positions), view((2.6, -4.2, 2.7), (0.0, 0.0, 0.4), width, height)
 
 
-#: name: maker of a scene and its view, of a size in pixels.
+#: Scenes by name: a function of width and height in pixels that makes a scene and its view.
 SMALL: dict[str, Callable[..., tuple[Scene, View]]] = {
     "box over plane": box_over_plane,
     "sphere in corner": sphere_in_corner,
@@ -54,49 +55,49 @@ SMALL: dict[str, Callable[..., tuple[Scene, View]]] = {
 
 def scene(
     meshes: Sequence[Mesh],
-    lamps: Sequence[Lamp],
+    area_lights: Sequence[AreaLight],
     mesh_ids: np.ndarray | None = None,
-    places: np.ndarray | None = None,
+    positions: np.ndarray | None = None,
 ) -> Scene:
-    """Grey meshes under lamps and a dim sky; each mesh once, or instances of mesh ids (I,) at places (I,3)."""
+    """Grey meshes, area lights and a dim world: each mesh once, or instances of mesh ids (I,) at positions (I,3)."""
     ids = np.arange(len(meshes)) if mesh_ids is None else mesh_ids
     world_from_object = np.tile(np.eye(4), (len(ids), 1, 1))
-    if places is not None:
-        world_from_object[:, :3, 3] = places
-    everywhere, none = np.ones(len(ids), bool), np.zeros(len(ids), np.uint32)
+    if positions is not None:
+        world_from_object[:, :3, 3] = positions
+    visible, groups = np.ones(len(ids), bool), np.zeros(len(ids), np.uint32)
     return Scene(
         meshes=tuple(meshes),
-        instances=Instances(ids.astype(np.int32), world_from_object, everywhere, everywhere.copy(), none),
+        instances=Instances(ids.astype(np.int32), world_from_object, visible, visible.copy(), groups),
         materials=Materials(np.full((1, 3), 0.6, np.float32), np.full(1, -1, np.int32)),
         images=(),
-        lights=lights(lamps),
+        lights=lights(area_lights),
         world=World(np.full(3, 0.05, np.float32)),
     )
 
 
-def lights(lamps: Sequence[Lamp]) -> Lights:
-    """The lamps (shape, position, target, size m, watts, spread rad) as a table; radiance is watts / (pi area)."""
-    axes = [basis(np.array(target) - position) for _, position, target, *_ in lamps]
-    sizes = np.array([lamp[3] for lamp in lamps])
-    shapes = np.array([lamp[0] for lamp in lamps], np.int32)
+def lights(area_lights: Sequence[AreaLight]) -> Lights:
+    """The table of area lights. Their radiance is watts / (pi area)."""
+    axes = [basis(np.array(target) - position) for _, position, target, *_ in area_lights]
+    sizes = np.array([light[3] for light in area_lights])
+    shapes = np.array([light[0] for light in area_lights], np.int32)
     area = sizes.prod(axis=1) * np.where(shapes == LightShape.ELLIPSE, math.pi / 4.0, 1.0)
-    radiance = np.array([lamp[4] for lamp in lamps]) / (math.pi * area)
+    radiance = np.array([light[4] for light in area_lights]) / (math.pi * area)
     return Lights(
         shape=shapes,
-        position=np.array([lamp[1] for lamp in lamps], np.float64),
+        position=np.array([light[1] for light in area_lights], np.float64),
         axis_u=np.array([right for right, _, _ in axes]) * sizes[:, :1],
         axis_v=np.array([up for _, up, _ in axes]) * sizes[:, 1:],
         normal=np.array([forward for _, _, forward in axes]),
         radiance=np.repeat(radiance[:, None], 3, axis=1).astype(np.float32),
-        spread=np.array([lamp[5] for lamp in lamps], np.float32),
-        casts_shadow=np.ones(len(lamps), bool),
-        receivers=np.full(len(lamps), -1, np.int32),
-        blockers=np.full(len(lamps), -1, np.int32),
+        spread=np.array([light[5] for light in area_lights], np.float32),
+        casts_shadow=np.ones(len(area_lights), bool),
+        receivers=np.full(len(area_lights), -1, np.int32),
+        blockers=np.full(len(area_lights), -1, np.int32),
     )
 
 
 def view(position: Sequence[float], target: Sequence[float], width: int, height: int) -> View:
-    """A camera at a position that looks at a target, with 50 degrees across and pixels sampled at their centres."""
+    """A camera at a position, aimed at a target: 50 degrees wide, pixels sampled at their centres."""
     right, up, forward = basis(np.array(target) - position)
     view_from_world = np.eye(4)
     view_from_world[:3, :3] = right, up, -forward
@@ -106,7 +107,7 @@ def view(position: Sequence[float], target: Sequence[float], width: int, height:
 
 
 def perspective(angle_across: float, aspect: float, near: float, far: float) -> np.ndarray:
-    """OpenGL's clip space from a view that looks along -z: (4,4)."""
+    """(4,4): from a view space that looks along -z to OpenGL's clip space."""
     across = 1.0 / math.tan(0.5 * angle_across)
     matrix = np.diag([across, across * aspect, (far + near) / (near - far), 0.0])
     matrix[2, 3], matrix[3, 2] = 2.0 * far * near / (near - far), -1.0
@@ -114,16 +115,16 @@ def perspective(angle_across: float, aspect: float, near: float, far: float) -> 
 
 
 def basis(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Unit right, up and forward of something that looks along a direction (3,), not straight up or down."""
+    """Unit vectors right, up and forward of a direction (3,) that is not vertical."""
     forward = direction / np.linalg.norm(direction)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
     return right, np.cross(right, forward), forward
 
 
-def subdivided_box(low: Sequence[float], high: Sequence[float], parts: int) -> Mesh:
-    """A closed box with `parts` × `parts` quads a side: 12 parts² triangles."""
-    line = np.linspace(0.0, 1.0, parts + 1)
+def subdivided_box(low: Sequence[float], high: Sequence[float], divisions: int) -> Mesh:
+    """A closed box with `divisions` × `divisions` quads a side: 12 divisions² triangles."""
+    line = np.linspace(0.0, 1.0, divisions + 1)
     u, v = np.meshgrid(line, line, indexing="ij")
     positions, triangles = [], []
     for axis in range(3):
@@ -163,11 +164,11 @@ def grid_triangles(rows: int, columns: int, flipped: bool = False) -> np.ndarray
 
 
 def mesh(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray | None = None) -> Mesh:
-    """A mesh of the first material, flat where it has no normals (T,3,3)."""
+    """A mesh of the first material. Without normals (T,3,3) it is flat-shaded."""
     if normals is None:
         corners = positions[triangles]
-        facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals = np.repeat(facing[:, None] / np.linalg.norm(facing, axis=1)[:, None, None], 3, axis=1)
+        crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = np.repeat(crosses[:, None] / np.linalg.norm(crosses, axis=1)[:, None, None], 3, axis=1)
     return Mesh(
         positions=positions.astype(np.float32),
         triangles=np.ascontiguousarray(triangles, np.uint32),

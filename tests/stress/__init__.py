@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes, values and faults that pictures must survive, each with the error that it may have."""
+"""Stress tests: extreme scenes and values, faults, and long use, each with a bound of the error."""

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far cases may be off, and how far they are: `within` asserts it, and the table at the end shows it.
+"""Fixtures of the stress tests, and a table of each test's bound and its largest measured value.
 
-What it shows comes with the tests' reports, as those of several processes do. And how many are drawn, a snapshot, and
-the command line, for tests of several files.
+`assert_within` notes what it compares in the test's report, so the table is also complete under pytest-xdist.
 """
 
 import sys
@@ -12,43 +11,43 @@ from pathlib import Path
 
 import pytest
 
-HEAD = "| case | tried | may be | is |\n|---|---|---|---|"
+TABLE_HEAD = "| case | comparisons | bound | largest |\n|---|---|---|---|"
 
 
 @dataclass
 class Row:
-    """Of a test: how far it may be off, and how far it is at worst over the cases tried."""
+    """One bound of a test, and the largest of the values that were compared with it."""
 
     bound: float
-    worst: float = 0.0
-    tried: int = 0
+    largest: float = 0.0
+    comparisons: int = 0
 
 
-#: The name of what `within` notes, among the properties of a test's report.
-OFF = "how far off"
+#: Key of what `assert_within` notes among the user properties of a test's report.
+COMPARISON = "comparison with a bound"
 
 
 @pytest.fixture
 def examples(request: pytest.FixtureRequest) -> int:
-    """How many random pictures are drawn."""
+    """Number of random pictures that are drawn."""
     return request.config.getoption("--examples")
 
 
 @pytest.fixture
 def frames(request: pytest.FixtureRequest) -> int:
-    """How many frames of animations are drawn beside Cycles."""
+    """Number of animation frames that are compared with Cycles."""
     return request.config.getoption("--frames")
 
 
 @pytest.fixture
-def rounds(request: pytest.FixtureRequest) -> int:
-    """How many renders there are in a row."""
+def repetitions(request: pytest.FixtureRequest) -> int:
+    """Number of renders, or of viewport updates, in a row."""
     return request.config.getoption("--rounds")
 
 
 @pytest.fixture
-def path(tmp_path) -> Path:
-    """A snapshot's file."""
+def snapshot_path(tmp_path) -> Path:
+    """The path of a valid snapshot."""
     from ism_addon import snapshot
     from tests.support.small_scenes import SMALL_SETTINGS
 
@@ -60,30 +59,30 @@ def path(tmp_path) -> Path:
 
 
 @pytest.fixture
-def told(monkeypatch, capsys) -> Callable[..., str]:
-    """told(arguments…): what the command line says of what it refuses."""
+def cli_error(monkeypatch, capsys) -> Callable[..., str]:
+    """cli_error(arguments…): the one line that the command line prints when it fails with exit status 1."""
 
     from ism_addon.gpu import __main__ as command_line
 
-    def told(*arguments: object) -> str:
+    def cli_error(*arguments: object) -> str:
         monkeypatch.setattr(sys, "argv", ["ism_addon.gpu", *map(str, arguments)])
         assert command_line.main() == 1
         (line,) = capsys.readouterr().err.splitlines()
         return line
 
-    return told
+    return cli_error
 
 
 @pytest.fixture
-def within(request: pytest.FixtureRequest) -> Callable[[float, float], None]:
-    """within(is, may_be): asserts it, and notes it for the table."""
+def assert_within(request: pytest.FixtureRequest) -> Callable[[float, float], None]:
+    """assert_within(measured, bound): asserts measured ≤ bound, and notes both for the table."""
     name = title(request.node.name)
 
-    def within(measured: float, bound: float) -> None:
-        request.node.user_properties.append((OFF, (name, bound, float(measured))))
-        assert measured <= bound, f"{name}: {measured:.3g}, may be {bound:.3g}"
+    def assert_within(measured: float, bound: float) -> None:
+        request.node.user_properties.append((COMPARISON, (name, bound, float(measured))))
+        assert measured <= bound, f"{name}: {measured:.3g} exceeds the bound {bound:.3g}"
 
-    return within
+    return assert_within
 
 
 def title(name: str) -> str:
@@ -91,22 +90,22 @@ def title(name: str) -> str:
     return name.removeprefix("test_").partition("[")[0].replace("_", " ")
 
 
-def rows(reports: Iterable[pytest.TestReport]) -> dict[str, Row]:
-    """Of the tests that noted something: all that they noted."""
+def table_rows(reports: Iterable[pytest.TestReport]) -> dict[str, Row]:
+    """One row for each test and bound in the reports, keyed "name, bound"."""
     rows: dict[str, Row] = {}
     for report in reports:
-        for name, bound, measured in (value for key, value in report.user_properties if key == OFF):
+        for name, bound, measured in (value for key, value in report.user_properties if key == COMPARISON):
             row = rows.setdefault(f"{name}, {bound:g}", Row(bound))
-            row.worst, row.tried = max(row.worst, measured), row.tried + 1
+            row.largest, row.comparisons = max(row.largest, measured), row.comparisons + 1
     return rows
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """The table in Markdown."""
-    if found := rows([*terminalreporter.getreports("passed"), *terminalreporter.getreports("failed")]):
-        terminalreporter.section("how far off cases may be, and are at worst")
-        terminalreporter.write_line(HEAD)
-        for name, row in found.items():
+    """Print the table, in Markdown."""
+    if rows := table_rows([*terminalreporter.getreports("passed"), *terminalreporter.getreports("failed")]):
+        terminalreporter.section("bounds, and the largest measured values")
+        terminalreporter.write_line(TABLE_HEAD)
+        for name, row in rows.items():
             case = name.rpartition(", ")[0]
-            terminalreporter.write_line(f"| {case} | {row.tried} | {row.bound:g} | {row.worst:.2g} |")
+            terminalreporter.write_line(f"| {case} | {row.comparisons} | {row.bound:g} | {row.largest:.2g} |")

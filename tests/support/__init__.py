@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests share: small scenes, pictures of them, and references in float64."""
+"""What tests share: small scenes, their rendering, and reference implementations in float64."""

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws snapshots in a process of its own, where OpenGL may be another: draw_snapshots OUTPUT.npz SNAPSHOT…
+"""Draws snapshots in a separate process, which may use another OpenGL driver: draw_snapshots OUTPUT.npz SNAPSHOT…
 
-The output has the colours (H,W,4) float32 of each snapshot by its file's name, and the driver's name by the name
-"driver".
+The output has the colours (H,W,4) float32 of each snapshot, by its file's stem, and the driver's name, by "driver".
 """
 
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads uncompressed 32-bit OpenEXR files, as the tests let Blender write them: it gives no other access to passes."""
+"""Reads uncompressed 32-bit OpenEXR files, which Blender writes for tests: it gives no other access to passes."""
 
 import struct
 from pathlib import Path
@@ -26,7 +26,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
     raw, header, at = path.read_bytes(), {}, 8
     while raw[at]:
         name, at = _text(raw, at)
-        _kind, at = _text(raw, at)
+        _type, at = _text(raw, at)
         (size,) = struct.unpack_from("<i", raw, at)
         header[name] = raw[at + 4 : at + 4 + size]
         at += 4 + size

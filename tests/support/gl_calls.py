@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Counts the calls of OpenGL's functions, whoever makes them: a counter of a few instructions before each of them.
+"""Counts the calls of OpenGL functions by any caller: a stub of a few instructions increments a counter before each.
 
-Functions of OpenGL have many signatures, so Python cannot stand between: machine code that changes no argument can.
+The functions have many signatures, so they are wrapped in machine code that changes no argument, not in Python.
 """
 
 import ctypes
@@ -12,7 +12,7 @@ from collections import Counter
 
 from tests.support.gl_wrapper import ContextWrapper, wrap_contexts
 
-#: What changes nothing but a counter, and goes on to the function: both addresses are put in. By processor.
+#: By processor, machine code that increments a counter and jumps to a function. Both addresses are inserted.
 STUBS = {
     # mov r11, counter; inc qword [r11]; mov r11, function; jmp r11
     "x86_64": lambda counter, function: (
@@ -26,11 +26,12 @@ STUBS = {
     ),
 }
 
-#: Where stubs and counters lie: more than OpenGL has functions.
+#: Number of stubs and counters: more than OpenGL has functions.
 MAX_FUNCTIONS = 4096
+#: Bytes from one stub to the next.
 STRIDE = 64
 
-#: What waits for the GPU, or may do so.
+#: Functions that wait for the GPU, or may do so.
 WAITS = {"glFinish", "glClientWaitSync", "glReadPixels", "glGetTexImage", "glGetBufferSubData", "glMapBufferRange"}
 
 
@@ -39,7 +40,7 @@ def word(address: int) -> bytes:
 
 
 class CallCounter(ContextWrapper):
-    """Of one context: it gives moderngl, and whoever asks, the counters in place of functions."""
+    """Wraps one context: moderngl, and any other caller, gets the addresses of counting stubs."""
 
     def __init__(self, context: object):
         super().__init__(context)
@@ -47,29 +48,29 @@ class CallCounter(ContextWrapper):
         self.page = mmap.mmap(-1, MAX_FUNCTIONS * STRIDE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
         self.start = ctypes.addressof(ctypes.c_char.from_buffer(self.page))
         self.counters = (ctypes.c_uint64 * MAX_FUNCTIONS)()
-        self.places: dict[str, int] = {}
+        self.indices: dict[str, int] = {}
 
     def load(self, name: str) -> int:
-        """The address of a function of OpenGL's, or 0 where there is none."""
+        """The address of an OpenGL function's stub, or 0 if there is no such function."""
         function = self.context.load(name)
         if not function or not name.startswith("gl"):
             return function
-        place = self.places.setdefault(name, len(self.places))
-        stub = self.stub(ctypes.addressof(self.counters) + 8 * place, function)
-        self.page[place * STRIDE : place * STRIDE + len(stub)] = stub
-        return self.start + place * STRIDE
+        index = self.indices.setdefault(name, len(self.indices))
+        stub = self.stub(ctypes.addressof(self.counters) + 8 * index, function)
+        self.page[index * STRIDE : index * STRIDE + len(stub)] = stub
+        return self.start + index * STRIDE
 
     @property
     def counts(self) -> Counter:
-        """How often each function was called."""
-        return Counter({name: self.counters[place] for name, place in self.places.items()})
+        """Calls of each function so far."""
+        return Counter({name: self.counters[index] for name, index in self.indices.items()})
 
 
 def count_calls(monkeypatch) -> list[CallCounter]:
-    """Lets all contexts that are opened from now on count: they are in the list."""
+    """Wrap all contexts that are opened from now on: their wrappers are added to the list."""
     return wrap_contexts(monkeypatch, CallCounter)
 
 
 def objects_created(calls: Counter) -> int:
-    """Textures, buffers, framebuffers, vertex arrays, queries and programs."""
+    """Number of textures, buffers, framebuffers, vertex arrays, queries and programs created by calls."""
     return sum(count for name, count in calls.items() if name.startswith(("glGen", "glCreate")))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An OpenGL that can no more than version 4.1 guarantees: it tells those limits, and keeps to them.
+"""An OpenGL context with no higher limits than version 4.1 guarantees: it reports them and checks calls against them.
 
-Between moderngl and the driver stand functions of Python, which glcontext gives in place of the driver's. Minimums are
-from the tables of implementation dependent values, 6.40 to 6.54, in the specification of OpenGL 4.1.
+Python functions wrap those of the driver, and moderngl gets their addresses from glcontext. Minimums are from the
+tables of implementation dependent values, 6.40 to 6.54, in the specification of OpenGL 4.1.
 """
 
 import ctypes
@@ -11,7 +11,7 @@ from typing import Any
 
 from tests.support.gl_wrapper import ContextWrapper
 
-#: By the number of the question: its name, and the least that OpenGL 4.1 may answer.
+#: By the value of a limit's enum: its name, and the minimum that OpenGL 4.1 allows.
 MINIMUMS = {
     0x0D33: ("GL_MAX_TEXTURE_SIZE", 16384),
     0x8073: ("GL_MAX_3D_TEXTURE_SIZE", 2048),
@@ -36,7 +36,7 @@ BUFFER_SIZE = 0x8764
 TEXTURE0 = 0x84C0
 
 _INT, _NAME, _INTS = ctypes.c_int, ctypes.c_uint, ctypes.POINTER(ctypes.c_int)
-#: The functions that Python stands before: types of their arguments.
+#: The wrapped functions: types of their arguments.
 SIGNATURES = {
     "glGetIntegerv": (_NAME, _INTS),
     "glActiveTexture": (_NAME,),
@@ -48,81 +48,82 @@ SIGNATURES = {
 
 
 class LimitedContext(ContextWrapper):
-    """Of one context. What a driver with these limits would refuse is noted in `faults`."""
+    """Wraps one context. Calls that a driver with these limits would refuse are noted in `faults`."""
 
-    def __init__(self, context: Any, bytes_of: dict[int, int]):
-        """`bytes_of` has the bytes of a texel by the internal formats of buffer textures."""
+    def __init__(self, context: Any, texel_bytes: dict[int, int]):
+        """`texel_bytes`: bytes of a texel, by the internal format of a buffer texture."""
         super().__init__(context)
-        self.bytes_of = bytes_of
+        self.texel_bytes = texel_bytes
         self.faults: list[str] = []
-        self._kept: list[object] = []  # a function of Python's must outlive its address
+        self._kept: list[object] = []  # a Python function must outlive its address
 
     def load(self, name: str) -> int:
-        """The address of a function of OpenGL's, or 0 where there is none."""
+        """The address of an OpenGL function or its wrapper, or 0 if there is no such function."""
         address = self.context.load(name)
         if not address or name not in SIGNATURES:
             return address
-        kind = ctypes.CFUNCTYPE(None, *SIGNATURES[name])
-        wrapper = kind(getattr(self, f"_{name}")(kind(address)))
+        function_type = ctypes.CFUNCTYPE(None, *SIGNATURES[name])
+        wrapper = function_type(getattr(self, f"_{name}")(function_type(address)))
         self._kept.append(wrapper)
         return ctypes.cast(wrapper, ctypes.c_void_p).value or 0
 
-    def keep_below(self, what: str, count: int, name: str) -> None:
+    def check(self, what: str, count: int, name: str) -> None:
+        """Note a fault if a count is above the limit of that name."""
         if count > LIMITS[name]:
             self.faults.append(f"{what} {count} are more than {name}, {LIMITS[name]}")
 
-    def _glGetIntegerv(self, ask: Callable[..., None]) -> Callable[..., None]:  # noqa: N802 (OpenGL's name)
-        def answer(question: int, values: Any) -> None:
-            ask(question, values)
-            name, least = MINIMUMS.get(question, ("", 0))
+    def _glGetIntegerv(self, get: Callable[..., None]) -> Callable[..., None]:  # noqa: N802 (OpenGL's name)
+        def limited(parameter: int, values: Any) -> None:
+            get(parameter, values)
+            name, minimum = MINIMUMS.get(parameter, ("", 0))
             for k in range(0 if not name else 2 if name == "GL_MAX_VIEWPORT_DIMS" else 1):
-                values[k] = min(values[k], least)
+                values[k] = min(values[k], minimum)
 
-        return answer
+        return limited
 
     def _glActiveTexture(self, activate: Callable[..., None]) -> Callable[..., None]:  # noqa: N802
         def checked(unit: int) -> None:
-            self.keep_below("texture units:", unit - TEXTURE0 + 1, "GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS")
+            self.check("texture units:", unit - TEXTURE0 + 1, "GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS")
             activate(unit)
 
         return checked
 
     def _glTexImage2D(self, make: Callable[..., None]) -> Callable[..., None]:  # noqa: N802
         def checked(*arguments: Any) -> None:
-            self.keep_below("texels of a texture's side:", max(arguments[3:5]), "GL_MAX_TEXTURE_SIZE")
+            self.check("texels of a texture's side:", max(arguments[3:5]), "GL_MAX_TEXTURE_SIZE")
             make(*arguments)
 
         return checked
 
     def _glRenderbufferStorage(self, make: Callable[..., None]) -> Callable[..., None]:  # noqa: N802
         def checked(*arguments: Any) -> None:
-            self.keep_below("pixels of a renderbuffer's side:", max(arguments[2:]), "GL_MAX_RENDERBUFFER_SIZE")
+            self.check("pixels of a renderbuffer's side:", max(arguments[2:]), "GL_MAX_RENDERBUFFER_SIZE")
             make(*arguments)
 
         return checked
 
     def _glDrawBuffers(self, choose: Callable[..., None]) -> Callable[..., None]:  # noqa: N802
         def checked(count: int, buffers: Any) -> None:
-            self.keep_below("targets at once:", count, "GL_MAX_DRAW_BUFFERS")
+            self.check("targets at once:", count, "GL_MAX_DRAW_BUFFERS")
             choose(count, buffers)
 
         return checked
 
     def _glTexBuffer(self, _attach: Callable[..., None]) -> Callable[..., None]:  # noqa: N802
-        """Rows beyond the limit are not there for shaders, as the specification has it."""
+        """Shaders cannot fetch texels beyond the limit, as the specification says."""
         load = self.context.load
         bind = ctypes.CFUNCTYPE(None, _NAME, _NAME)(load("glBindBuffer"))
-        ask = ctypes.CFUNCTYPE(None, _NAME, _NAME, _INTS)(load("glGetBufferParameteriv"))
+        get_parameter = ctypes.CFUNCTYPE(None, _NAME, _NAME, _INTS)(load("glGetBufferParameteriv"))
         attach = ctypes.CFUNCTYPE(None, _NAME, _NAME, _NAME, ctypes.c_ssize_t, ctypes.c_ssize_t)(
             load("glTexBufferRange")
         )
 
-        def attach_part(target: int, format: int, buffer: int) -> None:
+        def attach_limited(target: int, format: int, buffer: int) -> None:
             size = ctypes.c_int()
             bind(COPY_READ_BUFFER, buffer)
-            ask(COPY_READ_BUFFER, BUFFER_SIZE, size)
+            get_parameter(COPY_READ_BUFFER, BUFFER_SIZE, size)
             bind(COPY_READ_BUFFER, 0)
-            most = LIMITS["GL_MAX_TEXTURE_BUFFER_SIZE"] * self.bytes_of[format]
-            attach(target, format, buffer, 0, min(size.value, most))
+            max_size = LIMITS["GL_MAX_TEXTURE_BUFFER_SIZE"] * self.texel_bytes[format]
+            attach(target, format, buffer, 0, min(size.value, max_size))
 
-        return attach_part
+        return attach_limited

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands between moderngl, or whoever else asks, and a context of glcontext's: other functions for OpenGL's."""
+"""Wraps contexts of glcontext, so that moderngl and other callers get other functions in place of OpenGL's."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +8,7 @@ import glcontext
 
 
 class ContextWrapper:
-    """In place of one context. Subclasses have `load`, which gives the addresses of functions."""
+    """Takes the place of one context. Subclasses define `load`, which returns the address of a function."""
 
     def __init__(self, context: Any):
         self.context = context
@@ -24,16 +24,16 @@ class ContextWrapper:
 
 
 def wrap_contexts(monkeypatch: Any, make: Callable[[Any], ContextWrapper]) -> list[Any]:
-    """Lets what `make` makes of them stand before all contexts that are opened from now on: those are in the list."""
+    """Wrap all contexts that are opened from now on, by `make`: their wrappers are added to the list."""
     opened: list[ContextWrapper] = []
-    backend = glcontext.get_backend_by_name
+    get_backend = glcontext.get_backend_by_name
 
-    def of_backend(name: str) -> Callable[..., ContextWrapper]:
-        def open_behind(*arguments: object, **settings: object) -> ContextWrapper:
-            opened.append(make(backend(name)(*arguments, **settings)))
+    def get_wrapping_backend(name: str) -> Callable[..., ContextWrapper]:
+        def open_wrapped(*arguments: object, **settings: object) -> ContextWrapper:
+            opened.append(make(get_backend(name)(*arguments, **settings)))
             return opened[-1]
 
-        return open_behind
+        return open_wrapped
 
-    monkeypatch.setattr(glcontext, "get_backend_by_name", of_backend)
+    monkeypatch.setattr(glcontext, "get_backend_by_name", get_wrapping_backend)
     return opened

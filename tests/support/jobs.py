@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Requests to the render thread, and how tests wait for what it makes of them."""
+"""Requests to the render thread, and functions that wait for their results."""
 
 import time
 
@@ -8,7 +8,7 @@ from ism_addon.render_passes import RENDER_PASSES
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, with_quality
 
-#: Samples without an end, as far as tests go.
+#: More samples than any test waits for.
 LONG = with_quality(SMALL_SETTINGS, samples=60_000)
 
 
@@ -17,16 +17,16 @@ def request(settings=SMALL_SETTINGS, make=box_over_plane, size=(24, 16)) -> Requ
 
 
 def wait_for_end(job: Job, limit: float = 30.0) -> bool:
-    """Wait for the job's end, up to `limit` s."""
-    until = time.monotonic() + limit
-    while not job.finished and time.monotonic() < until:
+    """Wait up to `limit` s for the job's end. Returns whether it ended."""
+    deadline = time.monotonic() + limit
+    while not job.finished and time.monotonic() < deadline:
         job.wait(0.5)
     return job.finished
 
 
 def wait_for_picture(job: Job) -> bool:
-    """Wait for the job's first picture."""
-    until = time.monotonic() + 30.0
-    while job.picture() is None and not job.finished and time.monotonic() < until:
+    """Wait for the job's first picture. Returns whether there is one."""
+    deadline = time.monotonic() + 30.0
+    while job.picture() is None and not job.finished and time.monotonic() < deadline:
         job.wait(0.5)
     return job.picture() is not None

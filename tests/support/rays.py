@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadow rays through the trees, and against every triangle in float64."""
+"""Shadow rays: traced by the shader through the BVHs, and tested in float64 against every triangle."""
 
 from dataclasses import replace
 
@@ -21,24 +21,27 @@ SHADER = """
 uniform samplerBuffer starts;
 uniform samplerBuffer ends;
 uniform samplerBuffer owners;
-out float told;
+out float result;
 void main() {
-    vec2 own = texelFetch(owners, gl_VertexID).xy;
+    vec2 owner = texelFetch(owners, gl_VertexID).xy;
     vec3 from = texelFetch(starts, gl_VertexID).xyz, to = texelFetch(ends, gl_VertexID).xyz;
-    told = any_hit(from, to, int(own.x), int(own.y), -1) ? 1.0 : 0.0;
+    result = any_hit(from, to, int(owner.x), int(owner.y), -1) ? 1.0 : 0.0;
 }
 """
 
 
 def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
-    """(N,) bool: whether the shader finds anything between starts and ends (N,3) but their own triangle, row (N,2)."""
+    """(N,) bool: whether the shader finds a triangle between starts and ends (N,3).
+
+    `owners` (N,2): the triangle and instance that each ray starts on, which cannot occlude it.
+    """
     renderer, view = Renderer(device), look_at(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, shortcuts=False), 0, Profile())
-    for kind in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
-        renderer.graph.step(kind, frame, Profile())
+    for pass_type in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
+        renderer.graph.step(pass_type, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), SHADER])
-    program = device.gl.program(vertex_shader=shader, varyings=["told"])
+    program = device.gl.program(vertex_shader=shader, varyings=["result"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}
     bind(program, **{name: device.buffer_from(rows) for name, rows in padded.items()}, **frame[TLAS])
@@ -49,37 +52,43 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
 
 
 def reference_occlusion(
-    scene, starts: np.ndarray, ends: np.ndarray, doubt: float = 1e-4
+    scene, starts: np.ndarray, ends: np.ndarray, min_margin: float = 1e-4
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) whether any triangle is in the way, and whether that is so by more than rounding: off edges and ends."""
+    """(N,) bool each: whether any triangle occludes the ray, and whether that is certain despite rounding.
+
+    It is uncertain if the ray passes close to an edge, or a triangle is close to an end of the ray.
+    """
     triangles = reference.world_triangles(scene, scene.instances.casts_shadow)
-    found, sure = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
+    is_occluded, is_certain = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
     a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     step = max(reference.PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
     for first in range(0, len(starts), step):
         rows = slice(first, first + step)
-        way, offset = (ends - starts)[rows, None], starts[rows, None] - a
-        p, q = np.cross(way, v), np.cross(offset, u)
+        ray, offset = (ends - starts)[rows, None], starts[rows, None] - a
+        p, q = np.cross(ray, v), np.cross(offset, u)
         with np.errstate(all="ignore"):
             scale = 1.0 / (u * p).sum(2)
-            s, t, at = (offset * p).sum(2) * scale, (q * way).sum(2) * scale, (v * q).sum(2) * scale
-            margin = np.minimum.reduce([s, t, 1.0 - s - t, at, 1.0 - at])
-        most = np.nan_to_num(margin, nan=-1.0).max(1)
-        found[rows], sure[rows] = most > 0.0, np.abs(most) > doubt
-    return found, sure
+            s, t, along = (offset * p).sum(2) * scale, (q * ray).sum(2) * scale, (v * q).sum(2) * scale
+            margins = np.minimum.reduce([s, t, 1.0 - s - t, along, 1.0 - along])
+        margin = np.nan_to_num(margins, nan=-1.0).max(1)
+        is_occluded[rows], is_certain[rows] = margin > 0.0, np.abs(margin) > min_margin
+    return is_occluded, is_certain
 
 
-def assert_agree(device, scene, starts: np.ndarray, ends: np.ndarray, unsure: float = 0.02) -> None:
-    """All rays but those that pass too close to an edge; some are free and some are not."""
+def assert_agree(device, scene, starts: np.ndarray, ends: np.ndarray, max_uncertain: float = 0.02) -> None:
+    """Assert that shader and reference agree, but for rays whose result is uncertain.
+
+    Also that some rays are occluded and some are not, as the comparison means nothing otherwise.
+    """
     ours = occluded(device, scene, starts, ends)
-    expected, sure = reference_occlusion(scene, starts, ends)
-    assert (~sure).mean() <= unsure
-    assert 0.01 < expected[sure].mean() < 0.99, "these rays ask nothing"
-    wrong = np.flatnonzero(sure & (ours != expected))
+    expected, is_certain = reference_occlusion(scene, starts, ends)
+    assert (~is_certain).mean() <= max_uncertain
+    assert 0.01 < expected[is_certain].mean() < 0.99, "nearly all rays have the same result"
+    wrong = np.flatnonzero(is_certain & (ours != expected))
     assert not len(wrong), (len(wrong), starts[wrong[0]], ends[wrong[0]], ours[wrong[0]])
 
 
-def random_rays(count: int, reach: float = 1.5, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and ends (N,3) anywhere."""
+def random_rays(count: int, extent: float = 1.5, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Random starts and ends (N,3), with coordinates up to `extent`."""
     random = np.random.default_rng(seed)
-    return tuple(random.uniform(-reach, reach, (2, count, 3)))
+    return tuple(random.uniform(-extent, extent, (2, count, 3)))

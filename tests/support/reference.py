@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The truth, slowly: every ray against every triangle, every light as a dense grid of points. Float64, world space."""
+"""A slow reference renderer: every ray against every triangle, lights as grids of points. Float64, world space."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ PAIRS_AT_A_TIME = 1 << 16
 
 
 def world_triangles(scene: Scene, which: np.ndarray) -> np.ndarray:
-    """(T,3,3) corners of the triangles of the instances `which` (I,) bool, one instance after the other."""
+    """(T,3,3) corners of all triangles, instance by instance, of the instances selected by `which` (I,) bool."""
     parts = [np.zeros((0, 3, 3))]
     for row in np.flatnonzero(which):
         mesh, matrix = scene.meshes[scene.instances.mesh[row]], scene.instances.world_from_object[row]
@@ -28,9 +28,9 @@ def world_triangles(scene: Scene, which: np.ndarray) -> np.ndarray:
 
 
 def intersections(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(N,T): how many directions away each ray (N,3) + t (N,3) meets each triangle; inf where it does not.
+    """(N,T): the t at which each ray (N,3) + t (N,3) hits each triangle; inf if it does not.
 
-    A line passes a triangle where it passes its three edges on the same side (Plücker's product).
+    A line crosses a triangle if it passes the three edges on the same side (by the product of Plücker coordinates).
     """
     moments = np.cross(origins, directions)
     sides = []
@@ -42,25 +42,28 @@ def intersections(origins: np.ndarray, directions: np.ndarray, triangles: np.nda
     )
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
-        along = ((normals * triangles[:, 0]).sum(1) - origins @ normals.T) / (directions @ normals.T)
-    return np.where(inside & (along > 0.0), along, np.inf)
+        t = ((normals * triangles[:, 0]).sum(1) - origins @ normals.T) / (directions @ normals.T)
+    return np.where(inside & (t > 0.0), t, np.inf)
 
 
 def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The first triangle (N,) that each ray meets, -1: none; and how many directions away (N,), inf: none."""
-    index, along = np.full(len(origins), -1), np.full(len(origins), np.inf)
+    """Index (N,) of the nearest triangle that each ray hits, -1: none; and its t (N,), inf: none."""
+    index, t = np.full(len(origins), -1), np.full(len(origins), np.inf)
     step = max(PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
     for first in range(0, len(origins) if len(triangles) else 0, step):
         rows = slice(first, first + step)
-        found = intersections(origins[rows], directions[rows], triangles)
-        index[rows] = found.argmin(1)
-        along[rows] = found.min(1)
-    return np.where(np.isfinite(along), index, -1), along
+        hits = intersections(origins[rows], directions[rows], triangles)
+        index[rows] = hits.argmin(1)
+        t[rows] = hits.min(1)
+    return np.where(np.isfinite(t), index, -1), t
 
 
 def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
-    """(E,N) bool: whether no triangle is between emitters (E,3) and points (N,3), but for `slack` of both ends."""
-    found = np.ones((len(emitters), len(points)), bool)
+    """(E,N) bool: whether no triangle is between emitters (E,3) and points (N,3).
+
+    Triangles within the fraction `slack` of a ray from either of its ends do not count.
+    """
+    is_visible = np.ones((len(emitters), len(points)), bool)
     columns = max(PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
     rows = max(PAIRS_AT_A_TIME // max(len(triangles) * min(columns, len(points)), 1), 1)
     for row in range(0, len(emitters), rows):
@@ -76,17 +79,17 @@ def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, sla
                 np.maximum(np.maximum(first, second), third) <= 0.0
             )
             with np.errstate(divide="ignore", invalid="ignore"):
-                along = heights / (rays @ normals.swapaxes(1, 2))
-            hidden = (inside & (along > slack) & (along < 1.0 - slack)).any(2)
-            found[row : row + rows, column : column + columns] = ~hidden
-    return found
+                t = heights / (rays @ normals.swapaxes(1, 2))
+            is_occluded = (inside & (t > slack) & (t < 1.0 - slack)).any(2)
+            is_visible[row : row + rows, column : column + columns] = ~is_occluded
+    return is_visible
 
 
 # --- lights
 
 
 def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, float]:
-    """(side²,3) points, each in the middle of an equal share of the light; and that share, m²."""
+    """(side²,3) points, the centres of cells of equal area on the light; and the area of a cell, m²."""
     middle = (np.arange(side) + 0.5) / side
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
     area = np.linalg.norm(np.cross(lights.axis_u[light], lights.axis_v[light]))
@@ -100,7 +103,7 @@ def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, fl
 
 
 def spread_factor(spread: float, cosine: np.ndarray) -> np.ndarray:
-    """Part of the radiance that a light sends at angles of `cosine` off its normal, with its watts unchanged."""
+    """Factor of a light's radiance at angles of `cosine` to its normal. It leaves the light's power unchanged."""
     half = max(spread, np.radians(1.0)) / 2.0
     if half > np.pi / 2.0 - 1e-4:
         return np.ones_like(cosine)
@@ -111,51 +114,51 @@ def spread_factor(spread: float, cosine: np.ndarray) -> np.ndarray:
 def irradiance_per_area(
     points: np.ndarray, normals: np.ndarray, emitters: np.ndarray, lights: Lights, light: int
 ) -> np.ndarray:
-    """Irradiance (…) per area and radiance that receivers (…,3) get from places (…,3) on a light."""
-    way = emitters - points
-    square = (way**2).sum(-1)
-    receiver = np.maximum((normals * way).sum(-1), 0.0)
-    sender = np.maximum(-way @ lights.normal[light], 0.0)
+    """Irradiance (…) at receivers (…,3) per area and radiance of points (…,3) on a light."""
+    to_light = emitters - points
+    square = (to_light**2).sum(-1)
+    receiver = np.maximum((normals * to_light).sum(-1), 0.0)
+    sender = np.maximum(-to_light @ lights.normal[light], 0.0)
     return receiver * sender / square**2 * spread_factor(lights.spread[light], sender / np.sqrt(square))
 
 
 def irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights, light: int, side: int = 300) -> float:
-    """W/m² at one receiver, for a light of radiance 1 that nothing hides.
+    """W/m² at one receiver, from an unoccluded light of radiance 1.
 
-    From afar a sum over the light; from near by over the receiver's directions, spread by the cosine
-    (Nusselt's disk): each where it converges.
+    Far away, the sum over points of the light; nearby, over cosine-weighted directions at the receiver (Nusselt's
+    disk): each where it converges.
     """
     size = max(np.linalg.norm(lights.axis_u[light]), np.linalg.norm(lights.axis_v[light]))
     if np.linalg.norm(lights.position[light] - point) > 1.5 * size:
-        emitters, share = grid_on_light(lights, light, side)
-        return float(irradiance_per_area(point, normal, emitters, lights, light).sum() * share)
+        emitters, cell_area = grid_on_light(lights, light, side)
+        return float(irradiance_per_area(point, normal, emitters, lights, light).sum() * cell_area)
     u, v = np.meshgrid(*[(np.arange(4 * side) + 0.5) / (2 * side) - 1.0] * 2)
     u, v = u[u**2 + v**2 < 1.0], v[u**2 + v**2 < 1.0]
     directions = np.column_stack([u, v, np.sqrt(1.0 - u**2 - v**2)]) @ np.stack([*orthonormal(normal), normal])
     cosine = -directions @ lights.normal[light]
     with np.errstate(divide="ignore", invalid="ignore"):
-        along = ((point - lights.position[light]) @ lights.normal[light]) / cosine
-        met = point + along[:, None] * directions - lights.position[light]
+        distance = ((point - lights.position[light]) @ lights.normal[light]) / cosine
+        hit = point + distance[:, None] * directions - lights.position[light]
     axes = np.stack([lights.axis_u[light], lights.axis_v[light]])
-    a, b = np.abs((met @ axes.T) / (axes**2).sum(1)).T
+    a, b = np.abs((hit @ axes.T) / (axes**2).sum(1)).T
     inside = (a**2 + b**2 < 0.25) if lights.shape[light] == LightShape.ELLIPSE else (a < 0.5) & (b < 0.5)
-    factor = np.where(inside & (cosine > 0.0) & (along > 0.0), spread_factor(lights.spread[light], cosine), 0.0)
+    factor = np.where(inside & (cosine > 0.0) & (distance > 0.0), spread_factor(lights.spread[light], cosine), 0.0)
     return float(factor.sum() / (2 * side) ** 2)
 
 
-# --- what a camera sees
+# --- visible surfaces
 
 
 @dataclass
 class Surface:
-    """What the rays through the pixels' centres meet: N pixels, bottom row first."""
+    """The surfaces that camera rays through the pixels' centres hit: N pixels, bottom row first."""
 
-    seen: np.ndarray  # (N,) bool
-    triangle: np.ndarray  # (N,) into world_triangles of all that is visible
+    exists: np.ndarray  # (N,) bool: whether there is a surface
+    triangle: np.ndarray  # (N,) index into world_triangles of the visible instances
     position: np.ndarray  # (N,3) world
     barycentric: np.ndarray  # (N,3)
-    facet: np.ndarray  # (N,3) unit, towards the camera
-    depth: np.ndarray  # (N,) m along the view's axis
+    geometric_normal: np.ndarray  # (N,3) unit geometric normal, towards the camera
+    depth: np.ndarray  # (N,) m along the camera's axis
 
 
 def view_rays(view: View) -> tuple[np.ndarray, np.ndarray]:
@@ -176,11 +179,11 @@ def surfaces(scene: Scene, view: View) -> Surface:
     """The nearest surface at each pixel."""
     triangles = world_triangles(scene, scene.instances.visible)
     origins, directions = view_rays(view)
-    middle = origins.mean(0)  # far from the world's origin the products of crossings would lose digits
-    index, along = nearest(origins - middle, directions, triangles - middle)
+    middle = origins.mean(0)  # far from the world's origin, the products in `intersections` would lose precision
+    index, t = nearest(origins - middle, directions, triangles - middle)
     seen = index >= 0
     a, b, c = np.moveaxis(triangles[index], 1, 0) if len(triangles) else np.zeros((3, len(index), 3))
-    position = origins + np.where(seen, along, 0.0)[:, None] * directions
+    position = origins + np.where(seen, t, 0.0)[:, None] * directions
     normal = np.cross(b - a, c - a)
     square = np.maximum((normal**2).sum(1), 1e-300)
     second = (np.cross(position - a, c - a) * normal).sum(1) / square
@@ -191,23 +194,23 @@ def surfaces(scene: Scene, view: View) -> Surface:
 
 
 def shading_normals(scene: Scene, surface: Surface) -> np.ndarray:
-    """(N,3) unit: the corners' normals, interpolated, on the side of the facet that is seen."""
+    """(N,3) unit: the interpolated normals of the corners, on the visible side of the triangle."""
     parts = [np.zeros((0, 3, 3))]
     for row in np.flatnonzero(scene.instances.visible):
         mesh, linear = scene.meshes[scene.instances.mesh[row]], scene.instances.world_from_object[row, :3, :3]
         parts.append(mesh.corner_normals.astype(np.float64) @ np.linalg.inv(linear))
     normals = np.concatenate(parts)[surface.triangle]
-    smooth = np.einsum("nk,nkc->nc", surface.barycentric, normals)
-    smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-300)
+    interpolated = np.einsum("nk,nkc->nc", surface.barycentric, normals)
+    interpolated /= np.maximum(np.linalg.norm(interpolated, axis=1, keepdims=True), 1e-300)
     corners = world_triangles(scene, scene.instances.visible)[surface.triangle]
-    facet = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    geometric_normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     mirrored = mirrored_triangles(scene)[surface.triangle]
-    side = np.sign((facet * surface.facet).sum(1)) * np.where(mirrored, -1.0, 1.0)
-    return smooth * side[:, None]
+    side = np.sign((geometric_normal * surface.geometric_normal).sum(1)) * np.where(mirrored, -1.0, 1.0)
+    return interpolated * side[:, None]
 
 
 def mirrored_triangles(scene: Scene) -> np.ndarray:
-    """(T,) bool: whether the triangle stands in an instance that turns left into right."""
+    """(T,) bool: whether the transform of a triangle's instance mirrors it."""
     rows = np.flatnonzero(scene.instances.visible)
     counts = [len(scene.meshes[scene.instances.mesh[row]].triangles) for row in rows]
     return np.repeat(np.linalg.det(scene.instances.world_from_object[rows, :3, :3]) < 0.0, counts)
@@ -216,28 +219,30 @@ def mirrored_triangles(scene: Scene) -> np.ndarray:
 def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surface]:
     """(N,3) linear light at the pixels' centres without ambient occlusion, and the surfaces there.
 
-    Each light is side² points, each with its own irradiance and its own visibility: no exact irradiance, no map.
+    Each light is side² points, each with its own irradiance and visibility: without closed forms and shadow maps.
     """
     surface = surfaces(scene, view)
     normals = shading_normals(scene, surface)
     blockers = world_triangles(scene, scene.instances.casts_shadow)
-    arriving = np.zeros((len(normals), 3))
+    total_irradiance = np.zeros((len(normals), 3))
     for light in range(len(scene.lights.shape)):
-        emitters, share = grid_on_light(scene.lights, light, side)
-        parts = irradiance_per_area(surface.position, normals, emitters[:, None], scene.lights, light)
-        lit = np.flatnonzero(surface.seen & (parts > 0.0).any(0))
-        parts = parts[:, lit]
+        emitters, cell_area = grid_on_light(scene.lights, light, side)
+        contributions = irradiance_per_area(surface.position, normals, emitters[:, None], scene.lights, light)
+        lit = np.flatnonzero(surface.exists & (contributions > 0.0).any(0))
+        contributions = contributions[:, lit]
         if scene.lights.casts_shadow[light]:
-            parts = parts * visible(surface.position[lit] + 1e-4 * surface.facet[lit], emitters, blockers)
-        arriving[lit] += np.outer(parts.sum(0) * share, scene.lights.radiance[light])
-    albedo = scene.materials.base_color[0].astype(np.float64)
-    color = albedo * (arriving / np.pi + scene.world.radiance)
-    return np.where(surface.seen[:, None], color, scene.world.radiance), surface
+            contributions = contributions * visible(
+                surface.position[lit] + 1e-4 * surface.geometric_normal[lit], emitters, blockers
+            )
+        total_irradiance[lit] += np.outer(contributions.sum(0) * cell_area, scene.lights.radiance[light])
+    base_color = scene.materials.base_color[0].astype(np.float64)
+    color = base_color * (total_irradiance / np.pi + scene.world.radiance)
+    return np.where(surface.exists[:, None], color, scene.world.radiance), surface
 
 
 @cache
 def picture_of(make: Callable[[int, int], tuple[Scene, View]], width: int, height: int, side: int) -> np.ndarray:
-    """`picture` of a scene that is made anew for each test: (N,3), drawn once."""
+    """`picture` of a scene that several tests make: (N,3), computed once."""
     return picture(*make(width, height), side)[0]
 
 
@@ -253,26 +258,26 @@ def ambient_visibility(
     cone_angle: float,
     attenuation: float,
 ) -> np.ndarray:
-    """(N,): 1 less the mean, over places in a cone about the normal, of what hides them from the camera (3,).
+    """(N,): 1 minus the mean occlusion, as seen by the camera (3,), of samples in a cone about the normal.
 
-    Places are spread by the cosine within the cone and evenly in the square of their distance up to the radius r.
-    What hides one counts 1 / (1 + attenuation (d / r)²) if its distance d from the point is no more than r.
+    Directions of samples are cosine-distributed in the cone, squares of their distances uniform up to the radius r.
+    A surface that occludes one counts 1 / (1 + attenuation (d / r)²) if its distance d from the point is at most r.
     """
     a, b, c = (grid.ravel() for grid in np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (8, 16, 8)]))
     sine = np.sin(cone_angle / 2.0) * np.sqrt(a)
     cone = np.column_stack([sine * np.cos(2 * np.pi * b), sine * np.sin(2 * np.pi * b), np.sqrt(1.0 - sine**2)])
     tangents = orthonormal(normals)
-    opened = np.empty(len(points))
+    visibility = np.empty(len(points))
     for row, (point, normal) in enumerate(zip(points, normals, strict=True)):
         directions = cone @ np.stack([tangents[0][row], tangents[1][row], normal])
-        way = point + radius * np.sqrt(c)[:, None] * directions - camera
-        _, along = nearest(np.tile(camera, (len(way), 1)), way, triangles)
-        part = np.linalg.norm(camera + np.minimum(along, 1.0)[:, None] * way - point, axis=1) / radius
-        hides = (along < 1.0 - 1e-5) & (part <= 1.0)
-        opened[row] = 1.0 - np.where(hides, 1.0 / (1.0 + attenuation * part**2), 0.0).mean()
-    return opened
+        to_samples = point + radius * np.sqrt(c)[:, None] * directions - camera
+        _, t = nearest(np.tile(camera, (len(to_samples), 1)), to_samples, triangles)
+        relative_distance = np.linalg.norm(camera + np.minimum(t, 1.0)[:, None] * to_samples - point, axis=1) / radius
+        is_occluder = (t < 1.0 - 1e-5) & (relative_distance <= 1.0)
+        visibility[row] = 1.0 - np.where(is_occluder, 1.0 / (1.0 + attenuation * relative_distance**2), 0.0).mean()
+    return visibility
 
 
 def nrmse(picture: np.ndarray, truth: np.ndarray) -> float:
-    """Root of the mean squared difference over the truth's mean."""
+    """Root mean square difference, relative to the mean of the reference image."""
     return float(np.sqrt(((picture - truth) ** 2).mean()) / truth.mean())

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Irradiance by one light of radiance 1 that nothing hides, in float64: slow, and right from touching to far away.
+"""Irradiance by one unoccluded light of radiance 1, in float64: slow, and accurate from contact to far away.
 
-Without a spread Lambert's edge sum (1760), over many edges where the light is an ellipse. With one an integral in
-polar coordinates about the receiver's foot on the light's plane: midpoints in angle, Gauss points along the radius.
+Without a spread, it is Lambert's edge sum (1760), over many edges for an ellipse. With a spread, it is an integral in
+polar coordinates about the projection of the receiver onto the light's plane (`foot`): by the midpoint rule in angle,
+by Gauss-Legendre quadrature along the radius.
 """
 
 import numpy as np
@@ -10,31 +11,31 @@ import numpy as np
 from ism_addon.scene import Lights, LightShape
 from tests.support.reference import orthonormal, spread_factor
 
-#: Edges that stand for an ellipse: the rim is off by 4e-7 of its radius.
+#: Edges that approximate an ellipse: the error of the rim is 4e-7 of its radius.
 EDGES = 2048
 
 
 def outline(lights: Lights) -> np.ndarray:
-    """(K,3) corners of the only light, relative to its position; an ellipse has its area."""
-    at = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    """(K,3) corners of the only light, relative to its position. The polygon for an ellipse has the ellipse's area."""
+    corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
     if lights.shape[0] == LightShape.ELLIPSE:
         angle = 2.0 * np.pi * np.arange(EDGES) / EDGES
         radius = 0.5 * np.sqrt(2.0 * np.pi / (EDGES * np.sin(2.0 * np.pi / EDGES)))
-        at = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return at @ np.stack([lights.axis_u[0], lights.axis_v[0]])
+        corners = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    return corners @ np.stack([lights.axis_u[0], lights.axis_v[0]])
 
 
 def edge_sum(polygon: np.ndarray, normal: np.ndarray) -> float:
-    """Irradiance by what of a convex polygon (K,3), seen from the origin, is above the horizon of a normal."""
+    """Irradiance at the origin by the part of a convex polygon (K,3) that is above the horizon of a normal."""
     heights = polygon @ normal
     ends, end_heights = np.roll(polygon, -1, 0), np.roll(heights, -1)
-    seen, whole = (heights > 0.0) | (end_heights > 0.0), (heights > 0.0) & (end_heights > 0.0)
+    is_above, is_all_above = (heights > 0.0) | (end_heights > 0.0), (heights > 0.0) & (end_heights > 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        crossings = polygon + np.where(whole, 0.0, heights / (heights - end_heights))[:, None] * (ends - polygon)
-    first = np.where(heights[:, None] > 0.0, polygon, crossings)[seen]
-    last = np.where(end_heights[:, None] > 0.0, ends, crossings)[seen]
-    if seen.any() and not whole.all():  # along the horizon
-        leaves, enters = crossings[seen & (end_heights <= 0.0)], crossings[seen & (heights <= 0.0)]
+        crossings = polygon + np.where(is_all_above, 0.0, heights / (heights - end_heights))[:, None] * (ends - polygon)
+    first = np.where(heights[:, None] > 0.0, polygon, crossings)[is_above]
+    last = np.where(end_heights[:, None] > 0.0, ends, crossings)[is_above]
+    if is_above.any() and not is_all_above.all():  # along the horizon
+        leaves, enters = crossings[is_above & (end_heights <= 0.0)], crossings[is_above & (heights <= 0.0)]
         first, last = np.concatenate([first, leaves]), np.concatenate([last, enters])
     across = np.cross(first, last - first)
     sine = np.linalg.norm(across, axis=1)
@@ -45,7 +46,7 @@ def edge_sum(polygon: np.ndarray, normal: np.ndarray) -> float:
 def chords(foot: np.ndarray, directions: np.ndarray, ellipse: bool) -> np.ndarray:
     """(2,…) distances at which lines from `foot` (2,) along directions (…,2) enter and leave the light.
 
-    In units of the light's axes: a unit square, or the disk of diameter 1. Where it is missed both are 0.
+    In units of the light's axes: of a unit square, or of the disk of diameter 1. Both are 0 for a line that misses.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         if ellipse:
@@ -60,7 +61,7 @@ def chords(foot: np.ndarray, directions: np.ndarray, ellipse: bool) -> np.ndarra
 
 
 def spread_integral(point: np.ndarray, normal: np.ndarray, lights: Lights, angles: int = 2000) -> float:
-    """The light's spread weighs each direction that it sends in."""
+    """W/m² at one receiver (3,), (3,): the light's spread weights the directions of emission."""
     plane = np.cross(lights.axis_u[0], lights.axis_v[0])
     plane *= np.sign(plane @ lights.normal[0]) / np.linalg.norm(plane)
     height = (point - lights.position[0]) @ plane
@@ -75,32 +76,34 @@ def spread_integral(point: np.ndarray, normal: np.ndarray, lights: Lights, angle
 
     rim = (outline(lights) - point + lights.position[0]) @ world_from_plane.T
     centre = world_from_plane @ (lights.position[0] - point)
-    off = np.arctan2(centre[0] * rim[:, 1] - centre[1] * rim[:, 0], rim @ centre)
+    azimuth = np.arctan2(centre[0] * rim[:, 1] - centre[1] * rim[:, 0], rim @ centre)
     inside = np.ptp(chords(foot, np.array([[1.0, 0.0], [-1.0, 0.0]]), ellipse), 0).all()
-    first, last = (0.0, 2.0 * np.pi) if inside else np.arctan2(centre[1], centre[0]) + np.array([off.min(), off.max()])
-    part = (np.arange(angles) + 0.5) / angles * np.pi  # denser where an ellipse's chords vanish
-    angle = first + (last - first) * (part / np.pi if inside else 0.5 - 0.5 * np.cos(part))
-    step = (last - first) / angles * (1.0 if inside else 0.5 * np.pi * np.sin(part))
+    first, last = (
+        (0.0, 2.0 * np.pi) if inside else np.arctan2(centre[1], centre[0]) + np.array([azimuth.min(), azimuth.max()])
+    )
+    phase = (np.arange(angles) + 0.5) / angles * np.pi  # denser where an ellipse's chords vanish
+    angle = first + (last - first) * (phase / np.pi if inside else 0.5 - 0.5 * np.cos(phase))
+    step = (last - first) / angles * (1.0 if inside else 0.5 * np.pi * np.sin(phase))
     direction = np.column_stack([np.cos(angle), np.sin(angle)])
     ends = chords(foot, direction @ light_from_plane, ellipse) / height
     slope, level = direction @ (world_from_plane @ normal), -(normal @ plane)
     with np.errstate(divide="ignore", invalid="ignore"):
         horizon = -level / slope  # n·p = level + r slope, in units of the height
-    reach = np.tan(lights.spread[0] / 2.0)
+    spread_tangent = np.tan(lights.spread[0] / 2.0)
     low = np.where((slope > 0.0) & (level < 0.0), np.maximum(ends[0], horizon), ends[0])
     high = np.where(slope < 0.0, np.minimum(ends[1], np.maximum(horizon, 0.0)), ends[1])
-    high = np.minimum(np.where((slope <= 0.0) & (level <= 0.0), 0.0, high), reach)
+    high = np.minimum(np.where((slope <= 0.0) & (level <= 0.0), 0.0, high), spread_tangent)
     low = np.minimum(low, high)
     node, weight = np.polynomial.legendre.leggauss(48)
     tilt = np.arctan(low) + (np.arctan(high) - np.arctan(low)) * (0.5 + 0.5 * node[:, None])
     r = np.tan(tilt)
-    share = (np.arctan(high) - np.arctan(low)) * 0.5 * weight[:, None] * (1.0 + r**2) * r / (1.0 + r**2) ** 2
+    radial_weight = (np.arctan(high) - np.arctan(low)) * 0.5 * weight[:, None] * (1.0 + r**2) * r / (1.0 + r**2) ** 2
     factor = spread_factor(float(lights.spread[0]), np.cos(tilt))
-    return float((share * (level + slope * r) * factor * step).sum())
+    return float((radial_weight * (level + slope * r) * factor * step).sum())
 
 
 def irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights) -> float:
-    """W/m² at one receiver (3,), (3,), the light's spread left out."""
+    """W/m² at one receiver (3,), (3,), without the light's spread."""
     plane = np.cross(lights.axis_u[0], lights.axis_v[0])
     if (point - lights.position[0]) @ (plane * np.sign(plane @ lights.normal[0])) <= 0.0:
         return 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes by a few words, and pictures of them without a worker: what the tests of the passes share."""
+"""Small scenes, and their rendering without a render thread: what tests of passes share."""
 
 import math
 from collections.abc import Sequence
@@ -12,19 +12,19 @@ from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mes
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.small import basis, mesh, perspective
 
-#: One sample, few points: for tests that ask about something else. All samples, if there are more.
+#: One sample and few points, for tests of something else. No error threshold: all samples are drawn if there are more.
 SMALL_SETTINGS = Settings(
     quality=Quality(samples=1, error_threshold=0.0, virtual_lights=8, map_size=32, map_points=2048),
     ssao=SSAO(enabled=False),
 )
 
-#: The same by imperfect shadow maps.
+#: The same with imperfect shadow maps.
 SMALL_SHADOW_MAPS = replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS))
 
 
 @dataclass
 class Drawn:
-    """A renderer after it has drawn, and the profile of what it did."""
+    """A renderer after drawing, and the profile of its passes."""
 
     renderer: object
     profile: object
@@ -38,35 +38,35 @@ class Drawn:
     def target(self, name: str) -> np.ndarray:
         """(H,W,components) of any target, bottom row first."""
         targets, target = self.renderer.graph.targets, RESOURCES[name]
-        found = read_texels(targets[target], targets.sizes.get(target, (1, 1)))
-        return found if found.dtype == np.uint32 else found.astype(float)
+        texels = read_texels(targets[target], targets.sizes.get(target, (1, 1)))
+        return texels if texels.dtype == np.uint32 else texels.astype(float)
 
     @property
     def drawn_tiles(self) -> np.ndarray:
-        """(rows,columns) bool: the blocks of pixels that took part in the newest sample."""
-        blocks = self.renderer.graph[TILES]
-        found = np.zeros(self.renderer.last[0].tiles[::-1], bool)
-        column, row = blocks["tile"].astype(int).T
-        found[row, column] = True
-        return found
+        """(rows,columns) bool: the tiles that the last sample drew."""
+        tiles = self.renderer.graph[TILES]
+        is_drawn = np.zeros(self.renderer.last[0].tiles[::-1], bool)
+        column, row = tiles["tile"].astype(int).T
+        is_drawn[row, column] = True
+        return is_drawn
 
 
 def read_texels(texture, size: tuple[int, int]) -> np.ndarray:
-    """(H,W,components) of a texture, which may be larger."""
+    """(H,W,components) of a texture, which may be larger than `size`."""
     dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
-    whole = np.frombuffer(texture.read(alignment=1), dtype).reshape(*texture.size[::-1], texture.components)
-    return whole[: size[1], : size[0]]
+    texels = np.frombuffer(texture.read(alignment=1), dtype).reshape(*texture.size[::-1], texture.components)
+    return texels[: size[1], : size[0]]
 
 
 def write_texels(texture, rows: np.ndarray) -> None:
-    """Write (H,W) or (H,W,components) into a texture, which may be larger."""
+    """Write rows (H,W) or (H,W,components) into a texture, which may be larger."""
     texture.write(np.ascontiguousarray(rows), (0, 0, rows.shape[1], rows.shape[0]), alignment=1)
 
 
 def draw(
     device, scene: Scene, view: View, settings: Settings = SMALL_SETTINGS, renderer=None, last: int | None = None
 ) -> Drawn:
-    """All samples of a picture, or up to sample `last`, here and now."""
+    """Draw all samples of a picture, or those up to index `last`, on this thread."""
     from ism_addon.gpu.profile import Profile
     from ism_addon.gpu.renderer import Renderer
 
@@ -79,7 +79,7 @@ def draw(
 
 
 def with_quality(settings: Settings, **changes: float) -> Settings:
-    """The settings with another quality."""
+    """The settings with these changes of quality."""
     return replace(settings, quality=replace(settings.quality, **changes))
 
 
@@ -102,14 +102,14 @@ def make_scene(
 ) -> Scene:
     """A scene of one material; each mesh once, or an instance of `mesh_ids` for each of `matrices` (I,4,4)."""
     ids = np.arange(len(meshes)) if mesh_ids is None else np.array(mesh_ids)
-    everywhere = np.ones(len(ids), bool)
+    enabled = np.ones(len(ids), bool)
     return Scene(
         meshes=tuple(meshes),
         instances=Instances(
             ids.astype(np.int32),
             np.tile(np.eye(4), (len(ids), 1, 1)) if matrices is None else np.array(matrices, np.float64),
-            everywhere,
-            everywhere.copy(),
+            enabled,
+            enabled.copy(),
             np.zeros(len(ids), np.uint32),
         ),
         materials=Materials(np.array([base_color], np.float32), np.full(1, -1 if image is None else 0, np.int32)),
@@ -147,13 +147,13 @@ def light(
 
 
 def no_lights() -> Lights:
-    """A table without a row."""
-    one = light()
-    return Lights(**{name: value[:0].copy() for name, value in vars(one).items()})
+    """Lights without a row."""
+    lights = light()
+    return Lights(**{name: value[:0].copy() for name, value in vars(lights).items()})
 
 
 def join_lights(first: Lights, second: Lights) -> Lights:
-    """The lights of two tables."""
+    """All lights of both."""
     return Lights(**{name: np.concatenate([value, getattr(second, name)]) for name, value in vars(first).items()})
 
 
@@ -161,20 +161,20 @@ def look_at(
     position: Sequence[float],
     target: Sequence[float] = (0.0, 0.0, 0.0),
     size: tuple[int, int] = (32, 24),
-    across: float = math.radians(50.0),
+    field_of_view: float = math.radians(50.0),
     **more: object,
 ) -> View:
-    """A perspective camera; looks from `position` to `target`, not straight up or down."""
+    """A perspective camera at `position` that looks at `target`, not vertically; `field_of_view`: horizontal."""
     right, up, forward = basis(np.subtract(target, position))
     view_from_world = np.eye(4)
     view_from_world[:3, :3] = right, up, -forward
     view_from_world[:3, 3] = -view_from_world[:3, :3] @ position
-    clip_from_view = perspective(across, size[0] / size[1], 0.1, 100.0)
+    clip_from_view = perspective(field_of_view, size[0] / size[1], 0.1, 100.0)
     return View(clip_from_view, view_from_world, *size, **{"filter_width": 0.01, **more})
 
 
 def view_from_above(width_m: float, size: tuple[int, int] = (32, 32), height: float = 10.0, **more: object) -> View:
-    """An orthographic camera over the origin that looks down; x to the right, y up, square pixels."""
+    """An orthographic camera above the origin that looks down: x to the right, y up, square pixels."""
     clip_from_view = np.diag([2.0 / width_m, 2.0 / width_m * size[0] / size[1], -1.0 / height, 1.0])
     clip_from_view[2, 3] = -1.0
     view_from_world = np.eye(4)
@@ -183,7 +183,7 @@ def view_from_above(width_m: float, size: tuple[int, int] = (32, 32), height: fl
 
 
 def transform(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-    """(4,4) of a linear map (3,3) and an offset."""
+    """(4,4): a linear map (3,3), then a translation."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.eye(3) if linear is None else linear
     matrix[:3, 3] = offset
@@ -191,12 +191,12 @@ def transform(linear: np.ndarray | None = None, offset: Sequence[float] = (0.0, 
 
 
 def with_shadow(**changes: object) -> Settings:
-    """SHADOW_MAPS with other shadows."""
+    """SMALL_SHADOW_MAPS with these changes of shadow settings."""
     return replace(SMALL_SHADOW_MAPS, shadow=replace(SMALL_SHADOW_MAPS.shadow, **changes))
 
 
 def first_frame(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size: tuple[int, int] = (32, 24)):
-    """A renderer that has drawn nothing, and the frame of its first sample: for tests that feed one pass by hand."""
+    """A renderer that has drawn nothing, and the frame of its first sample: for tests that execute single passes."""
     from ism_addon.gpu.profile import Profile
     from ism_addon.gpu.renderer import Renderer
 
@@ -204,8 +204,8 @@ def first_frame(device, scene: Scene, settings: Settings = SMALL_SETTINGS, size:
     return renderer, renderer.frame(scene, look_at((0.0, -4.0, 3.0), size=size), settings, 0, Profile())
 
 
-def random_triangles(count: int = 200, reach: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
-    """Random triangles about the origin."""
+def random_triangles(count: int = 200, extent: float = 1.0, size: float = 0.3, seed: int = 0) -> Mesh:
+    """Random triangles of about `size`, in a cube around the origin: `extent` is half its side."""
     random = np.random.default_rng(seed)
-    corners = random.uniform(-reach, reach, (count, 1, 3)) + random.uniform(-size, size, (count, 3, 3))
+    corners = random.uniform(-extent, extent, (count, 1, 3)) + random.uniform(-size, size, (count, 3, 3))
     return mesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What dev.py is made of: the standard library alone, because it runs before anything is installed."""
+"""Modules of dev.py, which use the standard library alone, because it runs before anything is installed; test tools."""

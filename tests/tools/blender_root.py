@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real Blender with all that a window needs, in a Debian root folder of its own: nothing of the machine's changes.
+"""A Blender with all that a window needs, in a Debian root folder of its own: the machine's system is not changed.
 
-Mounts are made in a mount and process namespace that ends with the command which is run there, however it ends: none
-is ever left behind, and no process either.
+Mounts are made in a mount and process namespace that ends with the command that is run there, however that ends. So
+neither mounts nor processes are left behind.
 """
 
 import os
@@ -26,14 +26,14 @@ ENVIRONMENT = {
     "LIBGL_ALWAYS_SOFTWARE": "1",
     "DEBIAN_FRONTEND": "noninteractive",
 }
-WITHOUT = ("doc", "man", "locale")
+EXCLUDED = ("doc", "man", "locale")  # folders of /usr/share that are not installed
 
 
 class Missing(Exception):
-    """What a Blender with a window needs cannot be had here; says why."""
+    """A Blender with a window cannot be installed or started here; the message says why."""
 
 
-def inside(root: Path, *command: str, folders: tuple[Path, ...] = ()) -> list[str]:
+def command_in_root(root: Path, *command: str, folders: tuple[Path, ...] = ()) -> list[str]:
     """The command line that runs `command` in the root folder, where `folders` have the same paths as here."""
     namespace = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "sh", "-ec", ENTER, "enter"]
     settings = [f"{name}={value}" for name, value in ENVIRONMENT.items()]
@@ -41,12 +41,12 @@ def inside(root: Path, *command: str, folders: tuple[Path, ...] = ()) -> list[st
 
 
 def install(root: Path) -> None:
-    """Make the root folder, if it is not there: some minutes, 350 MB to download, 1.6 GB on disk. Raises Missing."""
+    """Make the root folder, if there is none: some minutes, a download of 350 MB, 1.6 GB on disk. Raises Missing."""
     if os.geteuid() != 0:
         raise Missing("a root folder with a Blender in it can be made and entered by root only")
     if not (root / "usr/bin/blender").exists():
         _install(root)
-    _run(*inside(root, "true"))
+    _run(*command_in_root(root, "true"))
 
 
 def _install(root: Path) -> None:
@@ -54,25 +54,27 @@ def _install(root: Path) -> None:
     if shutil.which("debootstrap") is None:
         _run("apt-get", "-qq", "update")
         _run("apt-get", "-qq", "install", "--yes", "--no-install-recommends", "debootstrap")
-    half = root.with_name(f"{root.name}.half")
-    shutil.rmtree(half, ignore_errors=True)
-    half.parent.mkdir(parents=True, exist_ok=True)
-    _run("debootstrap", "--variant=minbase", "--include=ca-certificates", SUITE, str(half))
-    _prepare(half)
-    _run(*inside(half, "apt-get", "-qq", "update"))
-    _run(*inside(half, "apt-get", "-qq", "install", "--yes", "--no-install-recommends", *PACKAGES.split()))
-    _run(*inside(half, "apt-get", "clean"))
-    half.rename(root)
+    unfinished = root.with_name(f"{root.name}.half")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    unfinished.parent.mkdir(parents=True, exist_ok=True)
+    _run("debootstrap", "--variant=minbase", "--include=ca-certificates", SUITE, str(unfinished))
+    _prepare(unfinished)
+    _run(*command_in_root(unfinished, "apt-get", "-qq", "update"))
+    _run(
+        *command_in_root(unfinished, "apt-get", "-qq", "install", "--yes", "--no-install-recommends", *PACKAGES.split())
+    )
+    _run(*command_in_root(unfinished, "apt-get", "clean"))
+    unfinished.rename(root)
 
 
 def _prepare(root: Path) -> None:
-    """What Debian's installer needs to know: where the network is, to start no services, to leave out what few read."""
+    """Set up the network and certificates for Debian's installer; let it start no services and skip documentation."""
     shutil.copy("/etc/resolv.conf", root / "etc/resolv.conf")
     shutil.copy("/etc/ssl/certs/ca-certificates.crt", root / "etc/ssl/certs/ca-certificates.crt")
     policy = root / "usr/sbin/policy-rc.d"
     policy.write_text("#!/bin/sh\nexit 101\n")
     policy.chmod(0o755)
-    slim = "".join(f"path-exclude=/usr/share/{part}/*\n" for part in WITHOUT)
+    slim = "".join(f"path-exclude=/usr/share/{name}/*\n" for name in EXCLUDED)
     (root / "etc/dpkg/dpkg.cfg.d/slim").write_text(slim)
 
 
@@ -81,6 +83,6 @@ def _run(*command: str) -> None:
         command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
     if done.returncode:
-        last = " ".join(done.stdout.strip().splitlines()[-2:])
+        last_lines = " ".join(done.stdout.strip().splitlines()[-2:])
         name = next((word for word in command if word in ("debootstrap", "apt-get")), command[0])
-        raise Missing(f"Blender could not be installed from Debian or started: {name} said: {last}")
+        raise Missing(f"Blender could not be installed from Debian or started: {name} said: {last_lines}")

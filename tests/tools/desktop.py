@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a program on a screen of its own: desktop.py WIDTHxHEIGHT program arguments. Exits as the program does.
 
-The screen is Xvfb's with the window manager openbox, each as far as it is installed; where a DISPLAY is set and no Xvfb
-is there, it is that.
+The screen is Xvfb's, with the window manager openbox if it is installed. Without Xvfb, it is that of DISPLAY.
 """
 
 import os
@@ -17,7 +16,7 @@ from typing import Any
 
 @contextmanager
 def screen(size: str) -> Iterator[None]:
-    """Set DISPLAY to a new screen of that size, for as long as this lasts."""
+    """Set DISPLAY to a new screen of that size inside this with-block."""
     if shutil.which("Xvfb") is None:
         if "DISPLAY" not in os.environ:
             sys.exit("There is no DISPLAY, and no Xvfb that could make one.")
@@ -29,7 +28,7 @@ def screen(size: str) -> Iterator[None]:
     programs = [subprocess.Popen(command, pass_fds=[writer], **quiet)]
     os.close(writer)
     try:
-        os.environ["DISPLAY"] = f":{os.read(reader, 16).decode().strip()}"  # comes when the screen is ready
+        os.environ["DISPLAY"] = f":{os.read(reader, 16).decode().strip()}"  # written when the screen is ready
         if shutil.which("openbox"):
             programs.append(subprocess.Popen(["openbox"], **quiet))
         yield

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where our code can run with Blender around it: a virtual environment with bpy, or the `blender` on the PATH."""
+"""Environments with Blender in which our code can run: virtual environments with bpy, or the `blender` on the PATH."""
 
 import hashlib
 import itertools
@@ -24,14 +24,14 @@ INSIDE_BLENDER = Path(__file__).with_name("inside_blender.py")
 
 @dataclass(frozen=True)
 class Environment:
-    """Python with Blender in it, and Blender's tool for extensions."""
+    """A Python that has Blender's modules, and Blender's tool for extensions."""
 
     name: str
     python: Path  # an interpreter whose pip is the pinned one
-    module: tuple[str, ...]  # runs a Python module when its name follows
-    extension: tuple[str, ...]  # Blender's tool, when a verb follows
-    target: tuple[str, ...] = ()  # pip's arguments, where packages go elsewhere than to the interpreter
-    has_processes: bool = True  # whether the interpreter can start others that have Blender in them, as xdist does
+    module: tuple[str, ...]  # command that runs a Python module; its name follows
+    extension: tuple[str, ...]  # command of Blender's tool; a verb follows
+    target: tuple[str, ...] = ()  # pip's arguments, where packages are not installed for the interpreter itself
+    has_processes: bool = True  # whether its processes can start others with Blender's modules, as xdist does
 
     def add(self, *requirements: str) -> None:
         """Install further packages, once."""
@@ -43,14 +43,14 @@ class Environment:
     def run(self, module: str, *arguments: str, **variables: str) -> int:
         """`python -m module arguments` in the project's root, with environment variables: its exit status.
 
-        Bytecode is kept: a test run starts a hundred processes, and each would compile all modules again.
+        Bytecode is written: a test run starts a hundred processes, each of which would compile all modules again.
         """
         environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "", **variables}
         return subprocess.run([*self.module, module, *arguments], cwd=project.ROOT, env=environment).returncode
 
 
 def environments() -> Iterator[Environment]:
-    """All that this Python can have, each set up when it is asked for, the default first. Exits where there is none."""
+    """All environments of this Python, the default first; each is set up when it is reached. Exits if there is none."""
     if PYTHON in project.BPY:
         yield from map(_with_bpy, project.BPY[PYTHON])
     else:
@@ -58,7 +58,7 @@ def environments() -> Iterator[Environment]:
 
 
 def all_environments() -> list[Environment]:
-    """`environments`, set up side by side: most of that is to wait for downloads."""
+    """`environments`, set up in parallel: most of the time is spent waiting for downloads."""
     if PYTHON not in project.BPY:
         return [_with_blender()]
     with ThreadPoolExecutor() as pool:
@@ -77,7 +77,7 @@ def _with_blender() -> Environment:
     program = shutil.which("blender")
     if program is None:
         sys.exit(f"Python {PYTHON} has no bpy, and there is no blender on the PATH. {ADVICE}")
-    version, python_version = _ask_blender(program)
+    version, python_version = _blender_versions(program)
     if version < (4, 2):
         sys.exit(f"Python {PYTHON} has no bpy, and the blender on the PATH is too old. {ADVICE}")
     name = "blender-" + ".".join(map(str, version))
@@ -89,27 +89,27 @@ def _with_blender() -> Environment:
     return Environment(name, python, (*start, "--", str(packages)), tool, target, has_processes=False)
 
 
-def _ask_blender(program: str) -> tuple[tuple[int, ...], str]:
+def _blender_versions(program: str) -> tuple[tuple[int, ...], str]:
     """The versions of Blender and of its Python."""
-    question = "import bpy, sys; print('versions', *bpy.app.version, *sys.version_info[:2])"
-    command = [program, "--background", "--factory-startup", "--python-expr", question]
-    said = subprocess.run(command, capture_output=True, text=True)
-    answer = re.search(r"^versions (\d+) (\d+) (\d+) (\d+) (\d+)$", said.stdout, re.MULTILINE)
+    expression = "import bpy, sys; print('versions', *bpy.app.version, *sys.version_info[:2])"
+    command = [program, "--background", "--factory-startup", "--python-expr", expression]
+    result = subprocess.run(command, capture_output=True, text=True)
+    answer = re.search(r"^versions (\d+) (\d+) (\d+) (\d+) (\d+)$", result.stdout, re.MULTILINE)
     if answer is None:
-        sys.exit(f"{program} does not start. {ADVICE}\n{said.stdout}{said.stderr}")
+        sys.exit(f"{program} does not start. {ADVICE}\n{result.stdout}{result.stderr}")
     *version, major, minor = map(int, answer.groups())
     return tuple(version), f"{major}.{minor}"
 
 
 def _set_up(folder: Path, *requirements: str) -> Path:
-    """A virtual environment with these packages, at once where it is there already: its interpreter."""
+    """Set up a virtual environment with these packages, unless it is there already: its interpreter."""
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     stamp = folder / "requirements.sha256"
-    wanted = hashlib.sha256("\n".join([str(folder), sys.version, *requirements]).encode()).hexdigest()
-    if not stamp.exists() or stamp.read_text() != wanted:
+    checksum = hashlib.sha256("\n".join([str(folder), sys.version, *requirements]).encode()).hexdigest()
+    if not stamp.exists() or stamp.read_text() != checksum:
         print(f"setting up {folder.relative_to(project.ROOT)}", flush=True)
         venv.create(folder, clear=True, with_pip=True)
-        pip.renew(python)
+        pip.install_pinned(python)
         pip.run(python, "install", *requirements)
-        stamp.write_text(wanted)
+        stamp.write_text(checksum)
     return python

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Programs that tests compile, checked by the Khronos reference compiler: drivers take more than GLSL 4.10 allows."""
+"""Checks programs that tests compile by the Khronos reference compiler: drivers accept more than GLSL 4.10 allows."""
 
 import inspect
 import re
@@ -17,11 +17,11 @@ import moderngl
 
 PROGRAM = "glslangValidator"
 ADVICE = "it is in Debian's glslang-tools, in Homebrew's glslang and in the Vulkan SDK"
-#: What moderngl calls the text of a stage, the suffix that tells the compiler, and the stage's bit in its report.
+#: moderngl's name of a stage to the suffix by which the compiler knows it, and its bit in the compiler's report.
 STAGES = {"vertex_shader": (".vert", 1), "fragment_shader": (".frag", 16)}
 #: GL_MAX_TEXTURE_IMAGE_UNITS and GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS that OpenGL 4.1 guarantees.
 MAX_SAMPLERS = 16
-#: Values of OpenGL's enumerations that are types of samplers, in four ranges.
+#: OpenGL's enumerants of sampler types.
 SAMPLER_TYPES = {
     *range(0x8B5D, 0x8B65),  # GL_SAMPLER_1D … GL_SAMPLER_2D_RECT_SHADOW
     *range(0x8DC0, 0x8DC6),  # GL_SAMPLER_1D_ARRAY … GL_SAMPLER_CUBE_SHADOW
@@ -38,34 +38,34 @@ Texts = tuple[tuple[str, str], ...]
 
 @dataclass
 class ReferenceCompiler:
-    """The texts of programs that drivers took, each once: by stage, as moderngl names them."""
+    """Collects the texts of programs that drivers accepted, without duplicates: by stage, as moderngl names them."""
 
     known: set[Texts] = field(default_factory=set)
     waiting: list[Texts] = field(default_factory=list)
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Note each program that moderngl makes meanwhile, whoever asks for it."""
-        make = moderngl.Context.program
-        signature = inspect.signature(make)
+        """Note each program that moderngl compiles inside this with-block."""
+        compile_program = moderngl.Context.program
+        signature = inspect.signature(compile_program)
 
-        def make_and_note(*arguments: Any, **named: Any) -> moderngl.Program:
-            made = make(*arguments, **named)
+        def compile_and_note(*arguments: Any, **named: Any) -> moderngl.Program:
+            program = compile_program(*arguments, **named)
             given = signature.bind(*arguments, **named).arguments
             self.note(tuple((stage, given[stage]) for stage in STAGES if stage in given))
-            return made
+            return program
 
-        with mock.patch.object(moderngl.Context, "program", make_and_note):
+        with mock.patch.object(moderngl.Context, "program", compile_and_note):
             yield
 
     def note(self, texts: Texts) -> None:
-        """Let `check` compile these, if they are new."""
+        """Keep these texts for `check`, if they are new."""
         if texts not in self.known:
             self.known.add(texts)
             self.waiting.append(texts)
 
     def check(self) -> None:
-        """Compile and link what is waiting. Raises AssertionError: what is wrong, and in which line."""
+        """Compile and link the waiting programs. Raises AssertionError with the error and its line."""
         assert not self.waiting or shutil.which(PROGRAM), f"there is no {PROGRAM}: {ADVICE}"
         while self.waiting:
             fault = find_fault(dict(self.waiting.pop()))
@@ -73,7 +73,7 @@ class ReferenceCompiler:
 
 
 def find_fault(texts: dict[str, str]) -> str:
-    """Why a program is none of GLSL 4.10, or needs more than OpenGL 4.1 guarantees; empty if it is right."""
+    """Why a program violates GLSL 4.10 or needs more than OpenGL 4.1 guarantees; empty if it does neither."""
     if not all(text.lstrip().startswith("#version 410 core\n") for text in texts.values()):
         return "a shader does not begin with #version 410 core"
     with tempfile.TemporaryDirectory() as folder:
@@ -81,36 +81,36 @@ def find_fault(texts: dict[str, str]) -> str:
         for stage, text in texts.items():
             paths.append(Path(folder, "shader").with_suffix(STAGES[stage][0]))
             paths[-1].write_text(text.lstrip(), "utf-8")
-        done = subprocess.run([PROGRAM, "-l", "-q", *paths], capture_output=True, text=True)
-    if done.returncode:
-        return f"the reference compiler refuses what the driver took:\n{_quoted(done.stdout, texts)}"
+        result = subprocess.run([PROGRAM, "-l", "-q", *paths], capture_output=True, text=True)
+    if result.returncode:
+        return f"the reference compiler refuses what the driver accepted:\n{_with_source_line(result.stdout, texts)}"
     for stage in texts:
-        samplers = used_samplers(done.stdout, stage)
+        samplers = used_samplers(result.stdout, stage)
         if sum(samplers.values()) > MAX_SAMPLERS:
             return f"{sum(samplers.values())} samplers in the {stage}, of {MAX_SAMPLERS} at most: {', '.join(samplers)}"
     return ""
 
 
 def used_samplers(report: str, stage: str) -> dict[str, int]:
-    """Names of the samplers that a stage uses, and how many each is, by the compiler's report (`-l -q`)."""
+    """Names of the samplers that a stage uses to their array sizes, from the compiler's report (`-l -q`)."""
     uniforms = report.partition("Uniform reflection:")[2].partition("Uniform block reflection:")[0]
-    found = {}
-    for name, kind, count, stages in UNIFORM.findall(uniforms):
-        if int(kind, 16) in SAMPLER_TYPES and int(stages) & STAGES[stage][1]:
-            found[name] = int(count)
-    return found
+    samplers = {}
+    for name, type_, count, stages in UNIFORM.findall(uniforms):
+        if int(type_, 16) in SAMPLER_TYPES and int(stages) & STAGES[stage][1]:
+            samplers[name] = int(count)
+    return samplers
 
 
-def _quoted(said: str, texts: dict[str, str]) -> str:
-    """The compiler's words, with the line that the first error is in."""
-    said = said.partition("Uniform reflection:")[0].strip()
-    if found := ERROR.search(said):
-        stage = next(stage for stage, (suffix, _) in STAGES.items() if suffix == found[1])
-        number = 0
+def _with_source_line(report: str, texts: dict[str, str]) -> str:
+    """The compiler's messages, and the source line of the first error."""
+    messages = report.partition("Uniform reflection:")[0].strip()
+    if error := ERROR.search(messages):
+        stage = next(stage for stage, (suffix, _) in STAGES.items() if suffix == error[1])
+        line_number = 0
         for line in texts[stage].lstrip().splitlines():
-            number += 1
-            if number == int(found[2]):
-                return f"{said}\nin the line: {line.strip()}"
+            line_number += 1
+            if line_number == int(error[2]):
+                return f"{messages}\nin the line: {line.strip()}"
             if start := LINE.match(line):
-                number = int(start[1]) - 1
-    return said
+                line_number = int(start[1]) - 1
+    return messages

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bare Debian lacks for bpy and for OpenGL without a screen: found by trying, installed where we may."""
+"""Finds and installs the libraries and programs that a bare Debian lacks for bpy and for OpenGL without a screen."""
 
 import ctypes
 import importlib.util
@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-#: What bpy links (4.2 to 5.2) and moderngl opens, and Debian's package of each. The packages bring what they need.
+#: Libraries that bpy (4.2 to 5.2) links and moderngl opens, to Debian's packages. Their dependencies are not listed.
 LIBRARIES = {
     "libEGL.so.1": "libegl1",
     "libEGL_mesa.so.0": "libegl-mesa0",
@@ -23,14 +23,14 @@ LIBRARIES = {
     "libgomp.so.1": "libgomp1",
     "libxkbcommon.so.0": "libxkbcommon0",
 }
-#: Debian's packages of what is not called like them.
+#: Programs to Debian's packages, where the names differ.
 PACKAGES = {"glslangValidator": "glslang-tools", "lavapipe": "mesa-vulkan-drivers"}
-#: Where drivers of Vulkan are described.
+#: The folder of descriptions of Vulkan drivers.
 VULKAN_DRIVERS = Path("/usr/share/vulkan/icd.d")
 
 
 def prepare(*programs: str) -> None:
-    """Install the missing libraries and programs, of which "lavapipe" is one, or exit with the command that does."""
+    """Install missing libraries and these programs ("lavapipe" may be one), or exit with the command that does."""
     missing = missing_packages(*programs)
     if not missing:
         return
@@ -43,31 +43,33 @@ def prepare(*programs: str) -> None:
     print(f"installing from Debian: {names}", flush=True)
     _apt("update")
     _apt("install", "--yes", "--no-install-recommends", *missing)
-    if left := missing_packages(*programs):
-        sys.exit(f"Debian's packages are installed, but still missing is what they should bring: {' '.join(left)}")
+    if still_missing := missing_packages(*programs):
+        sys.exit(
+            f"Debian's packages are installed, but still missing is what they should bring: {' '.join(still_missing)}"
+        )
 
 
 def missing_packages(*programs: str) -> list[str]:
-    """Debian's packages that have to be installed, sorted; none on another system than Linux."""
+    """Debian's packages that have to be installed, sorted; none on systems other than Linux."""
     if not sys.platform.startswith("linux"):
         return []
-    missing = {package for library, package in LIBRARIES.items() if not _loads(library)}
+    missing = {package for library, package in LIBRARIES.items() if not _is_loadable(library)}
     if importlib.util.find_spec("ensurepip") is None:
         missing.add(f"python{sys.version_info.major}.{sys.version_info.minor}-venv")
-    missing |= {PACKAGES.get(program, program) for program in programs if not _is_there(program)}
+    missing |= {PACKAGES.get(program, program) for program in programs if not _is_installed(program)}
     return sorted(missing)
 
 
 def lavapipe() -> list[Path]:
-    """The descriptions of Mesa's Vulkan for processors, one for each kind of processor; none where it is missing."""
+    """Descriptions of Mesa's Vulkan driver for CPUs, one for each CPU architecture; none if it is missing."""
     return sorted(VULKAN_DRIVERS.glob("lvp_icd*.json"))
 
 
-def _is_there(program: str) -> bool:
+def _is_installed(program: str) -> bool:
     return bool(lavapipe() if program == "lavapipe" else shutil.which(program))
 
 
-def _loads(library: str) -> bool:
+def _is_loadable(library: str) -> bool:
     try:
         ctypes.CDLL(library)
     except OSError:

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory this process has."""
+"""The memory of this process."""
 
 from pathlib import Path
 
 
 def resident() -> int:
-    """Bytes in memory; 0 where the system does not say it in this way."""
-    return _told("VmRSS")
+    """Resident bytes; 0 on systems without /proc."""
+    return _status_bytes("VmRSS")
 
 
 def peak() -> int:
-    """The most bytes in memory since the start or forget_peak; 0 where the system does not say it in this way."""
-    return _told("VmHWM")
+    """The most resident bytes since the start or `reset_peak`; 0 on systems without /proc."""
+    return _status_bytes("VmHWM")
 
 
 def reset_peak() -> None:
-    """Count the peak from here on, on Linux."""
+    """Measure the peak from now on, on Linux."""
     if (reset := Path("/proc/self/clear_refs")).exists():
         reset.write_text("5")
 
 
-def _told(name: str) -> int:
+def _status_bytes(name: str) -> int:
     status = Path("/proc/self/status")
     lines = status.read_text().splitlines() if status.exists() else []
     return next((int(line.split()[1]) * 1024 for line in lines if line.startswith(f"{name}:")), 0)

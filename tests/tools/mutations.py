@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Breaks the product, in one way at a time, and tells which test notices: python -m tests.tools.mutations
+"""Mutation test: puts one error at a time into the product, prints which test fails: python -m tests.tools.mutations
 
-Each is made in a temporary copy of the files, where the tests that should notice run until one fails. With --all the
-other tests follow where none of those does. An exit status of 1 means that a mutation survived.
+Each mutation is made in a temporary copy of the files, where the tests that should notice it run until one fails. With
+--all, all tests run if none of those fails. An exit status of 1 means that a mutation survived.
 """
 
 import argparse
@@ -20,12 +20,12 @@ SOURCES = {".py", ".frag", ".vert", ".glsl"}
 
 
 class Mutation(NamedTuple):
-    """A text that the package holds once, in whichever file, what replaces it, and by which files of tests it shows."""
+    """A text that the package contains once, in any file, its replacement, and the test files that should notice it."""
 
     about: str
     old: str
     new: str
-    tests: tuple[str, ...]  # names of files, wherever they lie
+    tests: tuple[str, ...]  # names of files in any folder
 
 
 MUTATIONS = (
@@ -173,8 +173,8 @@ MUTATIONS = (
 )
 
 
-def place(mutation: Mutation, root: Path) -> Path:
-    """The file of the package that has the mutation's text. Raises ValueError if that is not exactly one, once."""
+def source_file(mutation: Mutation, root: Path) -> Path:
+    """The file of the package that contains the mutation's text. Raises ValueError unless it is there exactly once."""
     files = [path for path in sorted((root / "ism_addon").rglob("*")) if path.suffix in SOURCES]
     counts = {path: path.read_text("utf-8").count(mutation.old) for path in files}
     found = [path for path, count in counts.items() if count]
@@ -184,7 +184,7 @@ def place(mutation: Mutation, root: Path) -> Path:
 
 
 def test_files(names: tuple[str, ...], root: Path) -> list[str]:
-    """Paths of files of tests, from the root. Raises ValueError if one of them is not there."""
+    """Paths of test files, from the root. Raises ValueError if one of them does not exist."""
     found = {name: sorted((root / "tests").rglob(f"{name}.py")) for name in names}
     missing = [name for name, paths in found.items() if not paths]
     if missing:
@@ -193,43 +193,43 @@ def test_files(names: tuple[str, ...], root: Path) -> list[str]:
 
 
 def first_failure(tests: list[str], root: Path, seconds: float) -> str:
-    """The first test that fails; "" if none does, or not by then."""
+    """The first test that fails; "" if none does within that many seconds."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "--tb=line", "-p", "no:cacheprovider", *tests]
     try:
-        run = subprocess.run(command, cwd=root, capture_output=True, text=True, errors="replace", timeout=seconds)
+        result = subprocess.run(command, cwd=root, capture_output=True, text=True, errors="replace", timeout=seconds)
     except subprocess.TimeoutExpired:
         return ""
-    if run.returncode == 0:
+    if result.returncode == 0:
         return ""
-    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", run.stdout, re.M)
-    return failed[1] if failed else f"pytest ended with {run.returncode}"
+    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", result.stdout, re.M)
+    return failed[1] if failed else f"pytest ended with {result.returncode}"
 
 
-def notice(mutation: Mutation, root: Path, everything: bool, seconds: float) -> str:
-    """The test that notices a mutation, which is undone afterwards; "" if none does.
+def detecting_test(mutation: Mutation, root: Path, everything: bool, seconds: float) -> str:
+    """Make a mutation, run tests, and undo it: the test that fails; "" if none does.
 
-    Raises ValueError if that test fails without the mutation too.
+    Raises ValueError if that test also fails without the mutation.
     """
-    path = place(mutation, root)
-    whole = path.read_bytes()
-    path.write_bytes(whole.replace(mutation.old.encode(), mutation.new.encode()))
+    path = source_file(mutation, root)
+    original = path.read_bytes()
+    path.write_bytes(original.replace(mutation.old.encode(), mutation.new.encode()))
     try:
-        found = first_failure(test_files(mutation.tests, root), root, seconds)
-        found = found or (first_failure(["tests"], root, 20.0 * seconds) if everything else "")
+        failed = first_failure(test_files(mutation.tests, root), root, seconds)
+        failed = failed or (first_failure(["tests"], root, 20.0 * seconds) if everything else "")
     finally:
-        path.write_bytes(whole)
-    if found and first_failure([found], root, seconds):
-        raise ValueError(f"{found} fails without a mutation")
-    return found
+        path.write_bytes(original)
+    if failed and first_failure([failed], root, seconds):
+        raise ValueError(f"{failed} fails without a mutation")
+    return failed
 
 
 def run(mutations: dict[int, Mutation], root: Path, everything: bool, seconds: float) -> int:
-    """Print a row of a table for each mutation by its number: how many survived. Raises as notice does."""
+    """Print a table with a row for each mutation: the number that survived. Raises what `detecting_test` raises."""
     survived = 0
     print("| # | what breaks | where | noticed by |\n|---|---|---|---|", flush=True)
     for number, mutation in mutations.items():
-        where = place(mutation, root).relative_to(root / "ism_addon")
-        noticed = notice(mutation, root, everything, seconds)
+        where = source_file(mutation, root).relative_to(root / "ism_addon")
+        noticed = detecting_test(mutation, root, everything, seconds)
         survived += not noticed
         print(f"| {number} | {mutation.about} | {where} | {noticed or '**nobody**'} |", flush=True)
     return survived

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New files in Blender, as tests and scenes start from them.
+"""New files in Blender, for tests and scenes to start from.
 
-The preferences stay as they are: factory settings would set up all of Blender's add-ons again, 60 ms each time.
+The preferences are kept: loading factory settings would set up all of Blender's add-ons again, 60 ms each time.
 """
 
 import bpy
@@ -14,6 +14,6 @@ def open_empty_file() -> bpy.types.Scene:
 
 
 def open_factory_file() -> bpy.types.Scene:
-    """Open Blender's factory startup file, a cube under a point light: the scene."""
+    """Open Blender's factory startup file, with a cube, a point light and a camera: the scene."""
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     return bpy.context.scene

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""pip without its chatter: a line for each large download, with its progress where someone watches."""
+"""Runs pip with short output: a line for each large download, with its progress if the output is a terminal."""
 
 import re
 import subprocess
@@ -13,8 +13,8 @@ WHEEL_TAGS = re.compile(r"-(cp|py)\d.*")
 PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 
 
-def renew(python: Path) -> None:
-    """Give that interpreter the pip that `run` knows to read."""
+def install_pinned(python: Path) -> None:
+    """Install the pip for that interpreter whose output `run` can parse."""
     command = [str(python), "-m", "pip", "--disable-pip-version-check", "install", f"pip=={project.PIP}"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
@@ -22,7 +22,7 @@ def renew(python: Path) -> None:
 
 
 def run(python: Path, command: str, *arguments: str) -> None:
-    """`pip command arguments` of that interpreter. Where it fails, exits with what pip said."""
+    """Run `pip command arguments` of that interpreter. If it fails, exits with pip's error messages."""
     pip = subprocess.Popen(
         [python, "-m", "pip", "--disable-pip-version-check", command, "--progress-bar=raw", *arguments],
         stdout=subprocess.PIPE,
@@ -45,5 +45,5 @@ def _show(line: str) -> None:
     elif line.startswith("Installing collected packages:"):
         print("  unpacking", flush=True)
     elif sys.stdout.isatty() and (progress := PROGRESS.match(line)):
-        done, whole = map(int, progress.groups())
-        print(f"  {done / whole:4.0%}", end="\r", flush=True)
+        done, total = map(int, progress.groups())
+        print(f"  {done / total:4.0%}", end="\r", flush=True)

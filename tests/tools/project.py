@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The project's own facts: its files, and the packages it needs with their versions, from pyproject.toml."""
+"""Facts of the project: its files and commit, and the versions of the packages it needs, from pyproject.toml."""
 
 import subprocess
 import tomllib
@@ -8,12 +8,12 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 _DECLARED = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
-#: Names of groups to pip's requirements.
+#: Names of dependency groups to pip's requirements.
 PACKAGES: dict[str, list[str]] = _DECLARED["dependency-groups"]
 PIP: str = _DECLARED["tool"]["dev"]["pip"]
 #: Python's version ("3.11") to the releases of bpy that are tested with it, the default first.
 BPY: dict[str, list[str]] = _DECLARED["tool"]["dev"]["bpy"]
-#: Blender's name of a platform to what its zip carries: python, tags, packages.
+#: Blender's name of a platform to the wheels of its zip: python, tags, packages.
 WHEELS: dict[str, dict[str, list[str]]] = _DECLARED["tool"]["dev"]["wheels"]
 
 
@@ -25,7 +25,7 @@ def files() -> list[str]:
 
 
 def commit() -> str:
-    """The commit that is checked out, with a + where files differ from it; empty where git cannot say."""
+    """The checked out commit, with a + if files differ from it; empty without git or a repository."""
     command = ["git", "describe", "--always", "--abbrev=12", "--dirty=+"]
     try:
         return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()

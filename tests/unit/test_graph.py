@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Passes meet only in resources that they have declared, and are executed when these are new."""
+"""The graph: passes exchange only resources that they declare, and are executed when their inputs have changed."""
 
 import pytest
 
@@ -21,15 +21,15 @@ def plan(direct) -> list[type[Pass]]:
     return [*UPLOAD, *SURFACES, *SELECTION, *direct.pass_types, *WORLD_LIGHT.pass_types, *FILM, Resolve, EstimateError]
 
 
-class Reads(Pass):
-    """Declares nothing, and reads and makes what it is told to."""
+class Undeclared(Pass):
+    """A pass that declares nothing. It executes the function `act`."""
 
     def execute(self, frame: Frame) -> None:
         self.act(frame)
 
 
-class Told(Reads):
-    """Declares what the test needs."""
+class Declared(Undeclared):
+    """The same with declared inputs, feedback and outputs."""
 
     inputs = (DEPTH, Change.SAMPLE)
     feedback = (MEAN_LUMINANCE,)
@@ -38,16 +38,16 @@ class Told(Reads):
 
 @pytest.fixture
 def execute(device):
-    """execute(kind, act, sample=0): what `act` gives, with the frame that a pass of this class is handed."""
+    """execute(pass_type, act, sample=0): what `act` returns for the frame that a pass of this class gets."""
     renderer, _ = first_frame(device, box_over_plane(24, 16)[0])
     drawn = draw(device, *box_over_plane(24, 16), renderer=renderer)
 
-    def execute(kind: type[Pass], act, sample: int = 0) -> list:
-        found = []
+    def execute(pass_type: type[Pass], act, sample: int = 0) -> list:
+        results = []
         frame = drawn.renderer.frame(*box_over_plane(24, 16), SMALL_SETTINGS, sample, Profile())
-        renderer.graph.instance(kind).act = lambda own: found.append(act(own))
-        renderer.graph.step(kind, frame, Profile())
-        return found
+        renderer.graph.instance(pass_type).act = lambda own: results.append(act(own))
+        renderer.graph.step(pass_type, frame, Profile())
+        return results
 
     return execute
 
@@ -65,25 +65,25 @@ def execute(device):
         lambda frame: frame.__setitem__(MEAN_LUMINANCE, 1.0),
     ],
 )
-def test_what_a_pass_has_not_declared_it_can_neither_read_nor_make(execute, act):
-    with pytest.raises(UndeclaredResourceError, match=r"Told has not declared (normal|depth|mean_luminance)"):
-        execute(Told, act)
+def test_a_pass_can_neither_read_nor_write_undeclared_resources(execute, act):
+    with pytest.raises(UndeclaredResourceError, match=r"Declared has not declared (normal|depth|mean_luminance)"):
+        execute(Declared, act)
 
 
-def test_what_it_has_declared_it_can(execute):
-    (depth,) = execute(Told, lambda frame: frame[DEPTH])
+def test_a_pass_can_read_declared_resources(execute):
+    (depth,) = execute(Declared, lambda frame: frame[DEPTH])
     assert depth.components == 1
-    with pytest.raises(UndeclaredResourceError, match="Reads has not declared depth"):
-        execute(Reads, lambda frame: frame[DEPTH])
+    with pytest.raises(UndeclaredResourceError, match="Undeclared has not declared depth"):
+        execute(Undeclared, lambda frame: frame[DEPTH])
 
 
-def test_feedback_is_there_from_the_second_sample_on(execute):
-    with pytest.raises(UndeclaredResourceError, match="Told reads mean_luminance before the first sample"):
-        execute(Told, lambda frame: frame[MEAN_LUMINANCE])
-    assert len(execute(Told, lambda frame: frame.get(MEAN_LUMINANCE), sample=1)) == 1
+def test_feedback_exists_from_the_second_sample_on(execute):
+    with pytest.raises(UndeclaredResourceError, match="Declared reads mean_luminance before the first sample"):
+        execute(Declared, lambda frame: frame[MEAN_LUMINANCE])
+    assert len(execute(Declared, lambda frame: frame.get(MEAN_LUMINANCE), sample=1)) == 1
 
 
-def test_a_uniform_that_no_source_declares_is_told(device):
+def test_a_uniform_that_no_source_declares_is_an_error(device):
     draw(device, *box_over_plane(24, 16))
     program = next(iter(device.programs.values()))
     with pytest.raises(UndeclaredUniformError, match="no source of the program declares the uniform nonsense"):
@@ -91,35 +91,36 @@ def test_a_uniform_that_no_source_declares_is_told(device):
 
 
 @pytest.mark.parametrize("direct", DIRECT.values(), ids=[method.label for method in DIRECT])
-def test_each_resource_is_made_by_one_pass_before_others_read_it(direct):
-    made: dict[Resource, type[Pass]] = {ATLAS_BATCH: Pass}
-    kinds = plan(direct)
-    for kind in kinds:
-        for each in kind.inputs:
-            if isinstance(each, Resource) and each not in made:
-                own = {output for other in kinds for output in other.outputs}
-                assert each not in own, f"{kind.__name__} reads {each} before it is made: that is feedback"
-        for output in kind.outputs:
-            assert output not in made, f"{kind.__name__} and {made.get(output)} both make {output}"
-            made[output] = kind
-    later = {}
-    for index, kind in enumerate(kinds):
-        later |= dict.fromkeys(kind.outputs, index)
-    for index, kind in enumerate(kinds):
-        for each in kind.feedback:
-            assert each.lifetime is Lifetime.PICTURE, f"{each} is feedback of {kind.__name__}, so state of a picture"
-            assert later.get(each, len(kinds)) > index, f"{each} is an input of {kind.__name__}, no feedback"
+def test_each_resource_is_written_by_one_pass_before_others_read_it(direct):
+    writers: dict[Resource, type[Pass]] = {ATLAS_BATCH: Pass}
+    pass_types = plan(direct)
+    for pass_type in pass_types:
+        for each in pass_type.inputs:
+            if isinstance(each, Resource) and each not in writers:
+                all_outputs = {output for other in pass_types for output in other.outputs}
+                assert each not in all_outputs, f"{pass_type.__name__} reads {each} before it is written: feedback"
+        for output in pass_type.outputs:
+            assert output not in writers, f"{pass_type.__name__} and {writers.get(output)} both write {output}"
+            writers[output] = pass_type
+    write_index = {}
+    for index, pass_type in enumerate(pass_types):
+        write_index |= dict.fromkeys(pass_type.outputs, index)
+    for index, pass_type in enumerate(pass_types):
+        name = pass_type.__name__
+        for each in pass_type.feedback:
+            assert each.lifetime is Lifetime.PICTURE, f"{each} is feedback of {name} and must live as long as a picture"
+            assert write_index.get(each, len(pass_types)) > index, f"{each} is an input of {name}, not feedback"
 
 
-def test_every_resource_is_made_and_read():
-    made = {output for kind in PASSES for output in kind.outputs} | {ATLAS_BATCH}
-    read = {each for kind in PASSES for each in (*kind.inputs, *kind.feedback) if isinstance(each, Resource)}
-    own = {output for kind in PASSES for output in kind.outputs if output not in read}
-    of_one_light = {"probe", "prediction", "ray_count"}
-    assert {each.name for each in set(RESOURCES.values()) - made} == of_one_light
-    assert read <= made
-    #: What only its own pass reads again, what is read back for the user, or through a channel.
-    assert {each.name for each in own & set(RESOURCES.values())} == {
+def test_every_resource_is_written_and_read():
+    written = {output for each in PASSES for output in each.outputs} | {ATLAS_BATCH}
+    read = {item for each in PASSES for item in (*each.inputs, *each.feedback) if isinstance(item, Resource)}
+    unread = {output for each in PASSES for output in each.outputs if output not in read}
+    per_light = {"probe", "prediction", "ray_count"}
+    assert {each.name for each in set(RESOURCES.values()) - written} == per_light
+    assert read <= written
+    #: Read by their own pass only, read back for the user, or read through a channel.
+    assert {each.name for each in unread & set(RESOURCES.values())} == {
         *("visibility_depth", "tile_selection", "tile_variance", "culling_state", "retests", "retest_candidates"),
         *("tile_min", "tile_max", "tile_normal_cone", "far_tile_min", "far_tile_max", "far_tile_normal_cone"),
         *("all_probes", "lights_used", "neighbour_mean", "signal_and_noise", "half_samples_image"),
@@ -127,14 +128,14 @@ def test_every_resource_is_made_and_read():
     }
 
 
-def test_resources_are_called_what_the_code_calls_them():
+def test_a_resources_name_is_that_of_its_constant():
     names = {value: name for name, value in vars(resources).items() if isinstance(value, Resource)}
     assert all(names[each] == each.name.upper() for each in RESOURCES.values())
     assert all(each.of in RESOURCES.values() for each in RESOURCES.values() if isinstance(each, Channel))
 
 
-def test_a_picture_without_state_of_the_one_before(device):
-    """What the samples of a picture build up begins anew: another picture in between changes nothing."""
+def test_a_picture_keeps_no_state_of_the_previous_one(device):
+    """State that samples accumulate is reset: drawing another picture in between changes nothing."""
     scene, view = box_over_plane(24, 16)
     settings = SMALL_SETTINGS
     first = draw(device, scene, view, settings)
@@ -151,10 +152,10 @@ def test_schedules(schedule, samples):
     assert [sample for sample in range(33) if schedule.is_due(sample)] == samples
 
 
-def test_targets_say_what_a_texel_is():
+def test_targets_describe_their_texel_format():
     targets = [each for each in RESOURCES.values() if isinstance(each, Target)]
-    kinds = {target.format: (target.components, target.dtype) for target in targets}
-    assert kinds == {
+    formats = {target.format: (target.components, target.dtype) for target in targets}
+    assert formats == {
         "r16f": (1, "f2"),
         "r32f": (1, "f4"),
         "rg16f": (2, "f2"),

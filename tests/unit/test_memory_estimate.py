@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Memory is estimated before it is taken: as much as a picture takes, and one sentence where there is not so much."""
+"""The memory estimate made before a picture is drawn: against what it takes, and the error where too little is free."""
 
 import re
 import sys
@@ -26,23 +26,24 @@ LARGE_MAPS = with_quality(SMALL_SHADOW_MAPS, virtual_lights=40, map_size=256)
     "settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS, LARGE_MAPS], ids=["rays", "maps", "large maps"]
 )
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 20.0])
-def test_it_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
-    """Of targets, whose bytes are counted: lights and pictures on their way are left out here."""
-    asked, estimated = [], memory_estimate.needed
-    monkeypatch.setattr("ism_addon.gpu.renderer.needed", lambda *told: asked.append(told) or estimated(*told))
+def test_the_estimate_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
+    """Render targets only, whose bytes are counted: textures per light and images being read back are subtracted."""
+    calls, estimate = [], memory_estimate.needed
+    monkeypatch.setattr("ism_addon.gpu.renderer.needed", lambda *args: calls.append(args) or estimate(*args))
     scene, view = box_over_plane(256, 160)
     view = replace(view, filter_width=filter_width)
     drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
-    (kinds, view, fine_pixels, lights, map_texels), *_ = asked
+    (pass_types, view, fine_pixels, lights, map_texels), *_ = calls
     assert lights == (1 if settings is SMALL_SETTINGS else 0)
     others = memory_estimate.TARGETS_PER_LIGHT * lights + memory_estimate.FULL_SIZE_IMAGES
-    wanted = memory_estimate.needed(kinds, view, fine_pixels, lights, map_texels) - others * view.width * view.height
-    assert wanted == pytest.approx(drawn.profile.counts["render_target_bytes"], rel=0.1)
+    needed = memory_estimate.needed(pass_types, view, fine_pixels, lights, map_texels)
+    needed -= others * view.width * view.height
+    assert needed == pytest.approx(drawn.profile.counts["render_target_bytes"], rel=0.1)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux")
-def test_a_picture_that_takes_more_than_there_is_is_refused(worker, tmp_path):
-    """From a small file: many lights, and all pixels that OpenGL allows. The next one is drawn."""
+@pytest.mark.skipif(sys.platform != "linux", reason="free memory is read as on Linux")
+def test_a_picture_that_needs_more_memory_than_is_free_is_refused(worker, tmp_path):
+    """A small snapshot with many lights and the largest picture that OpenGL allows. The next picture is drawn."""
     scene, view = box_over_plane(16, 16)
     many = Lights(**{name: np.repeat(value, 1000, axis=0) for name, value in vars(scene.lights).items()})
     path = tmp_path / "scene.npz"
@@ -56,8 +57,8 @@ def test_a_picture_that_takes_more_than_there_is_is_refused(worker, tmp_path):
     assert job.error == ""
 
 
-def test_what_is_there_already_is_not_taken_again(device, monkeypatch):
-    """All memory may be full of this very picture."""
+def test_memory_that_is_already_allocated_is_not_counted_again(device, monkeypatch):
+    """A picture is drawn again although no memory is free."""
     scene, view = box_over_plane(64, 40)
     renderer = Renderer(device)
     draw(device, scene, view, SMALL_SETTINGS, renderer)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A row of the table is a whole render pass: read back and written by the command line, with the reference's values."""
+"""A row of the table makes a render pass: it is read back, written by the command line, and equals the reference."""
 
 from dataclasses import replace
 
@@ -18,21 +18,21 @@ from tests.support import reference
 from tests.support.jobs import wait_for_end
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
-#: Rows that the product's table has not, of targets that exist.
+#: Rows that the product's table lacks, for targets that exist.
 ADDED = (
     RenderPass("Position", "use_pass_position", "XYZ", "VECTOR", POSITION),
     RenderPass("Diffuse Color", "use_pass_diffuse_color", "RGB", "COLOR", BASE_COLOR),
 )
-#: Part of the pixels that may lie on the other side of an edge.
+#: Fraction of the pixels that may lie on the other side of an edge.
 EDGE = 0.01
 
 SETTINGS = with_quality(SMALL_SETTINGS, samples=3)
 
 
-def two_colours(width: int = 48, height: int = 32) -> tuple[Scene, View]:
-    """A red sphere before walls of another colour, and nothing beside them, all of it away from the world's origin.
+def two_colors(width: int = 48, height: int = 32) -> tuple[Scene, View]:
+    """A red sphere before walls of another colour, with background beside them, far from the world's origin.
 
-    Pixels are filtered.
+    The pixel filter is 1.5 px wide.
     """
     scene, _ = sphere_in_corner()
     *walls, ball = scene.meshes
@@ -52,36 +52,36 @@ def two_colours(width: int = 48, height: int = 32) -> tuple[Scene, View]:
 
 
 def expected(scene: Scene, view: View) -> dict[str, np.ndarray]:
-    """(N,channels) of each pass but the picture, by rays through the pixels' centres."""
+    """(N,channels) of each pass except Combined, by rays through the pixels' centres."""
     surface = reference.surfaces(scene, view)
-    seen = surface.seen[:, None]
+    exists = surface.exists[:, None]
     material = np.concatenate([scene.meshes[mesh].materials for mesh in scene.instances.mesh])[surface.triangle]
     return {
-        "Depth": np.where(seen, surface.depth[:, None], 1e10),
-        "Normal": np.where(seen, reference.shading_normals(scene, surface), 0.0),
-        "Position": np.where(seen, surface.position, 0.0),
-        "Diffuse Color": np.where(seen, scene.materials.base_color[material], 0.0),
+        "Depth": np.where(exists, surface.depth[:, None], 1e10),
+        "Normal": np.where(exists, reference.shading_normals(scene, surface), 0.0),
+        "Position": np.where(exists, surface.position, 0.0),
+        "Diffuse Color": np.where(exists, scene.materials.base_color[material], 0.0),
     }
 
 
 def compare(image: np.ndarray, truth: np.ndarray) -> None:
-    """An image (H,W,channels) is the truth (N,channels) but at edges; some of it is seen, some is background."""
+    """Check an image (H,W,channels) against the truth (N,channels), except at edges. The truth must not be constant."""
     assert image.dtype == np.float32
-    off = np.abs(image.reshape(-1, image.shape[-1]) - truth)
-    assert (off > 1e-3 * np.maximum(np.abs(truth), 1.0)).any(1).mean() <= EDGE
+    difference = np.abs(image.reshape(-1, image.shape[-1]) - truth)
+    assert (difference > 1e-3 * np.maximum(np.abs(truth), 1.0)).any(1).mean() <= EDGE
     assert len(np.unique(truth.round(3), axis=0)) > 2
 
 
 @pytest.fixture
 def rows(monkeypatch) -> tuple[RenderPass, ...]:
-    """The table with rows added: nothing else is told of them."""
+    """The table with rows added. No other code knows of them."""
     table = (*RENDER_PASSES, *ADDED)
     monkeypatch.setattr(render_passes, "RENDER_PASSES", table)
     return table
 
 
 def test_every_row_is_read_back(device, rows):
-    scene, view = two_colours()
+    scene, view = two_colors()
     drawn = draw(device, scene, view, SETTINGS, last=0)
     images = drawn.renderer.images(rows)
     truth = expected(scene, view)
@@ -90,14 +90,14 @@ def test_every_row_is_read_back(device, rows):
         compare(images[name], truth[name])
 
 
-def test_a_job_has_the_passes_that_were_asked_for(worker, device):
-    """Of all samples what is filtered, of the first one what is not."""
-    scene, view = two_colours()
+def test_a_job_has_the_requested_passes(worker, device):
+    """The filtered picture is of all samples; unfiltered passes are of the first one."""
+    scene, view = two_colors()
     job = worker.start(Request(scene, view, SETTINGS, (COMBINED, *ADDED)), "client")
     assert wait_for_end(job)
     assert [*job.picture().passes] == [COMBINED.name, *(each.name for each in ADDED)]
-    one, all_samples = Renderer(device), Renderer(device)
-    first = draw(device, scene, view, SETTINGS, one, last=0).renderer.images(ADDED)
+    one_sample, all_samples = Renderer(device), Renderer(device)
+    first = draw(device, scene, view, SETTINGS, one_sample, last=0).renderer.images(ADDED)
     for each in ADDED:
         assert np.array_equal(job.picture().passes[each.name], first[each.name])
     assert np.array_equal(job.picture().color, draw(device, scene, view, SETTINGS, all_samples).color)
@@ -105,7 +105,7 @@ def test_a_job_has_the_passes_that_were_asked_for(worker, device):
 
 
 def test_the_command_line_writes_every_row(call, tmp_path, device, rows):
-    scene, view = two_colours()
+    scene, view = two_colors()
     snapshot.save(tmp_path / "scene.npz", scene, view, SETTINGS)
     files = {each: tmp_path / f"{each.identifier}.npy" for each in rows}
     options = [option for each, file in files.items() for option in (f"--output-{each.identifier}", file)]
@@ -115,8 +115,8 @@ def test_the_command_line_writes_every_row(call, tmp_path, device, rows):
         compare(np.load(next(file for each, file in files.items() if each.name == name)), truth)
 
 
-def test_a_pass_that_cannot_be_written(call, tmp_path):
-    snapshot.save(tmp_path / "scene.npz", *two_colours(), SETTINGS)
+def test_a_pass_that_cannot_be_written_is_an_error(call, tmp_path):
+    snapshot.save(tmp_path / "scene.npz", *two_colors(), SETTINGS)
     missing = tmp_path / "no folder" / "depth.npy"
     status, _, error = call(tmp_path / "scene.npz", "-o", tmp_path / "out.png", "--output-depth", missing)
     assert status == 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snapshots: bit for bit there and back, and a clear refusal of all that is none."""
+"""Snapshots: saved and loaded bit for bit, and a clear error for files that are none or are damaged."""
 
 import json
 import math
@@ -17,7 +17,7 @@ from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shado
 
 
 def directions(generator, *shape):
-    """Of unit length."""
+    """Random vectors of unit length."""
     vectors = generator.normal(size=(*shape, 3))
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
@@ -94,11 +94,11 @@ def path(tmp_path):
     return path
 
 
-def test_everything_comes_back_bit_for_bit(path):
+def test_everything_is_loaded_bit_for_bit(path):
     assert_same(snapshot.load(path), (a_scene(), VIEW, SETTINGS))
 
 
-def test_an_empty_scene_comes_back(tmp_path):
+def test_an_empty_scene_is_saved_and_loaded(tmp_path):
     scene = a_scene()
     nothing = Scene(
         meshes=(),
@@ -127,19 +127,19 @@ def test_numbers_of_settings_come_back_exactly(tmp_path_factory, bias, samples):
     assert snapshot.load(path)[2] == settings
 
 
-def test_the_widest_angle_that_blender_holds_comes_back(tmp_path):
+def test_the_largest_angle_that_blender_stores_is_loaded(tmp_path):
     settings = Settings(ssao=SSAO(cone_angle=float(np.float32(math.pi))))
     assert settings.ssao.cone_angle > math.pi
     snapshot.save(tmp_path / "wide.npz", a_scene(), VIEW, settings)
     assert snapshot.load(tmp_path / "wide.npz")[2] == settings
 
 
-def rewritten(path, arrays=None, told=None):
-    """The file with other arrays and, by slash-separated names, other things told; None takes one out."""
+def rewritten(path, arrays=None, values=None):
+    """The file with some arrays and JSON values replaced; `values` has slash-separated names. None deletes an entry."""
     with np.load(path) as file:
         members = {name: file[name] for name in file.files}
     tree = json.loads(members["snapshot"].tobytes())
-    for name, value in (told or {}).items():
+    for name, value in (values or {}).items():
         *parents, last = name.split("/")
         branch = tree
         for parent in parents:
@@ -186,7 +186,7 @@ def rewritten(path, arrays=None, told=None):
         ("scene/world/radiance", np.array([None] * 3, object), "is not a snapshot"),
     ],
 )
-def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
+def test_an_invalid_array_is_refused(path, name, array, sentence):
     with pytest.raises(snapshot.SnapshotError, match=sentence):
         snapshot.load(rewritten(path, arrays={name: array}))
 
@@ -214,21 +214,21 @@ def test_an_array_that_cannot_be_is_refused(path, name, array, sentence):
         ("scene/working_space", "Munsell", "scene cannot be used: colours in Munsell are not known"),
     ],
 )
-def test_what_is_told_wrongly_is_refused(path, name, value, sentence):
+def test_an_invalid_value_is_refused(path, name, value, sentence):
     with pytest.raises(snapshot.SnapshotError, match=sentence):
-        snapshot.load(rewritten(path, told={name: value}))
+        snapshot.load(rewritten(path, values={name: value}))
 
 
 @pytest.mark.parametrize("name", ["bias", "method"])
-def test_a_setting_of_later_times_has_its_default(path, name):
-    settings = snapshot.load(rewritten(path, told={f"settings/shadow/{name}": None}))[2]
+def test_a_setting_that_an_older_file_lacks_has_its_default(path, name):
+    settings = snapshot.load(rewritten(path, values={f"settings/shadow/{name}": None}))[2]
     default = getattr(Shadow(), name)
     assert settings == replace(SETTINGS, shadow=replace(SETTINGS.shadow, **{name: default}))
     assert type(getattr(settings.shadow, name)) is type(default)
 
 
 @pytest.mark.parametrize("method", Method)
-def test_a_choice_is_told_by_its_name(path, method):
+def test_an_enum_is_saved_by_its_name(path, method):
     snapshot.save(path, a_scene(), VIEW, Settings(Shadow(method=method)))
     with np.load(path) as file:
         assert json.loads(file["snapshot"].tobytes())["settings"]["shadow"]["method"] == method.value
@@ -242,7 +242,7 @@ def test_another_file_is_refused(tmp_path, content):
         snapshot.load(tmp_path / "other.npz")
 
 
-def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
+def test_a_missing_file_is_an_os_error(tmp_path):
     with pytest.raises(FileNotFoundError):
         snapshot.load(tmp_path / "none.npz")
 
@@ -253,15 +253,15 @@ def test_an_archive_that_unpacks_to_more_than_itself_is_refused(path):
         snapshot.load(path)
 
 
-def test_damage_is_refused_or_harmless(path):
-    """400 files with a few bytes changed or cut off: never another error than SnapshotError."""
-    whole, chance = path.read_bytes(), random.Random(1)
+def test_a_damaged_file_is_refused_or_loaded(path):
+    """400 files with a few bytes changed or cut off: no other error than SnapshotError is raised."""
+    original, generator = path.read_bytes(), random.Random(1)
     refused = 0
     for _ in range(400):
-        damaged = bytearray(whole)
-        for _ in range(chance.randint(1, 8)):
-            damaged[chance.randrange(len(damaged))] = chance.randrange(256)
-        path.write_bytes(damaged[: chance.choice([len(damaged), chance.randrange(len(damaged))])])
+        damaged = bytearray(original)
+        for _ in range(generator.randint(1, 8)):
+            damaged[generator.randrange(len(damaged))] = generator.randrange(256)
+        path.write_bytes(damaged[: generator.choice([len(damaged), generator.randrange(len(damaged))])])
         try:
             snapshot.load(path)
         except snapshot.SnapshotError:
@@ -276,13 +276,13 @@ def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
         for name, new in names.items():
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
-    assert_same(snapshot.load(rewritten(path, told=old)), (a_scene(), VIEW, SETTINGS))
-    for name, today in old_names.DEBUG_VIEWS.items():
-        found = snapshot.load(rewritten(path, told=old | {"settings/show": name}))
-        assert_same(found, (a_scene(), VIEW, replace(SETTINGS, debug_view=DebugView(today))))
+    assert_same(snapshot.load(rewritten(path, values=old)), (a_scene(), VIEW, SETTINGS))
+    for name, current in old_names.DEBUG_VIEWS.items():
+        loaded = snapshot.load(rewritten(path, values=old | {"settings/show": name}))
+        assert_same(loaded, (a_scene(), VIEW, replace(SETTINGS, debug_view=DebugView(current))))
 
 
 @pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])
 def test_a_snapshot_of_version_0_1_0_without_its_settings_is_refused(path, settings):
     with pytest.raises(snapshot.SnapshotError):
-        snapshot.load(rewritten(path, told={"version": snapshot.PREVIOUS_VERSION, "settings": settings}))
+        snapshot.load(rewritten(path, values={"version": snapshot.PREVIOUS_VERSION, "settings": settings}))

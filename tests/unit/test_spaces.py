@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Matrices map what they say they map, and lose nothing far from the world's origin."""
+"""Matrices between spaces map what their names say, and lose no precision far from the world's origin."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def test_the_camera_is_where_the_view_says():
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e3, 1e6, 1e9])
-def test_anchor_space_is_near_the_camera_and_loses_nothing(offset):
+def test_anchor_space_is_near_the_camera_and_loses_no_precision(offset):
     camera = np.array([offset + 3.0, -offset - 2.0, 1.0])
     view = look_at(camera, camera + (-3.0, 2.0, -1.0)).view_from_world
     anchor = anchor_of(camera, 10.0)
@@ -26,9 +26,9 @@ def test_anchor_space_is_near_the_camera_and_loses_nothing(offset):
     )
 
 
-def test_the_anchor_stays_while_the_camera_moves_about():
-    places = [anchor_of(np.array([x, 0.5, 1.0]), 10.0) for x in np.linspace(-7.0, 7.0, 20)]
-    assert all(np.array_equal(place, places[0]) for place in places)
+def test_the_anchor_stays_while_the_camera_moves_a_little():
+    anchors = [anchor_of(np.array([x, 0.5, 1.0]), 10.0) for x in np.linspace(-7.0, 7.0, 20)]
+    assert all(np.array_equal(anchor, anchors[0]) for anchor in anchors)
 
 
 def test_the_anchor_takes_any_extent():
@@ -36,7 +36,7 @@ def test_the_anchor_takes_any_extent():
         assert np.isfinite(anchor_of(np.array([1.0, 2.0, 3.0]), extent)).all()
 
 
-def test_orthonormal_bases_have_no_pole():
+def test_orthonormal_bases_have_no_singularity():
     random = np.random.default_rng(0).normal(size=(1000, 3))
     normals = np.concatenate(
         [random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3), [[0.0, 0.0, -0.0 - 1.0]]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an ordinary sample asks of OpenGL, counted: each call takes a driver time, however small the picture."""
+"""Counts the OpenGL calls of an ordinary sample: each takes the driver time, however small the picture."""
 
 import math
 import platform
@@ -23,13 +23,13 @@ pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() not in gl_calls.STUBS, reason="counts by machine code, under Linux"
 )
 
-#: Samples between doublings, when nothing is made, read back or found out.
+#: Samples between doublings, which allocate, read back and estimate nothing.
 ORDINARY = range(20, 28)
 
 
 @pytest.fixture
 def counted(monkeypatch):
-    """A device, and how often each function of OpenGL's was called so far."""
+    """A device, and the counter of its OpenGL calls."""
     opened = gl_calls.count_calls(monkeypatch)
     device = open_device()
     yield device, opened[0]
@@ -42,9 +42,9 @@ def samples(counted):
     device, calls = counted
     scene, view = box_over_plane(64, 36)
     lights = one = scene.lights
-    for number in range(5):
-        place = one.position + np.array([0.3 * number - 0.7, 0.2 * number, 0.1])
-        lights = join_lights(lights, replace(one, position=place))
+    for index in range(5):
+        position = one.position + np.array([0.3 * index - 0.7, 0.2 * index, 0.1])
+        lights = join_lights(lights, replace(one, position=position))
     scene, view = replace(scene, lights=lights), replace(view, filter_width=1.5)
     settings = with_quality(SMALL_SETTINGS, samples=64)
 
@@ -58,7 +58,7 @@ def samples(counted):
             list(renderer.sample(scene, view, settings, sample, profile if sample in ORDINARY else Profile()))
             counts.append(calls.counts - before)
         renderer.submission.finish()
-        assert all(count["glDrawArraysInstanced"] > 10 for count in counts), "nothing was drawn, or counted"
+        assert all(count["glDrawArraysInstanced"] > 10 for count in counts), "nothing was drawn or counted"
         return [counts[sample] for sample in ORDINARY], profile, time.perf_counter() - start
 
     return samples
@@ -68,7 +68,7 @@ def waits(calls: Counter) -> int:
     return sum(calls[name] for name in gl_calls.WAITS)
 
 
-def test_an_ordinary_sample(samples, monkeypatch):
+def test_an_ordinary_sample_makes_few_calls(samples, monkeypatch):
     monkeypatch.setattr(submission, "SHORT_SAMPLE", math.inf)  # however busy the machine is
     for count in samples()[0][1:]:
         assert gl_calls.objects_created(count) == 0, count
@@ -77,15 +77,15 @@ def test_an_ordinary_sample(samples, monkeypatch):
 
 
 def test_a_long_sample_is_waited_for_pass_by_pass(samples, monkeypatch):
-    """Or who cancels it would not be heard before its end."""
+    """Otherwise a cancellation would take effect only at its end."""
     monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
-    found, profile, _ = samples()
-    assert sum(waits(count) for count in found) >= sum(row.drawn for row in profile.rows.values())
+    counts, profile, _ = samples()
+    assert sum(waits(count) for count in counts) >= sum(row.drawn for row in profile.rows.values())
 
 
 @pytest.mark.parametrize("short", [0.0, math.inf])
-def test_passes_take_the_time_that_their_samples_take(samples, monkeypatch, short):
-    """Waited for or not."""
+def test_the_times_of_passes_add_up_to_that_of_their_samples(samples, monkeypatch, short):
+    """Whether each pass is waited for or not."""
     monkeypatch.setattr(submission, "SHORT_SAMPLE", short)
     _, profile, seconds = samples()
     drawn = [row for row in profile.rows.values() if row.drawn]

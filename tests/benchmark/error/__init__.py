@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against time: this engine beside Cycles and EEVEE, on scenes whose truth is Cycles' direct light."""
+"""Error against time for this engine, Cycles and EEVEE. The reference is the direct light that Cycles renders."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against time on six scenes, every engine in its turn: `dev.py bench error`.
+"""Error against time of every engine on six scenes: `dev.py bench error`.
 
-Out come error.md and error.json. It reports; it judges nothing.
+It writes error.md and error.json, and asserts nothing.
 """
 
 import argparse
@@ -19,37 +19,37 @@ from .eevee import Eevee
 from .engines import Engine
 from .ism import VARIANTS, Ism
 from .measure import Result, measure
-from .record import told
+from .record import result_to_json
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured."""
+    """How much is measured. The record has these names."""
 
     scenes: tuple[str, ...]
     size: tuple[int, int]  # px
-    truth: int  # samples of each half
-    cycles: tuple[int, ...]  # samples
-    eevee: tuple[int, ...]  # samples
-    seconds: float  # that ours accumulates
+    truth: int  # samples of each of the two reference images
+    cycles: tuple[int, ...]  # samples of its renders
+    eevee: tuple[int, ...]  # samples of its renders
+    seconds: float  # for which our engine accumulates
     rounds: int
 
 
-WHOLE = Effort(tuple(SCENES), (640, 360), 256, (1, 2, 4, 8, 16, 64), (1, 4, 16), 22.0, 3)
+FULL = Effort(tuple(SCENES), (640, 360), 256, (1, 2, 4, 8, 16, 64), (1, 4, 16), 22.0, 3)
 QUICK = Effort(("objects", "thin"), (320, 180), 64, (1, 4, 16), (1, 4), 4.0, 1)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.error", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the record, the tables and the truth")
-    parser.add_argument("--quick", action="store_true", help="small pictures of two scenes, one round: a rough look")
+    parser.add_argument("--quick", action="store_true", help="small pictures of two scenes, one round: rough numbers")
     parser.add_argument("--scenes", help=f"some of {','.join(SCENES)}")
-    parser.add_argument("--rounds", type=int, help=f"turns of each engine; medians are taken ({WHOLE.rounds})")
-    parser.add_argument("--seconds", type=float, help=f"that ours accumulates ({WHOLE.seconds:g})")
-    parser.add_argument("--tuning", action="store_true", help="the scenes' other forms, on which parameters are chosen")
-    parser.add_argument("--blender", default="blender", help="the program that draws EEVEE (%(default)s)")
+    parser.add_argument("--rounds", type=int, help=f"repetitions; medians are taken ({FULL.rounds})")
+    parser.add_argument("--seconds", type=float, help=f"for which our engine accumulates ({FULL.seconds:g})")
+    parser.add_argument("--tuning", action="store_true", help="the variants of the scenes that parameters are tuned on")
+    parser.add_argument("--blender", default="blender", help="the program that renders with EEVEE (%(default)s)")
     options = parser.parse_args()
-    effort = QUICK if options.quick else WHOLE
+    effort = QUICK if options.quick else FULL
     scenes = tuple(options.scenes.split(",")) if options.scenes else effort.scenes
     effort = replace(
         effort,
@@ -63,28 +63,28 @@ def main() -> int:
     device = open_device()
     results = {}
     for name in scenes:
-        stage = set_up(name, int(options.tuning), effort.size, effort.truth, options.output)
-        found = measure(stage, engines(stage, effort, device, options.blender), effort.rounds)
-        print(report.scene(name, found), flush=True)
-        results[name] = found
+        benchmark_scene = set_up(name, int(options.tuning), effort.size, effort.truth, options.output)
+        all_engines = engines(benchmark_scene, effort, device, options.blender)
+        results[name] = measure(benchmark_scene, all_engines, effort.rounds)
+        print(report.scene(name, results[name]), flush=True)
     write(results, effort, device, options)
     return 0
 
 
-def engines(stage: BenchmarkScene, effort: Effort, device: Device, blender: str) -> list[Engine]:
-    """All that take part, in the order of the first round."""
-    ours = [Ism(name, settings, device, stage, effort.seconds) for name, settings in VARIANTS.items()]
-    cycles = [Cycles(stage, effort.cycles, denoise) for denoise in (False, True)]
-    return [*ours, *cycles, Eevee(stage, effort.eevee, blender)]
+def engines(benchmark_scene: BenchmarkScene, effort: Effort, device: Device, blender: str) -> list[Engine]:
+    """All engines, in the order of the first round."""
+    ours = [Ism(name, settings, device, benchmark_scene, effort.seconds) for name, settings in VARIANTS.items()]
+    cycles = [Cycles(benchmark_scene, effort.cycles, denoise) for denoise in (False, True)]
+    return [*ours, *cycles, Eevee(benchmark_scene, effort.eevee, blender)]
 
 
 def write(results: dict[str, Result], effort: Effort, device: Device, options: argparse.Namespace) -> None:
-    """The summary, the tables and the record."""
+    """Print the summary, and write the tables and the record."""
     summary = report.summary(results, list(VARIANTS))
     print(summary)
     tables = "\n\n".join(report.scene(name, result) for name, result in results.items())
     (options.output / "error.md").write_text(f"{summary}\n\n{tables}\n", "utf-8")
-    scenes = {name: told(result, list(VARIANTS)) for name, result in results.items()}
+    scenes = {name: result_to_json(result, list(VARIANTS)) for name, result in results.items()}
     measured = {"tuning": options.tuning, "effort": asdict(effort), "scenes": scenes}
     print(record.write(options.output, "error", device.name, measured))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The benchmark's scenes, opened: the .blend for Blender's engines, its arrays for ours, and the truth of both."""
+"""The benchmark's scenes: a .blend for Blender's engines, its arrays for ours, and their reference images."""
 
 import hashlib
 import time
@@ -19,10 +19,10 @@ from tests.scenes.cycles import direct_light
 
 @dataclass(frozen=True)
 class Script:
-    """How a scene is made, and how Cycles does it best."""
+    """How a scene is built, and how Cycles renders it fastest."""
 
-    build: Callable[[Path, int], None]  # writes the .blend; 0 is what is reported, 1 what parameters are tuned on
-    light_tree: bool  # whether Cycles converges faster with it, per second, as measured
+    build: Callable[[Path, int], None]  # writes the .blend; variant 0 is reported, parameters are tuned on 1
+    light_tree: bool  # whether Cycles, as measured, has less error after the same time with it
 
 
 SCENES = {
@@ -33,34 +33,34 @@ SCENES = {
     "corridor": Script(corridor.build, light_tree=True),
     "lamps": Script(lamps.build, light_tree=False),
 }
-#: Cycles' seeds of the truth's halves. Those that compete have others.
+#: Seeds of the two reference images. The renders that are measured have others.
 SEEDS = (1_000_001, 1_000_002)
 
 
 @dataclass(frozen=True, eq=False)
 class BenchmarkScene:
-    """A scene that is open in Blender."""
+    """A scene that is open in Blender, and its reference."""
 
     name: str
     blend: Path
     scene: Scene
     view: View
-    seconds: float  # that reading the scene took
-    halves: np.ndarray  # (2,H,W,3) float32: the truth, twice, with independent noise
+    seconds: float  # for reading the scene
+    halves: np.ndarray  # (2,H,W,3) float32: two references with independent noise
 
 
 @dataclass(frozen=True, eq=False)
 class OpenedScene:
-    """A scene that is open in Blender, as ours reads it."""
+    """A scene that is open in Blender, as our engine reads it."""
 
     blend: Path
     scene: Scene
     view: View
-    seconds: float  # that reading the scene took
+    seconds: float  # for reading the scene
 
 
 def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> OpenedScene:
-    """Build a scene in `folder`, and open it."""
+    """Build a scene in `folder`, open it and read it."""
     blend = folder / f"{name}-{variant}.blend"
     with quiet_stdout():
         SCENES[name].build(blend, variant)
@@ -75,18 +75,18 @@ def open_scene(name: str, variant: int, size: tuple[int, int], folder: Path) -> 
 
 
 def set_up(name: str, variant: int, size: tuple[int, int], truth_samples: int, folder: Path) -> BenchmarkScene:
-    """Build a scene, open it, and render its truth unless `folder` has it."""
+    """Build a scene, open it, and render its reference unless `folder` has it already."""
     opened = open_scene(name, variant, size, folder)
-    known = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(opened.scene, opened.view)}.npy"
+    path = folder / "truth" / f"{name}-{variant}-{truth_samples}-{fingerprint(opened.scene, opened.view)}.npy"
     tree = SCENES[name].light_tree
-    halves = np.load(known) if known.is_file() else truth(known, opened.view.filter_width, truth_samples, tree)
+    halves = np.load(path) if path.is_file() else render_truth(path, opened.view.filter_width, truth_samples, tree)
     with quiet_stdout():
-        bpy.ops.wm.open_mainfile(filepath=str(opened.blend))  # with Cycles' settings as they are by default
+        bpy.ops.wm.open_mainfile(filepath=str(opened.blend))  # it still has Cycles' default settings
     return BenchmarkScene(name, **vars(opened), halves=halves)
 
 
-def truth(path: Path, filter_width: float, samples: int, light_tree: bool) -> np.ndarray:
-    """Cycles' direct light of the open file, twice `samples` samples, and kept as an array file."""
+def render_truth(path: Path, filter_width: float, samples: int, light_tree: bool) -> np.ndarray:
+    """Render the open file's direct light with Cycles, twice with `samples` samples, and save it as an array file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     print(f"rendering the truth of {path.stem.partition('-')[0]}, twice {samples} samples", flush=True)
     with quiet_stdout():
@@ -101,7 +101,7 @@ def truth(path: Path, filter_width: float, samples: int, light_tree: bool) -> np
 
 
 def fingerprint(*parts: object) -> str:
-    """The same for the same arrays and numbers: all that a truth depends on besides its samples."""
+    """A hash of scenes and views: of all that a reference depends on besides its samples."""
     digest = hashlib.sha256()
     for part in parts:
         feed(digest, part)
@@ -109,6 +109,7 @@ def fingerprint(*parts: object) -> str:
 
 
 def feed(digest: "hashlib._Hash", value: object) -> None:
+    """Update a hash with all arrays and values of dataclasses and tuples."""
     if is_dataclass(value):
         for member in fields(value):
             feed(digest, getattr(value, member.name))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In Blender, `blender -b FILE -P eevee_inside.py -- FOLDER SAMPLES…`: a picture each, and what they took."""
+"""Runs in Blender, `blender -b FILE -P eevee_inside.py -- FOLDER SAMPLES…`: writes a picture for each, and times."""
 
 import json
 import sys
@@ -10,7 +10,7 @@ import bpy
 
 
 def render(samples: int, path: Path) -> float:
-    """Seconds of the render call, its picture written afterwards."""
+    """Render with EEVEE, then write the picture. Returns the seconds of the render call."""
     scene = bpy.context.scene
     scene.eevee.taa_render_samples = samples
     start = time.perf_counter()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What takes part: an engine opens a stage, then gives pictures with the seconds that each took, a round at a time."""
+"""The interface of a measured engine: it starts on a scene, then yields renders with their times, round by round."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Render:
-    """A picture on the way."""
+    """A picture after some samples."""
 
     samples: int
     seconds: float  # from the first sample's start to this picture, start-up excluded
@@ -18,19 +18,19 @@ class Render:
 
 
 class Missing(Exception):
-    """The engine cannot run here; the message is one sentence that says why."""
+    """The engine cannot run here. The message is one sentence that says why."""
 
 
 class Engine(Protocol):
-    """A competitor on one stage."""
+    """A renderer of one scene."""
 
     name: str
 
     def start(self) -> dict[str, float]:
-        """Do all that is done once, and say what it took: name to seconds or megabytes. Raises Missing."""
+        """Do what is done once. Returns what it took by name, in seconds or megabytes. Raises Missing."""
 
-    def shots(self, round: int) -> Iterator[Render]:
-        """Pictures of more and more samples; `round` chooses the random numbers, where there are any."""
+    def renders(self, round: int) -> Iterator[Render]:
+        """Renders with increasing numbers of samples. `round` is the seed of engines that have one."""
 
     def close(self) -> None:
-        """Free what the stage holds."""
+        """Free all resources."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The race on one stage: in each round every engine takes its turn, so that a busy machine is as busy for each."""
+"""Measures all engines on one scene, in rounds: each engine runs once a round, so that other load affects all alike."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,26 +12,26 @@ from .metrics import errors, noise, resolution
 
 @dataclass
 class Result:
-    """What came out on one stage; engines by name."""
+    """The results of one scene. Engines are by name."""
 
-    facts: dict[str, float]  # of the scene and of its truth
-    starts: dict[str, dict[str, float]] = field(default_factory=dict)  # what is not counted
+    facts: dict[str, float]  # about the scene and its reference
+    uncounted: dict[str, dict[str, float]] = field(default_factory=dict)  # times and memory that do not count
     missing: dict[str, str] = field(default_factory=dict)  # why an engine did not run
     rounds: dict[str, list[list[Point]]] = field(default_factory=dict)
 
     @property
     def curves(self) -> dict[str, list[Point]]:
-        """Medians of the rounds."""
+        """Medians over the rounds, by engine."""
         return {name: medians(rounds) for name, rounds in self.rounds.items()}
 
 
-def measure(stage: BenchmarkScene, engines: Sequence[Engine], rounds: int) -> Result:
-    """Start all engines, then measure them in turns, each round beginning with another one."""
-    result = Result(facts_of(stage))
+def measure(benchmark_scene: BenchmarkScene, engines: Sequence[Engine], rounds: int) -> Result:
+    """Start all engines, then measure them in rounds. Each round begins with another engine."""
+    result = Result(scene_facts(benchmark_scene))
     running = []
     for engine in engines:
         try:
-            result.starts[engine.name] = engine.start()
+            result.uncounted[engine.name] = engine.start()
         except Missing as reason:
             result.missing[engine.name] = str(reason)
         else:
@@ -40,9 +40,10 @@ def measure(stage: BenchmarkScene, engines: Sequence[Engine], rounds: int) -> Re
     for round in range(rounds):
         first = round % len(running)
         for engine in running[first:] + running[:first]:
-            print(f"{stage.name}, round {round + 1} of {rounds}: {engine.name}", flush=True)
+            print(f"{benchmark_scene.name}, round {round + 1} of {rounds}: {engine.name}", flush=True)
             points = [
-                Point(shot.samples, shot.seconds, errors(shot.picture, stage.halves)) for shot in engine.shots(round)
+                Point(render.samples, render.seconds, errors(render.picture, benchmark_scene.halves))
+                for render in engine.renders(round)
             ]
             result.rounds[engine.name].append(points)
     for engine in running:
@@ -50,13 +51,13 @@ def measure(stage: BenchmarkScene, engines: Sequence[Engine], rounds: int) -> Re
     return result
 
 
-def facts_of(stage: BenchmarkScene) -> dict[str, float]:
-    """Size of the scene, and how well its truth is known."""
+def scene_facts(benchmark_scene: BenchmarkScene) -> dict[str, float]:
+    """The size of the scene, and the noise of its reference."""
     return {
-        "triangles": stage.scene.triangle_count,
-        "instances": len(stage.scene.instances.mesh),
-        "lights": len(stage.scene.lights.shape),
-        "mean of the truth": float(stage.halves.mean()),
-        "noise of the truth": noise(stage.halves),
-        "resolution of the error": resolution(stage.halves),
+        "triangles": benchmark_scene.scene.triangle_count,
+        "instances": len(benchmark_scene.scene.instances.mesh),
+        "lights": len(benchmark_scene.scene.lights.shape),
+        "mean of the truth": float(benchmark_scene.halves.mean()),
+        "noise of the truth": noise(benchmark_scene.halves),
+        "resolution of the error": resolution(benchmark_scene.halves),
     }

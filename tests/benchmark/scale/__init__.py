@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Time and memory of a picture as one thing grows, and all else stays as it is."""
+"""Render time and memory as a function of one parameter of a scene, with all others fixed."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One picture, in a process of its own so that the peak of memory is its own: prints what it took as JSON.
+"""Measures one picture in its own process, so that the peak memory is its own. Prints the result as JSON.
 
-Times are of reading the scene and of the passes; a small picture before has compiled the shaders. Memory is what comes
-on top of Blender with the scene open, the shaders and OpenGL itself included.
+Times are of reading the scene and of the passes; a small picture has compiled the shaders before. Memory is in addition
+to that of Blender with the scene open, and includes shaders and OpenGL itself.
 """
 
 import json
@@ -29,87 +29,88 @@ from tests.tools import memory
 from . import scene as benchmark_scene
 from .series import SAMPLES, SERIES, Picture
 
-TREES = ("BuildBLAS", "UploadBLAS", "BuildTLAS")
-SHADOWS = tuple(kind.__name__ for kind in DIRECT[Method.RAY_TRACED].pass_types)
+BVH_PASSES = ("BuildBLAS", "UploadBLAS", "BuildTLAS")
+SHADOWS = tuple(pass_type.__name__ for pass_type in DIRECT[Method.RAY_TRACED].pass_types)
 UPLOADS = ("UploadMeshes", "UploadUVs", "UploadInstances", "UploadMaterials")
 
 
 def measure(picture: Picture) -> dict:
-    """Seconds, milliseconds and bytes by name."""
+    """Measure a picture. Returns seconds, milliseconds and bytes by name."""
     small = replace(picture, triangles=1000, objects=min(picture.objects, 4), frames=0)
-    depsgraph = opened(small)
+    depsgraph = open_scene(small)
     empty = memory.resident()
     device = open_device()
-    drawn(device, depsgraph, small)
+    draw(device, depsgraph, small)
     device.free_released()
     opengl = memory.resident() - empty
-    depsgraph = opened(picture)
+    depsgraph = open_scene(picture)
     before = memory.resident()
     memory.reset_peak()
-    told = drawn(device, depsgraph, picture)
-    return told | {"peak bytes": memory.peak() - before + opengl, "opengl bytes": opengl}
+    result = draw(device, depsgraph, picture)
+    return result | {"peak bytes": memory.peak() - before + opengl, "opengl bytes": opengl}
 
 
-def opened(picture: Picture) -> bpy.types.Depsgraph:
-    """Its scene, evaluated."""
+def open_scene(picture: Picture) -> bpy.types.Depsgraph:
+    """Open the picture's scene. Returns its evaluated depsgraph."""
     with quiet_stdout():
-        benchmark_scene.build(picture.triangles, picture.objects, picture.lamps)
+        benchmark_scene.build(picture.triangles, picture.objects, picture.lights)
     if picture.ssao_radius is not None:
         benchmark_scene.add_world_light()
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = picture.size
     return bpy.context.evaluated_depsgraph_get()
 
 
-def drawn(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> dict:
-    """All frames, and after the first its first sample once more, which finds the trees kept."""
+def draw(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> dict:
+    """Draw the picture, its first sample again with the BVHs kept, and the frames. Returns times and bytes by name."""
     layer, renderer, settings = persistent_data.LayerCache(), Renderer(device), picture.settings()
     start = time.perf_counter()
     scene, view = layer.read(depsgraph, accept_all), camera.final_view(depsgraph)
-    told = {"triangles": scene.triangle_count, "reading s": time.perf_counter() - start, "reading bytes": memory.peak()}
+    reading = time.perf_counter() - start
+    result = {"triangles": scene.triangle_count, "reading s": reading, "reading bytes": memory.peak()}
     rows, first = sample(renderer, scene, view, settings, 0)
-    told |= {
-        "first sync s": told["reading s"] + sum(rows.get(name, 0.0) for name in UPLOADS) / 1e3,
-        "trees ms": sum(rows.get(name, 0.0) for name in TREES),
-        "shadows ms": sum(rows.get(name, 0.0) for name in (*TREES, *SHADOWS)),
+    result |= {
+        "first sync s": reading + sum(rows.get(name, 0.0) for name in UPLOADS) / 1e3,
+        "trees ms": sum(rows.get(name, 0.0) for name in BVH_PASSES),
+        "shadows ms": sum(rows.get(name, 0.0) for name in (*BVH_PASSES, *SHADOWS)),
         "first sample s": first,
         "passes ms": rows,
     }
-    further = [sample(renderer, scene, view, settings, number)[1] for number in range(1, SAMPLES)]
-    told["further sample s"] = float(np.median(further))
+    further = [sample(renderer, scene, view, settings, index)[1] for index in range(1, SAMPLES)]
+    result["further sample s"] = float(np.median(further))
     renderer.picture()
-    again, _ = sample(renderer, scene, beside(view), settings, 0)
-    told["shadows again ms"] = sum(again.get(name, 0.0) for name in SHADOWS)
+    again, _ = sample(renderer, scene, perturbed(view), settings, 0)
+    result["shadows again ms"] = sum(again.get(name, 0.0) for name in SHADOWS)
     if picture.frames:
-        told["a frame s"] = seconds_a_frame(renderer, layer, settings, picture.frames)
+        result["a frame s"] = seconds_per_frame(renderer, layer, settings, picture.frames)
     renderer.release()
-    return told
+    return result
 
 
-def seconds_a_frame(renderer: Renderer, layer: persistent_data.LayerCache, settings: Settings, count: int) -> float:
-    """Of a camera that goes around the scene, reading included."""
+def seconds_per_frame(renderer: Renderer, layer: persistent_data.LayerCache, settings: Settings, count: int) -> float:
+    """Draw frames of a camera that orbits the scene. Returns seconds per frame, reading included."""
     start = time.perf_counter()
-    for number in range(count):
-        benchmark_scene.turn(2.0 * math.pi * number / count)
+    for frame in range(count):
+        benchmark_scene.orbit_camera(2.0 * math.pi * frame / count)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         scene, view = layer.read(depsgraph, accept_all), camera.final_view(depsgraph)
-        for k in range(SAMPLES):
-            sample(renderer, scene, view, settings, k)
+        for index in range(SAMPLES):
+            sample(renderer, scene, view, settings, index)
         renderer.picture()
     return (time.perf_counter() - start) / count
 
 
 def sample(
-    renderer: Renderer, scene: Scene, view: View, settings: Settings, number: int
+    renderer: Renderer, scene: Scene, view: View, settings: Settings, index: int
 ) -> tuple[dict[str, float], float]:
-    """Draw it: milliseconds by pass, and seconds of all."""
+    """Draw one sample. Returns milliseconds by pass, and the seconds of all passes."""
     start, profile = time.perf_counter(), Profile()
-    for _ in renderer.sample(scene, view, settings, number, profile):
+    for _ in renderer.sample(scene, view, settings, index, profile):
         pass
     return {name: row.ms for name, row in profile.rows.items() if row.drawn}, time.perf_counter() - start
 
 
-def beside(view: View) -> View:
-    """The same picture by a matrix that is not the same: all that depends on it is drawn anew."""
+def perturbed(view: View) -> View:
+    """The same picture by a slightly different matrix, so that no result that depends on it is reused."""
     return replace(view, clip_from_view=(1.0 + 1e-6) * view.clip_from_view)
 
 

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The measurements as tables in Markdown."""
+"""The scale benchmark's tables in Markdown."""
 
 from collections.abc import Mapping
 
-from tests.benchmark.error.report import number, table
+from tests.benchmark.error.report import format_number, table
 
 from .series import SERIES
 
-#: Of each value of a series: what point.measure found.
+#: By value of a series: the result of point.measure.
 Results = Mapping[int, Mapping]
 
-#: Headings and how a point tells what is under them; a heading that no point of a series knows is left out.
+#: By heading: a column's value, from a point's result. Columns without values in a series are left out.
 COLUMNS = {
-    "reading s": lambda told: told["reading s"],
-    "first sync s": lambda told: told["first sync s"],
-    "BVH ms": lambda told: told["trees ms"],
-    "shadows ms": lambda told: told["shadows ms"],
-    "shadows with BVH kept ms": lambda told: told["shadows again ms"],
-    "first sample s": lambda told: told["first sample s"],
-    "further sample s": lambda told: told["further sample s"],
-    "a frame s": lambda told: told.get("a frame s"),
-    "peak MB": lambda told: told["peak bytes"] / 1e6,
+    "reading s": lambda point: point["reading s"],
+    "first sync s": lambda point: point["first sync s"],
+    "BVH ms": lambda point: point["trees ms"],
+    "shadows ms": lambda point: point["shadows ms"],
+    "shadows with BVH kept ms": lambda point: point["shadows again ms"],
+    "first sample s": lambda point: point["first sample s"],
+    "further sample s": lambda point: point["further sample s"],
+    "a frame s": lambda point: point.get("a frame s"),
+    "peak MB": lambda point: point["peak bytes"] / 1e6,
 }
 COUNTED = (
     "First sync: reading in Blender, and the upload of meshes, instances and materials. Shadows: BVHs, culling, probe "
@@ -31,7 +31,11 @@ COUNTED = (
 
 def series(name: str, points: Results) -> str:
     """A row for each value."""
-    known = {heading: of for heading, of in COLUMNS.items() if any(of(told) is not None for told in points.values())}
-    rows = [[SERIES[name].unit, *known]]
-    rows += [[f"{value:,}", *(number(of(told)) for of in known.values())] for value, told in points.items()]
+    columns = {
+        heading: value_of
+        for heading, value_of in COLUMNS.items()
+        if any(value_of(point) is not None for point in points.values())
+    }
+    rows = [[SERIES[name].unit, *columns]]
+    rows += [[f"{value:,}", *(format_number(of(point)) for of in columns.values())] for value, point in points.items()]
     return f"## {name}\n\n{table(rows)}"

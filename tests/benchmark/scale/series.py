@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What grows, from where to where, and what of a picture it changes."""
+"""The parameters of a picture that grow, and their values."""
 
 import math
 from collections.abc import Callable
@@ -9,21 +9,21 @@ from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 
 from . import scene
 
-#: Of each picture: the first has work of its own, further ones are alike.
+#: Of each picture. The first sample does additional work; the further ones cost the same.
 SAMPLES = 4
 
 
 @dataclass(frozen=True)
 class Picture:
-    """All that can grow. By itself each is a middling one."""
+    """All parameters that can grow, with medium values as defaults."""
 
     triangles: int = 100_000
     objects: int = 0
-    lamps: int = 3
-    virtual_lights: int | None = None  # with any, shadows are those of Imperfect Shadow Maps
+    lights: int = 3
+    virtual_lights: int | None = None  # None: ray-traced shadows; otherwise imperfect shadow maps
     height: int = 360  # px; pictures are 16:9
-    ssao_radius: float | None = None  # px in the middle of the picture; without, nothing is darkened
-    frames: int = 0  # of a camera that goes around the scene, after the picture
+    ssao_radius: float | None = None  # px in the middle of the picture; None: no ambient occlusion
+    frames: int = 0  # of a camera that orbits the scene, drawn after the picture
 
     @property
     def size(self) -> tuple[int, int]:
@@ -31,25 +31,25 @@ class Picture:
         return self.height * 16 // 9, self.height
 
     @property
-    def pixel(self) -> float:
-        """Width of one in the middle of the picture, m."""
+    def pixel_width(self) -> float:
+        """In the middle of the picture, m."""
         position, target, lens = scene.CAMERA
         return math.dist(position, target) * scene.SENSOR / lens / self.size[0]
 
     def settings(self) -> Settings:
-        """How it is drawn."""
+        """The settings that the picture is drawn with."""
         settings = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=SAMPLES))
         if self.virtual_lights is not None:
             quality = replace(settings.quality, virtual_lights=self.virtual_lights)
             settings = replace(settings, shadow=Shadow(method=Method.SHADOW_MAPS), quality=quality)
         if self.ssao_radius is not None:
-            settings = replace(settings, ssao=SSAO(radius=self.ssao_radius * self.pixel))
+            settings = replace(settings, ssao=SSAO(radius=self.ssao_radius * self.pixel_width))
         return settings
 
 
 @dataclass(frozen=True)
 class Series:
-    """One thing that grows."""
+    """One parameter that grows: its unit, its values, and the picture of each value."""
 
     unit: str
     values: tuple[int, ...]
@@ -67,7 +67,7 @@ SERIES = {
     "objects": Series(
         "instances", (10, 100, 1000, 5000, 20_000), (10, 1000), lambda value: Picture(triangles=10_000, objects=value)
     ),
-    "lights": Series("area lights", (1, 5, 20, 100, 500), (1, 20), lambda value: Picture(lamps=value)),
+    "lights": Series("area lights", (1, 5, 20, 100, 500), (1, 20), lambda value: Picture(lights=value)),
     "virtual_lights": Series(
         "virtual point lights", (16, 64, 256, 1024, 4096), (16, 256), lambda value: Picture(virtual_lights=value)
     ),

@@ -15,7 +15,7 @@ from ism_addon.settings import FINAL, Settings
 
 
 def read_png(path) -> np.ndarray:
-    """(H,W,4) in 0…255, as stored."""
+    """The stored pixels, (H,W,4) in 0…255."""
     image = bpy.data.images.load(str(path))
     pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
@@ -24,7 +24,7 @@ def read_png(path) -> np.ndarray:
 
 
 @pytest.mark.parametrize("transparent", [False, True])
-def test_the_doors_give_one_picture(empty_scene, add, tmp_path, transparent):
+def test_blender_and_the_command_line_render_the_same_picture(empty_scene, add, tmp_path, transparent):
     addon.register()
     try:
         bpy.ops.mesh.primitive_plane_add(size=6.0)
@@ -50,6 +50,6 @@ def test_the_doors_give_one_picture(empty_scene, add, tmp_path, transparent):
         addon.unregister()
     command = [sys.executable, "-m", "ism_addon.gpu", tmp_path / "scene.npz", "-o", tmp_path / "line.png"]
     subprocess.run(command, check=True)
-    ours, theirs = read_png(tmp_path / "blender.png"), read_png(tmp_path / "line.png")
-    assert np.ptp(ours[..., :3]) > 100.0
-    assert np.abs(ours - theirs).max() <= 1.001
+    in_blender, by_command_line = read_png(tmp_path / "blender.png"), read_png(tmp_path / "line.png")
+    assert np.ptp(in_blender[..., :3]) > 100.0
+    assert np.abs(in_blender - by_command_line).max() <= 1.001

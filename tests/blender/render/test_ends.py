@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a final render tells of its end: how far it is from it, what ended it, and budgets that are not obeyed."""
+"""What stops a final render, its status line, and warnings about settings out of range and reduced images."""
 
 import re
 
@@ -24,12 +24,12 @@ def scene():
 
 
 @pytest.fixture
-def told(scene):
-    """Renders, and gives what Blender's status line said on the way."""
+def render_and_log(scene):
+    """render_and_log(): renders, and returns what Blender's status line showed meanwhile."""
 
-    def told() -> str:
+    def render_and_log() -> str:
         lines = []
-        listener = lambda line, *_: lines.append(line)  # noqa: E731 - handlers are told apart
+        listener = lambda line, *_: lines.append(line)  # noqa: E731 - remove() needs the object that was appended
         bpy.app.handlers.render_stats.append(listener)
         try:
             bpy.ops.render.render()
@@ -37,37 +37,37 @@ def told(scene):
             bpy.app.handlers.render_stats.remove(listener)
         return "\n".join(lines)
 
-    return told
+    return render_and_log
 
 
-def test_a_small_error_ends_it_and_the_status_says_how_small(scene, told):
+def test_the_error_threshold_stops_a_render_and_the_status_shows_the_error(scene, render_and_log):
     scene.ism.render.samples, scene.ism.render.error_threshold = 65536, 0.5
-    said = told()
+    log = render_and_log()
     statistics = engine.statistics()
     assert statistics["stopped_by"] == "error"
-    assert f"Sample {statistics['samples']}/65536, error {100.0 * statistics['error']:.1f} %" in said
+    assert f"Sample {statistics['samples']}/65536, error {100.0 * statistics['error']:.1f} %" in log
 
 
-def test_the_status_counts_shaders_while_they_are_compiled(scene, told):
-    """By a thread that has compiled none; a later render of the same scene needs no more."""
+def test_the_status_counts_shaders_while_they_are_compiled(scene, render_and_log):
+    """The first render starts a thread that has compiled no shaders. The second one needs no further shaders."""
     engine.stop()
-    first, later = told(), told()
-    counted = [int(number) for number in re.findall(r"Compiling shaders \((\d+)\)", first)]
+    first, later = render_and_log(), render_and_log()
+    counted = [int(count) for count in re.findall(r"Compiling shaders \((\d+)\)", first)]
     assert counted
     assert counted == sorted(counted)
     assert "Compiling" not in later
 
 
-def test_time_ends_it(scene, told):
+def test_the_time_limit_stops_a_render(scene, render_and_log):
     scene.ism.render.samples, scene.ism.render.time_limit = 65536, 0.001
-    told()
+    render_and_log()
     assert (engine.statistics()["stopped_by"], engine.statistics()["samples"]) == ("time", 1)
 
 
-def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):
-    """Blender keeps properties in their ranges, but not what scripts and older files have put in their place."""
+def test_settings_out_of_range_are_clamped_with_a_warning(scene, render_and_log, capfd):
+    """Blender clamps its properties, but not the values that scripts and older files have stored in their place."""
     scene.ism.render["samples"], scene.ism.render["virtual_lights"] = 0, 10**6
-    told()
+    render_and_log()
     assert engine.statistics()["samples"] == 1
     warnings = re.findall(r"(?:Samples|Virtual Point Lights) cannot be .*", capfd.readouterr().out)
     assert sorted(warnings) == [
@@ -76,11 +76,11 @@ def test_a_file_that_asks_for_what_cannot_be_is_told_so(scene, told, capfd):
     ]
 
 
-def test_images_that_are_drawn_smaller_are_told(scene, told, capfd, monkeypatch):
+def test_images_that_are_drawn_smaller_are_reported(scene, render_and_log, capfd, monkeypatch):
     tree = scene.objects["Cube"].data.materials[0].node_tree
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = bpy.data.images.new("Picture", 256, 256)
     tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
     monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 3)
-    told()
+    render_and_log()
     assert "some not drawn at their size: 1 of 256×256 px at 1/2 of it." in capfd.readouterr().out

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of an animation share what did not change, and each is the picture that it is alone."""
+"""Frames of an animation reuse what has not changed, and each equals the same frame rendered alone."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -23,7 +23,7 @@ FRAMES = 3
 
 @pytest.fixture
 def scene(tmp_path):
-    """A textured cube on a floor under a lamp, and a camera that goes past."""
+    """A textured cube on a floor under an area light, and a camera that moves sideways."""
     open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
     bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 0.0, 1.0))
@@ -56,33 +56,37 @@ def textured():
 
 
 @pytest.fixture
-def animated(scene, tmp_path, monkeypatch):
-    """Renders all frames: their channels, what each took, and how many meshes were read for it."""
+def render_animation(scene, tmp_path, monkeypatch):
+    """render_animation(*handlers): each frame's channels, its statistics, and how many meshes were read for it.
 
-    def render(*each_frame):
-        read, taken, counts = [], [], []
+    The handlers are called before each frame.
+    """
 
-        def note(*_what):
-            taken.append(engine.statistics())
-            counts.append(len(read))
+    def render(*before_frame):
+        read, statistics, read_counts = [], [], []
+
+        def record(*_arguments):
+            statistics.append(engine.statistics())
+            read_counts.append(len(read))
             read.clear()
 
         scene.render.filepath = str(tmp_path / "frame_####")
         with ExitStack() as stack:
             patch = stack.enter_context(monkeypatch.context())
-            patch.setattr(meshes, "read", lambda *what, kept=meshes.read: read.append(what) or kept(*what))
-            for handlers, ours in (("render_post", [note]), ("frame_change_pre", each_frame)):
-                for handler in ours:
-                    getattr(bpy.app.handlers, handlers).append(handler)
-                    stack.callback(getattr(bpy.app.handlers, handlers).remove, handler)
+            patch.setattr(meshes, "read", lambda *what, original=meshes.read: read.append(what) or original(*what))
+            for name, added in (("render_post", [record]), ("frame_change_pre", before_frame)):
+                handlers = getattr(bpy.app.handlers, name)
+                for handler in added:
+                    handlers.append(handler)
+                    stack.callback(handlers.remove, handler)
             bpy.ops.render.render(animation=True)
-        return [exr.read(tmp_path / f"frame_{frame:04}.exr") for frame in range(1, FRAMES + 1)], taken, counts
+        return [exr.read(tmp_path / f"frame_{frame:04}.exr") for frame in range(1, FRAMES + 1)], statistics, read_counts
 
     return render
 
 
-def alone(scene, frame, folder: Path):
-    """A frame rendered with nothing kept."""
+def render_alone(scene, frame, folder: Path):
+    """Renders a frame without data of earlier renders: its channels."""
     persistent_data.forget()
     scene.render.use_persistent_data = False
     scene.frame_set(frame)
@@ -91,24 +95,24 @@ def alone(scene, frame, folder: Path):
     return exr.read(folder / "alone.exr")
 
 
-def same(one, other) -> bool:
+def is_equal(one, other) -> bool:
     return all(np.array_equal(one[name], other[name]) for name in one)
 
 
 @pytest.mark.parametrize("persistent", [False, True])
-def test_only_the_camera_moves(scene, animated, tmp_path, persistent):
+def test_frames_reuse_the_scene_if_only_the_camera_moves(scene, render_animation, tmp_path, persistent):
     scene.render.use_persistent_data = persistent
-    pictures, taken, read = animated()
-    drawn = [{name for name, row in each["passes"].items() if row["drawn"]} for each in taken]
-    kept = {"UploadMeshes", "UploadMaterials", "BuildBLAS"}
-    assert drawn[0] >= kept
+    pictures, statistics, read = render_animation()
+    drawn = [{name for name, row in each["passes"].items() if row["drawn"]} for each in statistics]
+    reused = {"UploadMeshes", "UploadMaterials", "BuildBLAS"}
+    assert drawn[0] >= reused
     for later in drawn[1:]:
-        assert not later & kept
-    assert taken[1]["bytes_uploaded"] < 0.2 * taken[0]["bytes_uploaded"]
+        assert not later & reused
+    assert statistics[1]["bytes_uploaded"] < 0.2 * statistics[0]["bytes_uploaded"]
     assert read == ([2, 0, 0] if persistent else [2, 2, 2])
-    assert not same(pictures[0], pictures[1])
+    assert not is_equal(pictures[0], pictures[1])
     for frame, picture in enumerate(pictures, 1):
-        assert same(picture, alone(scene, frame, tmp_path)), f"frame {frame} is another picture than alone"
+        assert is_equal(picture, render_alone(scene, frame, tmp_path)), f"frame {frame} is not the one rendered alone"
 
 
 def edit_mesh(scene):
@@ -121,7 +125,7 @@ def edit_image(scene):
     image = bpy.data.images["Texels"]
     image.pixels = np.random.default_rng(scene.frame_current).random(8 * 8 * 4, np.float32)
     if scene.render.use_persistent_data:
-        image.update_tag()  # or Blender does not tell of it
+        image.update_tag()  # otherwise Blender does not report the change
 
 
 def paint_and_pack(scene):
@@ -147,53 +151,53 @@ def hide(scene):
 
 @pytest.mark.parametrize("persistent", [False, True])
 @pytest.mark.parametrize("edit", [edit_mesh, edit_image, edit_material, hide])
-def test_what_scripts_change_from_frame_to_frame_is_seen(scene, animated, tmp_path, edit, persistent):
+def test_edits_by_frame_change_handlers_are_rendered(scene, render_animation, tmp_path, edit, persistent):
     scene.render.use_persistent_data = persistent
-    seen, _taken, _read = animated(lambda scene, *_more: scene.frame_current == 2 and edit(scene))
-    assert same(seen[1], alone(scene, 2, tmp_path))
+    pictures, _statistics, _read = render_animation(lambda scene, *_more: scene.frame_current == 2 and edit(scene))
+    assert is_equal(pictures[1], render_alone(scene, 2, tmp_path))
     if edit is not hide:
-        assert same(seen[2], alone(scene, 3, tmp_path))
+        assert is_equal(pictures[2], render_alone(scene, 3, tmp_path))
 
 
 @pytest.mark.parametrize("persistent", [False, True])
-def test_edits_between_renders_are_seen(scene, animated, tmp_path, persistent):
+def test_edits_between_renders_are_rendered(scene, render_animation, tmp_path, persistent):
     scene.render.use_persistent_data = persistent
-    animated()
+    render_animation()
     for edit in (edit_mesh, edit_image, edit_material):
         edit(scene)
         scene.render.use_persistent_data = persistent
-        seen = animated()[0]
-        assert same(seen[1], alone(scene, 2, tmp_path)), edit.__name__
+        pictures = render_animation()[0]
+        assert is_equal(pictures[1], render_alone(scene, 2, tmp_path)), edit.__name__
 
 
 @pytest.mark.parametrize("edit", [None, edit_image, paint_and_pack, change_color_space])
-def test_a_packed_image_is_read_again_when_it_is_another(scene, animated, tmp_path, monkeypatch, edit):
-    """Not from frame to frame, though Blender does not say that it is as it was; and edits are seen all the same."""
+def test_a_packed_image_is_read_again_only_after_edits(scene, render_animation, tmp_path, monkeypatch, edit):
+    """An unchanged image is read once, though Blender does not report that it is unchanged."""
     image = bpy.data.images["Texels"]
     image.pack()
     image.reload()
     assert image.source == "FILE"
     read = []
-    monkeypatch.setattr(images, "texels", lambda *what, kept=images.texels: read.append(what) or kept(*what))
-    seen = animated(lambda scene, *_more: edit and scene.frame_current == 2 and edit(scene))[0]
+    monkeypatch.setattr(images, "texels", lambda *what, original=images.texels: read.append(what) or original(*what))
+    pictures = render_animation(lambda scene, *_more: edit and scene.frame_current == 2 and edit(scene))[0]
     times = len(read)
-    assert same(seen[1], alone(scene, 2, tmp_path))
-    assert same(seen[2], alone(scene, 3, tmp_path))
+    assert is_equal(pictures[1], render_alone(scene, 2, tmp_path))
+    assert is_equal(pictures[2], render_alone(scene, 3, tmp_path))
     assert times == {None: 1, edit_image: 3, paint_and_pack: 2, change_color_space: 2}[edit]
 
 
-def test_nothing_is_kept_after_the_job_but_with_persistent_data(scene, animated):
-    animated()
+def test_data_is_kept_after_a_render_only_with_persistent_data(scene, render_animation):
+    render_animation()
     assert not persistent_data._layers
     scene.render.use_persistent_data = True
-    animated()
+    render_animation()
     assert persistent_data._layers
     persistent_data.forget()
 
 
-def test_of_several_layers_one_is_kept(scene, animated):
+def test_of_several_view_layers_only_the_last_is_kept(scene, render_animation):
     scene.view_layers.new("Other")
     scene.render.use_persistent_data = True
-    animated()
+    render_animation()
     assert [name for _scene, name in persistent_data._layers] == ["Other"]
     persistent_data.forget()

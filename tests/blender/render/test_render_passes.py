@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A row of the table of render passes is all that Blender needs: it asks for the pass, and files have its values."""
+"""A row in the table of render passes is enough to add a pass to Blender: its view layers, and the rendered files."""
 
 import bpy
 import numpy as np
@@ -10,15 +10,15 @@ from ism_addon.blender.sync import camera, scene_reader
 from tests.unit.test_render_passes import ADDED, compare, expected
 
 from .test_engine import HEIGHT, WIDTH
-from .test_engine import rendered as rendered
+from .test_engine import render_channels as render_channels
 from .test_engine import scene as scene
 
 pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
-def of_two_colours(scene):
-    """The cube and the floor each have a colour; the floor ends within the picture."""
+def two_colored_objects(scene):
+    """The cube and the floor have different colours; the floor ends within the picture."""
     for name, color in {"Cube": (0.8, 0.1, 0.2, 1.0), "Plane": (0.5, 0.6, 0.7, 1.0)}.items():
         material = bpy.data.materials.new(name)
         material.use_nodes = True
@@ -29,13 +29,13 @@ def of_two_colours(scene):
     return scene
 
 
-@pytest.mark.parametrize("asked", [ADDED, ADDED[:1], ()], ids=["both", "one", "none"])
-def test_a_row_is_a_pass_in_blenders_files(of_two_colours, rendered, monkeypatch, asked):
+@pytest.mark.parametrize("enabled", [ADDED, ADDED[:1], ()], ids=["both", "one", "none"])
+def test_each_row_is_a_pass_in_blenders_files(two_colored_objects, render_channels, monkeypatch, enabled):
     monkeypatch.setattr(render_passes, "RENDER_PASSES", (*render_passes.RENDER_PASSES, *ADDED))
-    for each in asked:
-        setattr(of_two_colours.view_layers[0], each.switch, True)
-    channels = rendered()
-    names = {"Combined", "Depth", "Normal", *(each.name for each in asked)}
+    for each in enabled:
+        setattr(two_colored_objects.view_layers[0], each.switch, True)
+    channels = render_channels()
+    names = {"Combined", "Depth", "Normal", *(each.name for each in enabled)}
     assert {channel.split(".")[1] for channel in channels} == names
     depsgraph = bpy.context.evaluated_depsgraph_get()
     truth = expected(scene_reader.scene(depsgraph), camera.final_view(depsgraph))
@@ -46,7 +46,7 @@ def test_a_row_is_a_pass_in_blenders_files(of_two_colours, rendered, monkeypatch
             compare(image, truth[each.name])
 
 
-def test_every_switch_is_a_view_layers(scene):
-    """Which the panel shows by its name."""
+def test_every_switch_is_a_property_of_view_layers(scene):
+    """The panel shows it by this name."""
     switches = {each.switch for each in render_passes.RENDER_PASSES if each.switch}
     assert switches <= {*scene.view_layers[0].bl_rna.properties.keys()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pictures took, as the panel is told."""
+"""Statistics of renders, as the panel shows them."""
 
 import bpy
 import pytest
@@ -13,14 +13,14 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture(autouse=True)
-def forgotten():
-    """What earlier pictures took."""
+def cleared_statistics():
+    """Clears the statistics of earlier pictures."""
     render_statistics._kept.clear()
 
 
 @pytest.fixture
-def rendered():
-    """Renders the factory scene under an area light."""
+def render_with():
+    """render_with(method): renders the factory scene under an area light."""
 
     def render(method):
         scene = open_factory_file()
@@ -35,34 +35,34 @@ def rendered():
     return render
 
 
-def test_before_the_first_picture_there_is_nothing():
+def test_there_are_no_statistics_before_the_first_picture():
     assert statistics.latest() == ("", {})
 
 
-def test_a_final_render_is_told(rendered):
-    rendered("RAY_TRACED")
-    use, told = statistics.latest()
+def test_a_final_render_has_statistics(render_with):
+    render_with("RAY_TRACED")
+    use, shown_statistics = statistics.latest()
     assert use == "render"
     assert use in statistics.USES
-    assert told == engine.statistics()
-    rows = {name: numbers for name, *numbers in statistics.passes(told)}
+    assert shown_statistics == engine.statistics()
+    rows = {name: numbers for name, *numbers in statistics.passes(shown_statistics)}
     assert len(statistics.COLUMNS) == 1 + len(rows["TraceShadows"])
     assert rows["TraceShadows"][:3] == ["2", "0", "0"]
     assert rows["UploadUVs"][:3] == ["0", "0", "2"]
-    assert "SplatMaps" not in rows, "passes of the other method are no part of this picture"
+    assert "SplatMaps" not in rows, "passes of the other method are not shown"
     assert float(rows["TraceShadows"][3]) > 0.0
 
 
-@pytest.mark.parametrize(("method", "has_points"), [("RAY_TRACED", False), ("SHADOW_MAPS", True)])
-def test_counts_are_of_what_there_is(rendered, method, has_points):
-    rendered(method)
+@pytest.mark.parametrize(("method", "has_virtual_lights"), [("RAY_TRACED", False), ("SHADOW_MAPS", True)])
+def test_counts_are_those_of_the_method(render_with, method, has_virtual_lights):
+    render_with(method)
     shown = dict(statistics.counts(statistics.latest()[1]))
     assert shown["Samples"] == "2"
     assert (shown["Triangles"], shown["Triangles Drawn"]) == ("12", "24")
     assert shown["Time"].endswith(" s")
     assert shown["Stopped By"] == "Samples"
     assert 0.0 < float(shown["Estimated Error"].removesuffix(" %")) < 100.0
-    assert ("Virtual Point Lights" in shown) == ("Points per Map" in shown) == has_points
+    assert ("Virtual Point Lights" in shown) == ("Points per Map" in shown) == has_virtual_lights
     assert all(float(shown[name].removesuffix(" MB")) >= 0.0 for name in ("Uploaded", "Render Target Memory"))
 
 

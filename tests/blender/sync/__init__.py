@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of Blender's scene."""
+"""Reading Blender's scene."""

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every property of lights, materials, cameras, worlds, objects and view layers, of Blender 4.2 to 5.2.
 
-Whether it is read, said, or changes nothing that this engine could draw, and why. test_properties holds Blender and the
-engine against it.
+Each is read, reported as not drawn, or irrelevant to what this engine draws, for a reason that is given.
+test_properties compares these lists with Blender and with the engine.
 """
 
-#: Another value of each property that is read: the scene or the view has to change with it.
+#: Properties that are read, each with another value, which must change the scene or the view.
 READ: dict[str, dict[str, object]] = {
     "light": {
         "color": (1, 0, 0), "energy": 5.0, "exposure": 1.0, "normalize": False, "shape": "DISK", "size": 0.5,
@@ -37,8 +37,8 @@ READ: dict[str, dict[str, object]] = {
     "MaterialOutput": {"target": "EEVEE"},
 }  # fmt: skip
 
-#: Another value of each property that is not drawn: one sentence more has to be said then.
-SAID: dict[str, dict[str, object]] = {
+#: Properties that are reported as not drawn, each with a value that must add one warning.
+REPORTED: dict[str, dict[str, object]] = {
     "camera.dof": {"use_dof": True},
     "world.cycles_visibility": {"camera": False, "diffuse": False},
     "object": {"is_holdout": True, "is_shadow_catcher": True},
@@ -50,25 +50,25 @@ SAID: dict[str, dict[str, object]] = {
     "UVMap": {"from_instancer": True},
 }
 
-EEVEE = "of EEVEE alone: Cycles, the truth, draws the same"
-BY_BLENDER = "by Blender's own evaluation, of which we read the result"
-SCREEN = "of Blender's windows and tools"
-SAMPLING = "how Cycles chooses rays, not what it draws"
-PASSES = "passes that this engine does not register: Blender offers them to nobody"
-BOUNCES = "of light that comes by way of other surfaces, or through them, of which there is none"
-NO_VOLUMES = "of volumes, which have a sentence of their own"
-OTHERS = "of what has a sentence of its own, or refuses to be drawn"
-ELSEWHERE = "read by way of another of these properties, or of the nodes"
+EEVEE = "used by EEVEE only: Cycles, the reference, draws the same"
+BY_BLENDER = "evaluated by Blender: the result is read"
+INTERFACE = "of Blender's user interface and tools"
+SAMPLING = "how Cycles samples, not what it draws"
+PASSES = "passes that this engine does not register, so Blender does not offer them"
+BOUNCES = "of indirect and transmitted light, which this engine does not draw"
+NO_VOLUMES = "of volumes, which are reported"
+UNSUPPORTED = "of features that are reported or refused by another property"
+INDIRECT = "read through another of these properties, or through nodes"
 
-#: What changes nothing, by why not.
+#: Properties that are irrelevant, by the reason.
 IRRELEVANT: dict[str, dict[str, str]] = {
     "light": {
         EEVEE: "contact_shadow_bias contact_shadow_distance contact_shadow_thickness cutoff_distance diffuse_factor "
         "shadow_buffer_bias shadow_buffer_clip_start shadow_color shadow_filter_radius shadow_jitter_overblur "
         "shadow_maximum_resolution specular_factor transmission_factor use_absolute_resolution use_contact_shadow "
         "use_custom_distance use_shadow_jitter volume_factor",
-        ELSEWHERE: "animation_data cycles node_tree size_y temperature temperature_color type",
-        "of other kinds of lights": "shadow_soft_size",
+        INDIRECT: "animation_data cycles node_tree size_y temperature temperature_color type",
+        "of other types of lights": "shadow_soft_size",
     },
     "light.cycles": {SAMPLING: "use_multiple_importance_sampling", BOUNCES: "max_bounces is_caustics_light"},
     "material": {
@@ -77,33 +77,33 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "use_backface_culling_lightprobe_volume use_backface_culling_shadow use_raytrace_refraction "
         "use_screen_refraction use_sss_translucency use_thickness_from_shadow use_transparency_overlap "
         "volume_intersection_method",
-        SCREEN: "metallic paint_active_slot paint_clone_slot preview_render_type roughness specular_color "
+        INTERFACE: "metallic paint_active_slot paint_clone_slot preview_render_type roughness specular_color "
         "specular_intensity texture_paint_images texture_paint_slots use_preview_world",
         PASSES: "pass_index",
-        OTHERS: "displacement_method grease_pencil is_grease_pencil line_color line_priority lineart "
+        UNSUPPORTED: "displacement_method grease_pencil is_grease_pencil line_color line_priority lineart "
         "use_transparent_shadow",
-        ELSEWHERE: "animation_data cycles diffuse_color node_tree use_nodes",
+        INDIRECT: "animation_data cycles diffuse_color node_tree use_nodes",
     },
     "material.cycles": {
         SAMPLING: "emission_sampling",
-        OTHERS: "use_bump_map_correction",
+        UNSUPPORTED: "use_bump_map_correction",
         NO_VOLUMES: "homogeneous_volume volume_interpolation volume_sampling volume_step_rate",
     },
     "camera": {
-        SCREEN: "background_images composition_guide_color display_size passepartout_alpha show_background_images "
+        INTERFACE: "background_images composition_guide_color display_size passepartout_alpha show_background_images "
         "show_composition_center show_composition_center_diagonal show_composition_golden "
         "show_composition_golden_tria_a show_composition_golden_tria_b show_composition_harmony_tri_a "
         "show_composition_harmony_tri_b show_composition_thirds show_limits show_mist show_name show_passepartout "
         "show_safe_areas show_safe_center show_sensor lens_unit",
-        OTHERS: "central_cylindrical_radius central_cylindrical_range_u_max central_cylindrical_range_u_min "
+        UNSUPPORTED: "central_cylindrical_radius central_cylindrical_range_u_max central_cylindrical_range_u_min "
         "central_cylindrical_range_v_max central_cylindrical_range_v_min custom_bytecode custom_bytecode_hash "
         "custom_filepath custom_mode custom_shader cycles_custom fisheye_fov fisheye_lens fisheye_polynomial_k0 "
         "fisheye_polynomial_k1 fisheye_polynomial_k2 fisheye_polynomial_k3 fisheye_polynomial_k4 latitude_max "
         "latitude_min longitude_max longitude_min panorama_type",
-        ELSEWHERE: "angle_y animation_data dof ortho_scale sensor_height stereo",
+        INDIRECT: "angle_y animation_data dof ortho_scale sensor_height stereo",
     },
     "camera.dof": {
-        OTHERS: "aperture_blades aperture_fstop aperture_ratio aperture_rotation focus_distance focus_object "
+        UNSUPPORTED: "aperture_blades aperture_fstop aperture_ratio aperture_rotation focus_distance focus_object "
         "focus_subtarget"
     },
     "camera.stereo": {
@@ -115,7 +115,7 @@ IRRELEVANT: dict[str, dict[str, str]] = {
     "world": {
         EEVEE: "probe_resolution sun_angle sun_shadow_filter_radius sun_shadow_jitter_overblur "
         "sun_shadow_maximum_resolution sun_threshold use_eevee_finite_volume use_sun_shadow use_sun_shadow_jitter",
-        ELSEWHERE: "animation_data color cycles cycles_visibility light_settings mist_settings node_tree use_nodes",
+        INDIRECT: "animation_data color cycles cycles_visibility light_settings mist_settings node_tree use_nodes",
         PASSES: "lightgroup",
     },
     "world.cycles": {
@@ -136,7 +136,7 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "shader_effects show_instancer_for_render hide_render show_only_shape_key soft_body "
         "track_axis type up_axis use_instance_faces_scale use_instance_vertices_rotation use_parent_final_indices "
         "use_simulation_cache vertex_groups animation_data material_slots active_material",
-        SCREEN: "active_material_index active_selection_set animation_visualization bound_box display "
+        INTERFACE: "active_material_index active_selection_set animation_visualization bound_box display "
         "display_bounds_type display_type empty_display_size empty_display_type empty_image_depth "
         "empty_image_offset empty_image_side hide_select hide_surface_pick hide_viewport image_user lock_location "
         "lock_rotation lock_rotation_w lock_rotations_4d lock_scale mode motion_path selection_sets show_all_edges "
@@ -146,29 +146,29 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "use_mesh_mirror_y use_mesh_mirror_z use_shape_key_edit_mode",
         EEVEE: "hide_probe_plane hide_probe_sphere hide_probe_volume",
         BOUNCES: "visible_diffuse visible_glossy visible_transmission visible_volume_scatter visible_raycast",
-        OTHERS: "color lineart use_grease_pencil_lights",
+        UNSUPPORTED: "color lineart use_grease_pencil_lights",
         PASSES: "lightgroup pass_index",
-        ELSEWHERE: "cycles light_linking",
-        "shadow rays here are kept off the surface in another way": "shadow_terminator_geometry_offset "
+        INDIRECT: "cycles light_linking",
+        "this engine offsets the origins of shadow rays in another way": "shadow_terminator_geometry_offset "
         "shadow_terminator_normal_offset shadow_terminator_shading_offset",
     },
     "object.cycles": {
-        "of motion blur, which has a sentence": "motion_steps use_deform_motion use_motion_blur",
-        "counts only with Simplify, and saves Cycles' memory": "use_camera_cull use_distance_cull",
+        "of motion blur, which is reported": "motion_steps use_deform_motion use_motion_blur",
+        "used only with Simplify, to save Cycles' memory": "use_camera_cull use_distance_cull",
         "of Cycles' own subdivision; the modifier's is drawn": "dicing_rate use_adaptive_subdivision",
-        "shadow rays here are kept off the surface in another way": "shadow_terminator_geometry_offset "
+        "this engine offsets the origins of shadow rays in another way": "shadow_terminator_geometry_offset "
         "shadow_terminator_offset",
         BOUNCES: "ao_distance is_caustics_caster is_caustics_receiver",
     },
-    "object.light_linking": {"read of lights; meshes do not shine: test_light_linking": "blocker_collection "
+    "object.light_linking": {"read of lights; meshes emit no light: test_light_linking": "blocker_collection "
                              "receiver_collection"},
-    "object.display": {SCREEN: "show_shadows"},
+    "object.display": {INTERFACE: "show_shadows"},
     "view_layer": {
-        SCREEN: "active_aov active_aov_index active_layer_collection active_lightgroup active_lightgroup_index",
+        INTERFACE: "active_aov active_aov_index active_layer_collection active_lightgroup active_lightgroup_index",
         BY_BLENDER: "depsgraph has_export_collections objects use",
-        ELSEWHERE: "cycles eevee freestyle_settings layer_collection",
-        "this engine has samples of its own": "samples",
-        "of what has a sentence: hair, volumes, grease pencil; Cycles' occlusion": "use_strand use_volumes "
+        INDIRECT: "cycles eevee freestyle_settings layer_collection",
+        "this engine has its own setting of samples": "samples",
+        "of hair, volumes and grease pencil, which are reported; Cycles' occlusion": "use_strand use_volumes "
         "use_grease_pencil use_ao",
         "read by the engine's update_render_passes": "use_pass_combined use_pass_normal use_pass_z",
         PASSES: "aovs lightgroups pass_alpha_threshold pass_cryptomatte_depth use_pass_ambient_occlusion "
@@ -190,7 +190,7 @@ IRRELEVANT: dict[str, dict[str, str]] = {
     "view_layer.eevee": {EEVEE: "ambient_occlusion_distance use_pass_bloom use_pass_transparent "
                          "use_pass_volume_direct"},
     "layer_collection": {BY_BLENDER: "children collection hide_viewport is_visible"},
-    "ImageTexture": {ELSEWHERE: "color_mapping image_user texture_mapping", OTHERS: "projection_blend"},
+    "ImageTexture": {INDIRECT: "color_mapping image_user texture_mapping", UNSUPPORTED: "projection_blend"},
     "ImageTexture.texture_mapping": {
         "no window of Blender shows it": "mapping mapping_x mapping_y mapping_z max min use_max use_min vector_type"
     },
@@ -198,17 +198,17 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "no window of Blender shows it": "blend_color blend_factor blend_type brightness color_ramp contrast "
         "saturation use_color_ramp"
     },
-    "Principled": {OTHERS: "distribution subsurface_method"},
+    "Principled": {UNSUPPORTED: "distribution subsurface_method"},
     "Diffuse": {},
     "Emission": {},
     "Background": {},
     "UVMap": {},
-    "MaterialOutput": {ELSEWHERE: "is_active_output"},
-    "WorldOutput": {ELSEWHERE: "is_active_output target"},
-    "LightOutput": {ELSEWHERE: "is_active_output target"},
+    "MaterialOutput": {INDIRECT: "is_active_output"},
+    "WorldOutput": {INDIRECT: "is_active_output target"},
+    "LightOutput": {INDIRECT: "is_active_output target"},
 }  # fmt: skip
 
-#: Inputs of the nodes that are drawn, and of outputs: which are read, and which said when something feeds them.
+#: Inputs of drawn nodes and of output nodes: those that are read, and those that are reported when linked.
 INPUTS: dict[str, tuple[str, str]] = {
     "Principled": (
         "Base Color",
@@ -224,8 +224,8 @@ INPUTS: dict[str, tuple[str, str]] = {
     "LightOutput": ("Surface", ""),
 }
 
-#: Of these a part that is drawn or said alone makes something.
-INPUTS_OF_OTHERS = (
+#: Inputs that have an effect only together with another input, which is read or reported.
+DEPENDENT_INPUTS = (
     "Weight|Thin Wall|Subsurface Radius|Subsurface Scale|Subsurface IOR|Subsurface Anisotropy|Specular Tint|"
     "Anisotropic Rotation|Tangent|Coat Roughness|Coat IOR|Coat Tint|Coat Normal|Sheen Roughness|Sheen Tint|"
     "Emission Color|Thin Film IOR|Thickness"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Views beside Blender's own idea of where a point lands in the picture."""
+"""Views, compared with Blender's own projection of points into the picture."""
 
 import math
 
@@ -28,16 +28,16 @@ def final_view():
     return cameras.final_view(bpy.context.evaluated_depsgraph_get())
 
 
-def landed(view, point):
-    """Where a world point lands, in fractions of the picture from its bottom left."""
+def projected(view, point):
+    """The projection of a world point, in fractions of the picture from its bottom left."""
     clip = view.clip_from_view @ view.view_from_world @ np.append(point, 1.0)
     return clip[:2] / clip[3] / 2 + 0.5
 
 
-def assert_lands_as_blender_says(view, scene, thing):
+def assert_projects_as_blender(view, scene, thing):
     for point in POINTS:
         expected = world_to_camera_view(scene, thing, Vector(point))
-        assert np.allclose(landed(view, point), expected[:2], atol=2e-5)
+        assert np.allclose(projected(view, point), expected[:2], atol=2e-5)
 
 
 @pytest.mark.parametrize(
@@ -52,18 +52,18 @@ def assert_lands_as_blender_says(view, scene, thing):
     ],
 )
 @pytest.mark.parametrize(("width", "height"), [(40, 30), (30, 40)])
-def test_a_point_lands_where_blender_says(camera, empty_scene, properties, width, height):
+def test_a_point_is_projected_as_by_blender(camera, empty_scene, properties, width, height):
     empty_scene.render.resolution_x, empty_scene.render.resolution_y = width, height
     for name, value in properties.items():
         setattr(camera.data, name, value)
     view = final_view()
     assert (view.width, view.height) == (width, height)
-    assert_lands_as_blender_says(view, empty_scene, camera)
+    assert_projects_as_blender(view, empty_scene, camera)
 
 
 def test_pixel_aspect(camera, empty_scene):
     empty_scene.render.pixel_aspect_x = 2.0
-    assert_lands_as_blender_says(final_view(), empty_scene, camera)
+    assert_projects_as_blender(final_view(), empty_scene, camera)
 
 
 def test_the_near_and_far_planes_are_the_cameras_clip(camera):
@@ -92,50 +92,50 @@ def test_percentage_filter_and_film(camera, empty_scene):
 
 
 @pytest.mark.parametrize("corners", [(0.25, 0.75, 0.5, 1.0), (0.111, 0.532, 0.27, 0.91), (0.0, 1.0, 0.0, 1.0)])
-def test_a_border_is_a_part_of_the_whole_picture(camera, empty_scene, corners):
+def test_a_border_is_a_region_of_the_full_picture(camera, empty_scene, corners):
     render = empty_scene.render
-    whole = final_view()
+    full = final_view()
     render.use_border = True
     render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = corners
-    part = final_view()
+    region = final_view()
     left, _, bottom, _ = cameras.border(render)
     for point in POINTS:
-        pixel = landed(whole, point) * (whole.width, whole.height)
-        assert np.allclose(landed(part, point) * (part.width, part.height) + (left, bottom), pixel, atol=1e-9)
+        pixel = projected(full, point) * (full.width, full.height)
+        assert np.allclose(projected(region, point) * (region.width, region.height) + (left, bottom), pixel, atol=1e-9)
 
 
-def test_the_border_has_the_pixels_that_blender_takes(camera, empty_scene, as_rendered):
+def test_a_border_has_as_many_pixels_as_in_blender(camera, empty_scene, call_in_render):
     render = empty_scene.render
     empty_scene.camera = camera
     render.resolution_x, render.resolution_y, render.use_border = 333, 77, True
     render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.117, 0.773, 0.291, 0.684
 
-    def look(engine, depsgraph):
+    def read_sizes(engine, depsgraph):
         view = cameras.final_view(depsgraph, engine)
-        result = engine.begin_result(0, 0, 9999, 9999)  # Blender cuts it to what there is
-        blenders = (result.resolution_x, result.resolution_y)
+        result = engine.begin_result(0, 0, 9999, 9999)  # Blender clips this to the size of the render
+        blender_size = (result.resolution_x, result.resolution_y)
         engine.end_result(result, cancel=True)
-        return (view.width, view.height), blenders
+        return (view.width, view.height), blender_size
 
-    ((ours, blenders),) = as_rendered(look)
-    assert ours == blenders
+    ((our_size, blender_size),) = call_in_render(read_sizes)
+    assert our_size == blender_size
 
 
-def test_the_engines_view_is_the_cameras(camera, empty_scene, as_rendered):
+def test_the_engines_view_is_the_cameras(camera, empty_scene, call_in_render):
     empty_scene.camera = camera
-    (view,) = as_rendered(lambda engine, depsgraph: cameras.final_view(depsgraph, engine))
+    (view,) = call_in_render(lambda engine, depsgraph: cameras.final_view(depsgraph, engine))
     empty_scene.camera = camera
-    assert_lands_as_blender_says(view, empty_scene, empty_scene.camera)
+    assert_projects_as_blender(view, empty_scene, empty_scene.camera)
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.2])
-def test_both_eyes_meet_at_the_convergence_plane(camera, empty_scene, as_rendered, shift):
+def test_both_eyes_project_the_convergence_plane_alike(camera, empty_scene, call_in_render, shift):
     render = empty_scene.render
     render.use_multiview = True
     stereo = camera.data.stereo
     stereo.convergence_distance, stereo.interocular_distance, camera.data.shift_x = 4.0, 0.5, shift
 
-    def look(engine, depsgraph):
+    def read_views(engine, depsgraph):
         views = []
         for eye in ("left", "right"):
             engine.active_view_set(eye)
@@ -143,15 +143,15 @@ def test_both_eyes_meet_at_the_convergence_plane(camera, empty_scene, as_rendere
         return views
 
     empty_scene.camera = camera
-    seen = as_rendered(look)
+    results = call_in_render(read_views)
     empty_scene.camera = camera
-    left, right = seen[0]
+    left, right = results[0]
     assert np.linalg.norm(left.view_from_world[:3, 3] - right.view_from_world[:3, 3]) == pytest.approx(0.5, abs=1e-5)
     for x in (-1, 0, 1):
         point = camera.matrix_world @ Vector((x, 0, -4))
         expected = world_to_camera_view(empty_scene, camera, point)[:2]
-        assert np.allclose(landed(left, point), expected, atol=1e-5)
-        assert np.allclose(landed(right, point), expected, atol=1e-5)
+        assert np.allclose(projected(left, point), expected, atol=1e-5)
+        assert np.allclose(projected(right, point), expected, atol=1e-5)
 
 
 def test_a_panoramic_camera_is_refused_in_one_sentence(camera):
@@ -166,7 +166,7 @@ def test_a_camera_whose_clip_ends_before_it_starts_is_refused(camera):
         final_view()
 
 
-def test_no_camera_and_what_is_no_camera_are_refused(add, empty_scene):
+def test_a_missing_camera_and_an_object_that_is_no_camera_are_refused(add, empty_scene):
     with pytest.raises(cameras.CameraError, match="no active camera"):
         final_view()
     empty_scene.camera = add("Square")
@@ -188,7 +188,7 @@ def viewport_space():
 
 
 def viewport(perspective="PERSP"):
-    """What that looks at."""
+    """Its region_3d, which looks at the scene from a fixed position."""
     region = viewport_space().region_3d
     region.view_matrix = Matrix.Rotation(0.4, 4, "X") @ Matrix.Translation((1, 2, -10))
     region.view_perspective = perspective
@@ -219,7 +219,7 @@ def test_a_viewport_refuses_a_panoramic_camera_only_when_it_looks_through_it(cam
         ((0.5, 0.5, 1.0, 1.0), (32, 33, 47, 48)),
     ],
 )
-def test_a_viewports_render_region_is_a_part_of_it(empty_scene, border, part):
+def test_a_viewports_render_region_is_a_rectangle_of_its_pixels(empty_scene, border, part):
     space, depsgraph = viewport_space(), bpy.context.evaluated_depsgraph_get()
     region = space.region_3d
     space.use_render_border = False
@@ -230,11 +230,11 @@ def test_a_viewports_render_region_is_a_part_of_it(empty_scene, border, part):
     assert cameras.render_region(depsgraph, space, region, 64, 48, None) == part
 
 
-def test_a_part_of_a_viewport_shows_what_the_whole_does_there(empty_scene):
+def test_a_cropped_viewport_projects_as_the_full_one(empty_scene):
     region, depsgraph = viewport(), bpy.context.evaluated_depsgraph_get()
-    whole = cameras.viewport_view(depsgraph, region, 64, 48)
-    part = cameras.viewport_view(depsgraph, region, 64, 48, crop=(16, 32, 12, 36))
-    assert (part.width, part.height) == (16, 24)
+    full = cameras.viewport_view(depsgraph, region, 64, 48)
+    cropped = cameras.viewport_view(depsgraph, region, 64, 48, crop=(16, 32, 12, 36))
+    assert (cropped.width, cropped.height) == (16, 24)
     for point in POINTS:
-        pixel = landed(whole, point) * (64, 48)
-        assert np.allclose(landed(part, point) * (16, 24) + (16, 12), pixel, atol=1e-6)
+        pixel = projected(full, point) * (64, 48)
+        assert np.allclose(projected(cropped, point) * (16, 24) + (16, 12), pixel, atol=1e-6)

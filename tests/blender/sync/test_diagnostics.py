@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a file asks for and is not drawn is said in one sentence; what asks for nothing has none."""
+"""Each feature of a file that is not drawn is reported in one sentence; features without effect are not."""
 
 import bpy
 import numpy as np
@@ -9,7 +9,7 @@ from tests.scenes.cycles import direct_light
 
 
 def with_nodes(owner):
-    """The nodes of a material, a world or a light."""
+    """The node tree of a material, a world or a light, which is made if there is none."""
     if owner.node_tree is None or not owner.use_nodes:
         owner.use_nodes = True
     return owner.node_tree
@@ -17,11 +17,11 @@ def with_nodes(owner):
 
 @pytest.fixture
 def material(add):
-    """A square's new material, as a user makes it."""
-    made = bpy.data.materials.new("Paint")
-    with_nodes(made)
-    add("Square").data.materials.append(made)
-    return made
+    """A new material with Blender's default nodes, on a square."""
+    new_material = bpy.data.materials.new("Paint")
+    with_nodes(new_material)
+    add("Square").data.materials.append(new_material)
+    return new_material
 
 
 def principled(material):
@@ -46,65 +46,65 @@ SOCKETS = [
 
 
 @pytest.mark.parametrize("linked", [False, True])
-@pytest.mark.parametrize(("name", "value", "kind"), SOCKETS, ids=[name for name, _, _ in SOCKETS])
-def test_each_socket_that_is_not_drawn_is_said(material, extracted, name, value, kind, linked):
+@pytest.mark.parametrize(("name", "value", "issue"), SOCKETS, ids=[name for name, _, _ in SOCKETS])
+def test_each_socket_that_is_not_drawn_is_reported(material, read_scene, name, value, issue, linked):
     node = principled(material)
     if name not in node.inputs:
         assert bpy.app.version < (4, 3), name
         return
-    assert extracted().warnings == (), "a new material asks for nothing"
+    assert read_scene().warnings == (), "a new material has nothing to report"
     socket = node.inputs[name]
     if linked:
         checker = material.node_tree.nodes.new("ShaderNodeTexChecker")
         material.node_tree.links.new(checker.outputs["Fac"], socket)
     else:
         socket.default_value = value
-    assert extracted().warnings == (f"{kind}: 'Paint'.",)
+    assert read_scene().warnings == (f"{issue}: 'Paint'.",)
 
 
-def test_a_value_node_is_read_as_the_sockets_own_number(material, extracted):
+def test_a_value_node_is_read_as_the_sockets_own_number(material, read_scene):
     value = material.node_tree.nodes.new("ShaderNodeValue")
     material.node_tree.links.new(value.outputs[0], principled(material).inputs["Metallic"])
-    assert extracted().warnings == ()
+    assert read_scene().warnings == ()
     value.outputs[0].default_value = 1.0
-    assert extracted().warnings == ("Metal is drawn as if it were none: 'Paint'.",)
+    assert read_scene().warnings == ("Metal is drawn as if it were none: 'Paint'.",)
 
 
-def test_what_has_no_effect_is_not_said(material, extracted):
+def test_what_has_no_effect_is_not_reported(material, read_scene):
     inputs = principled(material).inputs
     inputs["Emission Strength"].default_value, inputs["Emission Color"].default_value = 1.0, (0, 0, 0, 1)
     inputs["Roughness"].default_value, inputs["Specular IOR Level"].default_value = 0.0, 0.0
-    assert extracted().warnings == ()
+    assert read_scene().warnings == ()
 
 
 @pytest.mark.parametrize("node", ["NormalMap", "Bump"])
 @pytest.mark.parametrize("shader", ["BsdfPrincipled", "BsdfDiffuse"])
-def test_normals_of_nodes_are_said(material, extracted, node, shader):
+def test_normals_of_nodes_are_reported(material, read_scene, node, shader):
     tree = material.node_tree
     surface, normals = tree.nodes.new(f"ShaderNode{shader}"), tree.nodes.new(f"ShaderNode{node}")
     tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     tree.links.new(normals.outputs["Normal"], surface.inputs["Normal"])
-    assert extracted().warnings == (f"Normals that come from a node '{normals.bl_label}' are not drawn: 'Paint'.",)
+    assert read_scene().warnings == (f"Normals that come from a node '{normals.bl_label}' are not drawn: 'Paint'.",)
 
 
 @pytest.mark.parametrize(
-    ("node", "socket", "kind"),
+    ("node", "socket", "issue"),
     [
         ("VolumeScatter", "Volume", "Volumes are not drawn by this engine"),
         ("Displacement", "Displacement", "Displacement is not drawn"),
     ],
 )
-def test_what_else_an_output_shows_is_said(material, extracted, node, socket, kind):
+def test_volume_and_displacement_are_reported(material, read_scene, node, socket, issue):
     tree = material.node_tree
     tree.links.new(tree.nodes.new(f"ShaderNode{node}").outputs[0], tree.nodes["Material Output"].inputs[socket])
-    assert extracted().warnings == (f"{kind}: 'Paint'.",)
+    assert read_scene().warnings == (f"{issue}: 'Paint'.",)
 
 
 @pytest.mark.parametrize(
     ("targets", "drawn"),
     [(("EEVEE",), 0), (("CYCLES",), 0), (("EEVEE", "CYCLES"), 1), (("CYCLES", "ALL"), 0), (("ALL", "EEVEE"), 0)],
 )
-def test_the_output_is_the_one_that_cycles_takes(material, extracted, targets, drawn):
+def test_the_output_is_the_one_that_cycles_uses(material, read_scene, targets, drawn):
     tree = material.node_tree
     tree.nodes.clear()
     colors = ((1, 0, 0, 1), (0, 1, 0, 1))
@@ -112,37 +112,37 @@ def test_the_output_is_the_one_that_cycles_takes(material, extracted, targets, d
         output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfDiffuse")
         output.target, shader.inputs["Color"].default_value = target, color
         tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    scene = extracted()
+    scene = read_scene()
     assert scene.materials.base_color.tolist() == [list(colors[drawn][:3])]
     assert scene.warnings == ()
 
 
-def test_a_material_without_any_surface_is_said(material, extracted):
+def test_a_material_without_any_surface_is_reported(material, read_scene):
     material.node_tree.nodes.clear()
-    scene = extracted()
+    scene = read_scene()
     assert scene.materials.base_color.tolist() == [[0, 0, 0]]
     assert scene.warnings == ("Materials without a surface are drawn black: 'Paint'.",)
 
 
-def test_holdout_of_a_collection_and_shadow_catchers_are_said(add, extracted, empty_scene):
+def test_holdout_of_a_collection_and_shadow_catchers_are_reported(add, read_scene, empty_scene):
     inner = bpy.data.collections.new("Inner")
     empty_scene.collection.children.link(inner)
     add("Hole", collection=inner)
     bpy.context.view_layer.layer_collection.children["Inner"].holdout = True
     add("Catcher").is_shadow_catcher = True
-    assert extracted().warnings == (
+    assert read_scene().warnings == (
         "Holdouts are drawn as plain surfaces: 'Hole'.",
         "Shadow catchers are drawn as plain surfaces: 'Catcher'.",
     )
 
 
-def test_what_the_scene_asks_for_is_said(add, extracted, empty_scene):
+def test_scene_features_that_are_not_drawn_are_reported(add, read_scene, empty_scene):
     empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
-    assert extracted().warnings == ()
+    assert read_scene().warnings == ()
     empty_scene.camera.data.dof.use_dof = True
     empty_scene.render.use_motion_blur = empty_scene.render.use_freestyle = True
     layer = bpy.context.view_layer.name
-    assert extracted().warnings == (
+    assert read_scene().warnings == (
         "Depth of field is not drawn: 'Camera'.",
         "Motion blur is not drawn: 'Scene'.",
         f"Freestyle's lines are not drawn: '{layer}'.",
@@ -158,43 +158,43 @@ def background(empty_scene):
     return node
 
 
-def test_a_worlds_strength_of_a_value_node_is_read_and_of_others_said(extracted, background):
+def test_a_worlds_strength_is_read_from_value_nodes_and_other_nodes_are_reported(read_scene, background):
     tree = background.id_data
     value, fresnel = tree.nodes.new("ShaderNodeValue"), tree.nodes.new("ShaderNodeFresnel")
     value.outputs[0].default_value = 0.25
     tree.links.new(value.outputs[0], background.inputs["Strength"])
-    scene = extracted()
+    scene = read_scene()
     assert scene.world.radiance.tolist() == [0.25] * 3 and scene.warnings == ()
     tree.links.new(fresnel.outputs[0], background.inputs["Strength"])
-    assert extracted().warnings == ("A world whose strength a node 'Fresnel' gives has its socket's: 'World'.",)
+    assert read_scene().warnings == ("A world whose strength a node 'Fresnel' gives has its socket's: 'World'.",)
 
 
-def test_a_worlds_volume_and_visibility_are_said(extracted, background, empty_scene):
+def test_a_worlds_volume_and_visibility_are_reported(read_scene, background, empty_scene):
     tree = background.id_data
     volume = tree.nodes.new("ShaderNodeVolumeScatter")
     tree.links.new(volume.outputs[0], tree.nodes["World Output"].inputs["Volume"])
     empty_scene.world.cycles_visibility.camera = False
-    assert extracted().warnings == (
+    assert read_scene().warnings == (
         "Volumes of worlds are not drawn: 'World'.",
         "The ray visibility of worlds is not obeyed: 'World'.",
     )
 
 
-def test_a_view_layer_may_want_no_world_and_no_surfaces_as_in_cycles(add, extracted, background, empty_scene):
+def test_a_view_layer_can_disable_the_world_and_surfaces_as_in_cycles(add, read_scene, background, empty_scene):
     add("Square", ([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [(0, 1, 2, 3)]))
     empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
     empty_scene.camera.location = 0, 0, 5
     empty_scene.render.resolution_x = empty_scene.render.resolution_y = 4
     layer = bpy.context.view_layer
     layer.use_sky = False
-    assert extracted().world.radiance.tolist() == [0, 0, 0]
+    assert read_scene().world.radiance.tolist() == [0, 0, 0]
     assert direct_light(1)[2, 2].tolist() == [0, 0, 0, 1]
     layer.use_sky, layer.use_solid = True, False
-    assert extracted().triangle_count == 0
+    assert read_scene().triangle_count == 0
     assert np.allclose(direct_light(1)[2, 2], 1.0)
 
 
-def test_a_view_layers_own_world_is_read(extracted, background):
+def test_a_view_layers_own_world_is_read(read_scene, background):
     layer = bpy.context.view_layer
     if not hasattr(layer, "world_override"):
         assert bpy.app.version < (4, 3)
@@ -202,4 +202,4 @@ def test_a_view_layers_own_world_is_read(extracted, background):
     layer.world_override = bpy.data.worlds.new("Own")
     node = with_nodes(layer.world_override).nodes["Background"]
     node.inputs["Color"].default_value = (0.5, 0.25, 0.125, 1)
-    assert extracted().world.radiance.tolist() == [0.5, 0.25, 0.125]
+    assert read_scene().world.radiance.tolist() == [0.5, 0.25, 0.125]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where textures lie, and which frame of them is drawn."""
+"""UV layers of image textures, and the frames of image sequences and movies."""
 
 import bpy
 import numpy as np
@@ -11,12 +11,12 @@ from ism_addon.blender.sync import scene_reader
 
 @pytest.fixture
 def textured(add):
-    """textured(image, layers): a square whose material has the image; its Image Texture node."""
+    """textured(image, layers): makes a square whose material has the image; returns its Image Texture node."""
 
     def textured(image, layers=("UV",)):
         thing = add("Square")
-        for number, name in enumerate(layers):
-            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(number + 1) / 4] * 8))
+        for index, name in enumerate(layers):
+            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(index + 1) / 4] * 8))
         material = bpy.data.materials.new("Paint")
         material.use_nodes = True
         tree = material.node_tree
@@ -30,16 +30,16 @@ def textured(add):
 
 
 @pytest.fixture
-def followed(empty_scene):
-    """followed(): what a Reader has read that is told of every update, and of nothing else."""
+def latest_scene(empty_scene):
+    """latest_scene(): the Scene of a Reader that receives every update, and nothing else."""
     reader, read = scene_reader.Reader(), []
 
-    def follow(_scene, depsgraph):
+    def update(_scene, depsgraph):
         read[:] = [reader.read(depsgraph)]
 
     handlers = depsgraph_update_post, frame_change_post
     for handler in handlers:
-        handler.append(follow)
+        handler.append(update)
 
     def latest():
         bpy.context.view_layer.update()
@@ -47,30 +47,30 @@ def followed(empty_scene):
 
     yield latest
     for handler in handlers:
-        handler.remove(follow)
+        handler.remove(update)
 
 
-def test_a_uv_map_node_names_the_layer_and_can_be_edited(textured, extracted, followed):
+def test_a_uv_map_node_selects_the_layer_and_can_be_edited(textured, read_scene, latest_scene):
     node = textured(bpy.data.images.new("Picture", 2, 2), ("First", "Second"))
     uv_map = node.id_data.nodes.new("ShaderNodeUVMap")
     node.id_data.links.new(uv_map.outputs["UV"], node.inputs["Vector"])
     for name, value in (("Second", 0.5), ("First", 0.25), ("Second", 0.5), ("Gone", 0.0)):
         uv_map.uv_map = name
-        for scene in (followed(), extracted()):
+        for scene in (latest_scene(), read_scene()):
             assert np.all(scene.meshes[0].uvs == value)
             assert scene.warnings == ()
 
 
-def test_uvs_are_read_where_there_is_an_image_alone(textured, extracted):
-    """And come and go with it, though nothing of the mesh has changed."""
-    node, reader, followed = textured(None, ("First", "Second")), scene_reader.Reader(), []
-    handler = lambda _scene, depsgraph: followed.append(reader.read(depsgraph))  # noqa: E731
+def test_uvs_are_read_only_where_there_is_an_image(textured, read_scene):
+    """They are added and removed with the image, though the mesh has not changed."""
+    node, reader, scenes = textured(None, ("First", "Second")), scene_reader.Reader(), []
+    handler = lambda _scene, depsgraph: scenes.append(reader.read(depsgraph))  # noqa: E731
     depsgraph_update_post.append(handler)
     try:
         for image in (None, bpy.data.images.new("Picture", 2, 2), None):
             node.image = image
             bpy.context.view_layer.update()
-            for scene in (followed[-1], extracted()):
+            for scene in (scenes[-1], read_scene()):
                 assert len(scene.meshes[0].uvs) == (2 if image else 0)
     finally:
         depsgraph_update_post.remove(handler)
@@ -78,47 +78,47 @@ def test_uvs_are_read_where_there_is_an_image_alone(textured, extracted):
 
 @pytest.fixture
 def sequence(tmp_path):
-    """Five pictures in files 0001 to 0005, red by fifths."""
-    for number in range(1, 6):
+    """Images in the files s0001.png to s0005.png; frame n is red with a value of n/5."""
+    for frame in range(1, 6):
         image = bpy.data.images.new("Frame", 2, 2)
-        image.pixels.foreach_set(np.float32([number / 5, 0, 0, 1] * 4))
-        image.filepath_raw, image.file_format = str(tmp_path / f"s{number:04}.png"), "PNG"
+        image.pixels.foreach_set(np.float32([frame / 5, 0, 0, 1] * 4))
+        image.filepath_raw, image.file_format = str(tmp_path / f"s{frame:04}.png"), "PNG"
         image.save()
     loaded = bpy.data.images.load(str(tmp_path / "s0001.png"))
     loaded.source = "SEQUENCE"
     return loaded
 
 
-def test_a_sequence_shows_the_frame_that_its_user_says(textured, extracted, followed, sequence, empty_scene):
+def test_a_sequence_shows_the_frame_of_its_image_user(textured, read_scene, latest_scene, sequence, empty_scene):
     node = textured(sequence)
     user = node.image_user
     user.frame_duration, user.use_auto_refresh = 5, True
-    for frame, offset, shown in [(1, 0, 1), (3, 0, 3), (9, 0, 5), (2, 2, 4), (2, 0, 2), (3, 0, 3)]:
+    for frame, offset, expected in [(1, 0, 1), (3, 0, 3), (9, 0, 5), (2, 2, 4), (2, 0, 2), (3, 0, 3)]:
         user.frame_offset = offset
         empty_scene.frame_set(frame)
-        for scene in (followed(), extracted()):
-            assert [image.texels[0, 0].tolist() for image in scene.images] == [[51 * shown, 0, 0, 255]]
+        for scene in (latest_scene(), read_scene()):
+            assert [image.texels[0, 0].tolist() for image in scene.images] == [[51 * expected, 0, 0, 255]]
             assert scene.warnings == ()
 
 
-def test_a_frame_that_is_not_there_is_named(textured, extracted, sequence, empty_scene, tmp_path):
+def test_a_missing_frame_is_reported(textured, read_scene, sequence, empty_scene, tmp_path):
     textured(sequence).image_user.frame_duration = 5
     (tmp_path / "s0002.png").unlink()
     empty_scene.frame_set(2)
-    assert extracted().warnings == (
+    assert read_scene().warnings == (
         "Images that are missing or cannot be read are left out, and the base colour is drawn: 's0001.png'.",
     )
 
 
-def test_a_sequence_of_one_user_in_two_frames_is_two_images(textured, extracted, sequence, empty_scene):
+def test_a_sequence_with_two_offsets_is_two_images(textured, read_scene, sequence, empty_scene):
     for offset in (0, 2):
         user = textured(sequence).image_user
         user.frame_duration, user.frame_offset, user.use_auto_refresh = 5, offset, True
     empty_scene.frame_set(1)
-    assert [image.texels[0, 0, 0] for image in extracted().images] == [51, 153]
+    assert [image.texels[0, 0, 0] for image in read_scene().images] == [51, 153]
 
 
-def test_of_a_movie_one_frame_is_drawn_and_that_is_said(textured, extracted, empty_scene, tmp_path):
+def test_one_frame_of_a_movie_is_drawn_and_that_is_reported(textured, read_scene, empty_scene, tmp_path):
     empty_scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     render = empty_scene.render
     render.engine, empty_scene.cycles.samples, render.resolution_x, render.resolution_y = "CYCLES", 1, 64, 32
@@ -129,15 +129,15 @@ def test_of_a_movie_one_frame_is_drawn_and_that_is_said(textured, extracted, emp
     bpy.ops.render.render(animation=True)
     (movie,) = tmp_path.iterdir()
     textured(bpy.data.images.load(str(movie)))
-    scene = extracted()
+    scene = read_scene()
     assert scene.images[0].texels.shape == (32, 64, 4)
     assert scene.warnings == (f"Of movies one frame is drawn: '{movie.name}'.",)
 
 
-def test_an_interpolation_and_a_mapping_are_said(textured, extracted):
+def test_an_interpolation_and_a_mapping_are_reported(textured, read_scene):
     node = textured(bpy.data.images.new("Picture", 2, 2))
     node.interpolation, node.texture_mapping.scale = "Closest", (2, 1, 1)
-    assert extracted().warnings == (
+    assert read_scene().warnings == (
         "Textures with a mapping of their own lie on the active UV map as it is: 'Paint'.",
         "Textures that are interpolated otherwise than linearly are interpolated linearly: 'Paint'.",
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: what collections, their children and their states come to, beside Cycles."""
+"""Light linking by collections, their children and their link states, compared with Cycles."""
 
 import bpy
 import numpy as np
@@ -16,42 +16,42 @@ NAMES = ("left", "right", "lid")
 
 
 @pytest.fixture
-def things(empty_scene, add):
-    """Two plates side by side, a lid over both, and a lamp over that; seen from between."""
+def objects(empty_scene, add):
+    """Two plates side by side, a lid above both, a light above the lid, and a camera between plates and lid."""
     corners = {"left": (-2, 0, 0), "right": (0, 2, 0), "lid": (-2, 2, 1)}
-    found = {
+    objects = {
         name: add(name, ([(a, -2, z), (b, -2, z), (b, 2, z), (a, 2, z)], [(0, 1, 2, 3)]))
         for name, (a, b, z) in corners.items()
     }
     light = bpy.data.lights.new("lamp", "AREA")
     light.size, light.energy = 0.05, 50.0
-    found["lamp"] = add("lamp", light)
-    found["lamp"].location = 0, 0, 1.6
+    objects["light"] = add("lamp", light)
+    objects["light"].location = 0, 0, 1.6
     data = bpy.data.cameras.new("camera")
     data.lens, data.clip_start = 20.0, 0.01
     empty_scene.camera = add("camera", data)
     empty_scene.camera.location = 0, 0, 0.9
     empty_scene.render.resolution_x, empty_scene.render.resolution_y = 32, 16
-    return found
+    return objects
 
 
-def linked(things, role: str, **states: str) -> bpy.types.Collection:
-    """A collection of the things named, in these states, as the lamp's."""
+def link_to_light(objects, role: str, **states: str) -> bpy.types.Collection:
+    """Make a collection of the named objects with these link states, as the light's collection of this role."""
     collection = bpy.data.collections.new(role)
     for name in states:
-        collection.objects.link(things[name])
+        collection.objects.link(objects[name])
     for link, thing in zip(collection.collection_objects, collection.objects, strict=True):
         link.light_linking.link_state = states[thing.name]
-    setattr(things["lamp"].light_linking, f"{role}_collection", collection)
+    setattr(objects["light"].light_linking, f"{role}_collection", collection)
     return collection
 
 
-def halves(picture: np.ndarray) -> tuple[bool, bool]:
-    """Whether the left and the right are lit."""
+def lit_halves(picture: np.ndarray) -> tuple[bool, bool]:
+    """Whether the left and the right plate are lit."""
     return bool(picture[4:12, 2:14, 0].mean() > 1e-3), bool(picture[4:12, 18:30, 0].mean() > 1e-3)
 
 
-def drawn(device) -> np.ndarray:
+def draw(device) -> np.ndarray:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     renderer = Renderer(device)
     settings = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=1))
@@ -73,19 +73,19 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_what_is_lit_is_what_cycles_lights(device, things, case):
+def test_the_same_plates_are_lit_as_by_cycles(device, objects, case):
     receivers, blockers, lit = CASES[case]
     for role, states in (("receiver", receivers), ("blocker", blockers)):
         if states or states is None:
-            linked(things, role, **(states or {}))
+            link_to_light(objects, role, **(states or {}))
     bpy.context.view_layer.update()
-    assert halves(drawn(device)) == lit
-    assert halves(direct_light(4)) == lit
+    assert lit_halves(draw(device)) == lit
+    assert lit_halves(direct_light(4)) == lit
 
 
-def test_the_children_of_a_collection_are_linked_with_it(things):
-    collection, child = linked(things, "receiver"), bpy.data.collections.new("child")
-    child.objects.link(things["right"])
+def test_the_children_of_a_collection_are_linked_with_it(objects):
+    collection, child = link_to_light(objects, "receiver"), bpy.data.collections.new("child")
+    child.objects.link(objects["right"])
     collection.children.link(child)
     scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert scene.lights.receivers.tolist() == [0]
@@ -96,43 +96,43 @@ def test_the_children_of_a_collection_are_linked_with_it(things):
     assert sorted(scene.instances.groups.tolist()) == [0, 1, 1]
 
 
-def test_lights_that_are_linked_alike_share_a_group_and_too_many_are_told_of(things, add):
-    for number in range(MAX_LINK_GROUPS + 2):
-        other = add(f"lamp {number}", bpy.data.lights.new("lamp", "AREA"))
+def test_lights_with_the_same_links_share_a_group_and_too_many_groups_are_reported(objects, add):
+    for index in range(MAX_LINK_GROUPS + 2):
+        other = add(f"lamp {index}", bpy.data.lights.new("lamp", "AREA"))
         other.data.energy = 10.0
         collection = bpy.data.collections.new("group")
-        for name in NAMES if number % 2 else NAMES[:1]:
-            collection.objects.link(things[name])
+        for name in NAMES if index % 2 else NAMES[:1]:
+            collection.objects.link(objects[name])
         other.light_linking.receiver_collection = collection
     scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert set(scene.lights.receivers.tolist()) == {-1, 0, 1}
-    for number in range(MAX_LINK_GROUPS + 2):
-        thing = add(f"thing {number}", ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
-        bpy.data.objects[f"lamp {number}"].light_linking.receiver_collection.objects.link(thing)
+    for index in range(MAX_LINK_GROUPS + 2):
+        thing = add(f"thing {index}", ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+        bpy.data.objects[f"lamp {index}"].light_linking.receiver_collection.objects.link(thing)
     scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
     assert set(scene.lights.receivers.tolist()) == {-1, *range(MAX_LINK_GROUPS)}
     (warning,) = scene.warnings
-    told = f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked: 'lamp"
-    assert warning.startswith(told)
+    expected = f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked: 'lamp"
+    assert warning.startswith(expected)
 
 
 @pytest.mark.parametrize("which", ["left", "instancer"])
-def test_of_instances_what_makes_them_stand_is_linked_too(device, things, add, which):
-    """A second left plate, where the right one was, by an empty that instances it."""
-    things["lid"].hide_render = things["right"].hide_render = True
+def test_links_of_an_object_and_of_its_instancer_apply_to_instances(device, objects, add, which):
+    """An empty instances the left plate at the position of the right plate, which is hidden."""
+    objects["lid"].hide_render = objects["right"].hide_render = True
     inside = bpy.data.collections.new("inside")
-    inside.objects.link(things["left"])
-    things["instancer"] = add("instancer", None)
-    things["instancer"].instance_type, things["instancer"].instance_collection = "COLLECTION", inside
-    things["instancer"].location = 2, 0, 0
-    linked(things, "receiver", **{which: "INCLUDE"})
-    depsgraph_shows_what_renders()
-    found = halves(drawn(device))
-    assert found == halves(direct_light(4))
-    assert found == ((True, True) if which == "left" else (False, True))
+    inside.objects.link(objects["left"])
+    objects["instancer"] = add("instancer", None)
+    objects["instancer"].instance_type, objects["instancer"].instance_collection = "COLLECTION", inside
+    objects["instancer"].location = 2, 0, 0
+    link_to_light(objects, "receiver", **{which: "INCLUDE"})
+    hide_in_viewports_as_in_renders()
+    lit = lit_halves(draw(device))
+    assert lit == lit_halves(direct_light(4))
+    assert lit == ((True, True) if which == "left" else (False, True))
 
 
-def depsgraph_shows_what_renders() -> None:
-    """As a viewport's, which `drawn` reads, goes by other switches."""
+def hide_in_viewports_as_in_renders() -> None:
+    """Hide the same objects for `draw`, which reads a viewport's depsgraph: that obeys hide_viewport."""
     for thing in bpy.data.objects:
         thing.hide_viewport = thing.hide_render

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that have nodes, are portals, light nothing diffuse, or are sheared: beside Cycles' pictures."""
+"""Lights with nodes, portals, lights without diffuse light, and sheared lights, compared with Cycles."""
 
 import math
 from dataclasses import replace
@@ -15,8 +15,8 @@ from tests.scenes.cycles import PIXEL_CENTRES, direct_light
 
 
 @pytest.fixture
-def lamp(add, empty_scene):
-    """An area light above a white plane that a camera sees from above."""
+def light_object(add, empty_scene):
+    """An area light above a white plane, under a camera that looks down."""
     plane = add("Plane", ([(-6, -6, 0), (6, -6, 0), (6, 6, 0), (-6, 6, 0)], [(0, 1, 2, 3)]))
     white = bpy.data.materials.new("White")
     white.use_nodes = True
@@ -24,13 +24,13 @@ def lamp(add, empty_scene):
     plane.data.materials.append(white)
     light = bpy.data.lights.new("Lamp", "AREA")
     light.shape, light.size, light.size_y, light.energy = "RECTANGLE", 2.0, 3.0, 100.0
-    lamp = add("Lamp", light)
-    lamp.location = 0, 0, 2
+    light_object = add("Lamp", light)
+    light_object.location = 0, 0, 2
     empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
     empty_scene.camera.data.type, empty_scene.camera.data.ortho_scale = "ORTHO", 8.0
     empty_scene.camera.location = 0, 0, 9
     empty_scene.render.resolution_x = empty_scene.render.resolution_y = 16
-    return lamp
+    return light_object
 
 
 def node_tree(light):
@@ -39,13 +39,13 @@ def node_tree(light):
     return light.node_tree
 
 
-def ours(device):
-    """(16,16,3) of the open scene."""
+def draw(device):
+    """Our picture of the open scene, (16,16,3)."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     renderer = Renderer(device)
     quality = Quality(samples=1, virtual_lights=4)
     settings = Settings(shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=quality)
-    view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the truth
+    view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the reference
     for _ in renderer.sample(scene_reader.scene(depsgraph), view, settings, 0, Profile()):
         pass
     picture = renderer.picture()[..., :3]
@@ -53,25 +53,25 @@ def ours(device):
     return picture
 
 
-def test_a_plain_emission_is_read(device, lamp, extracted):
-    emission = node_tree(lamp.data).nodes["Emission"]
+def test_a_plain_emission_is_read(device, light_object, read_scene):
+    emission = node_tree(light_object.data).nodes["Emission"]
     emission.inputs["Color"].default_value, emission.inputs["Strength"].default_value = (1, 0.5, 0.25, 1), 3.0
-    assert extracted().warnings == ()
-    assert np.allclose(ours(device).mean((0, 1)) / direct_light(16)[..., :3].mean((0, 1)), 1.0, atol=0.01)
+    assert read_scene().warnings == ()
+    assert np.allclose(draw(device).mean((0, 1)) / direct_light(16)[..., :3].mean((0, 1)), 1.0, atol=0.01)
 
 
-def test_an_empty_tree_gives_no_light(lamp, extracted):
-    node_tree(lamp.data).nodes.clear()
-    assert len(extracted().lights.shape) == 0
+def test_an_empty_tree_gives_no_light(light_object, read_scene):
+    node_tree(light_object.data).nodes.clear()
+    assert len(read_scene().lights.shape) == 0
     assert not direct_light(1)[..., :3].any()
 
 
-def test_other_light_nodes_are_said(lamp, extracted):
-    tree = node_tree(lamp.data)
+def test_other_light_nodes_are_reported(light_object, read_scene):
+    tree = node_tree(light_object.data)
     emission = tree.nodes["Emission"]
     tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs["Color"], emission.inputs["Color"])
     tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs["Fac"], emission.inputs["Strength"])
-    scene = extracted()
+    scene = read_scene()
     assert len(scene.lights.shape) == 1
     assert scene.warnings == (
         "Lights coloured by a node 'Checker Texture' shine in the plain colour of its socket: 'Lamp'.",
@@ -79,36 +79,36 @@ def test_other_light_nodes_are_said(lamp, extracted):
     )
     add = tree.nodes.new("ShaderNodeAddShader")
     tree.links.new(add.outputs[0], tree.nodes["Light Output"].inputs["Surface"])
-    assert extracted().warnings == ("Lights whose surface is a node 'Add Shader' shine as if they had none: 'Lamp'.",)
+    assert read_scene().warnings == ("Lights whose surface is a node 'Add Shader' shine as if they had none: 'Lamp'.",)
 
 
-@pytest.mark.parametrize("kind", ["portal", "no diffuse"])
-def test_what_lights_nothing_diffuse_in_cycles_is_left_out_silently(lamp, extracted, kind):
-    lamp.data.cycles.is_portal, lamp.visible_diffuse = kind == "portal", kind == "portal"
-    scene = extracted()
+@pytest.mark.parametrize("reason", ["portal", "no diffuse"])
+def test_what_lights_nothing_diffuse_in_cycles_is_left_out_silently(light_object, read_scene, reason):
+    light_object.data.cycles.is_portal, light_object.visible_diffuse = reason == "portal", reason == "portal"
+    scene = read_scene()
     assert len(scene.lights.shape) == 0
     assert scene.warnings == ()
     assert direct_light(4)[..., :3].max() < 1e-6
 
 
-def test_a_light_that_the_camera_would_see_is_said(lamp, extracted):
-    lamp.visible_camera = True
-    assert extracted().warnings == ("Lights are not seen by the camera: 'Lamp'.",)
+def test_a_light_that_is_visible_to_the_camera_is_reported(light_object, read_scene):
+    light_object.visible_camera = True
+    assert read_scene().warnings == ("Lights are not seen by the camera: 'Lamp'.",)
 
 
 @pytest.mark.parametrize("shape", ["ELLIPSE", "RECTANGLE"])
-def test_sheared_lights_keep_their_watts(device, lamp, add, extracted, shape):
-    """As Cycles' ellipses do by the places that it chooses on them. Rays that hit them meet another shape in it."""
+def test_sheared_lights_keep_their_power(device, light_object, add, read_scene, shape):
+    """In Cycles, so do ellipses by light sampling. Rays that hit them use another shape there, so MIS is off."""
     parent = add("Parent", None)
     parent.scale = 1, 2, 1
-    lamp.data.shape, lamp.parent, lamp.rotation_euler = shape, parent, (0, 0, 0.6)
-    scene = extracted()
+    light_object.data.shape, light_object.parent, light_object.rotation_euler = shape, parent, (0, 0, 0.6)
+    scene = read_scene()
     lights = scene.lights
     area = np.linalg.norm(np.cross(lights.axis_u[0], lights.axis_v[0])) * (math.pi / 4 if shape == "ELLIPSE" else 1)
     assert np.allclose(lights.radiance[0] * math.pi * area, 100.0)
     sentence = "Sheared area lights shine evenly from what they look like, which Cycles' do not: 'Lamp'."
     assert scene.warnings == (sentence,)
     if shape == "ELLIPSE":
-        lamp.data.cycles.use_multiple_importance_sampling = False
-        ratio = ours(device)[..., 0] / direct_light(256)[..., 0]
+        light_object.data.cycles.use_multiple_importance_sampling = False
+        ratio = draw(device)[..., 0] / direct_light(256)[..., 0]
         assert abs(np.median(ratio) - 1.0) < 0.002

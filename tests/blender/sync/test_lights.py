@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights and the world: axes and watts, beside what Cycles makes of the same light."""
+"""Axes and radiance of area lights, and the world's radiance, compared with Cycles."""
 
 import math
 
@@ -13,7 +13,7 @@ from ism_addon.scene import LightShape
 SHAPES = ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"]
 
 
-def lamp(shape="SQUARE", **properties):
+def area_light(shape="SQUARE", **properties):
     """An area light of 2 m by 3 m and 40 W."""
     light = bpy.data.lights.new("Lamp", "AREA")
     light.shape, light.size, light.size_y, light.energy = shape, 2.0, 3.0, 40.0
@@ -23,10 +23,10 @@ def lamp(shape="SQUARE", **properties):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_axes_are_the_full_size_under_the_objects_scale(add, extracted, shape):
-    thing = add("Lamp", lamp(shape))
+def test_axes_are_the_full_size_under_the_objects_scale(add, read_scene, shape):
+    thing = add("Lamp", area_light(shape))
     thing.scale, thing.location, thing.rotation_euler = (2, 0.5, 3), (1, 2, 3), (math.pi / 2, 0, 0)
-    lights = extracted().lights
+    lights = read_scene().lights
     height = 3.0 if shape in ("RECTANGLE", "ELLIPSE") else 2.0
     round_shape = shape in ("DISK", "ELLIPSE")
     area = 4.0 * 0.5 * height * (math.pi / 4 if round_shape else 1.0)
@@ -41,7 +41,7 @@ def test_axes_are_the_full_size_under_the_objects_scale(add, extracted, shape):
 
 
 def cycles_radiance(scene, tmp_path):
-    """(3,) what Cycles shows of a light at the origin that a camera below it looks at."""
+    """(3,) the colour of a light at the origin, as Cycles renders it for a camera below the light."""
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.location, camera.rotation_euler = (0.01, 0.01, -1.0), (math.pi, 0, 0)
     scene.collection.objects.link(camera)
@@ -59,91 +59,91 @@ def cycles_radiance(scene, tmp_path):
 
 @pytest.mark.parametrize("normalize", [True, False])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_radiance_is_what_cycles_shows(add, extracted, empty_scene, tmp_path, shape, normalize):
-    light = lamp(shape, color=(1, 0.5, 0.25))
+def test_radiance_equals_that_of_cycles(add, read_scene, empty_scene, tmp_path, shape, normalize):
+    light = area_light(shape, color=(1, 0.5, 0.25))
     if hasattr(light, "normalize"):
         light.normalize, light.exposure, light.use_temperature, light.temperature = normalize, 1.0, True, 4000.0
     thing = add("Lamp", light)
     thing.scale, thing.visible_camera = (1.5, 2, 1), True
-    ours = extracted().lights.radiance[0]
+    ours = read_scene().lights.radiance[0]
     assert np.allclose(ours, cycles_radiance(empty_scene, tmp_path), rtol=1e-4)
 
 
-def test_a_sheared_light_keeps_its_axes(add, extracted):
+def test_a_sheared_light_keeps_its_axes(add, read_scene):
     parent = add("Parent", None)
     parent.scale = (1, 3, 1)
-    thing = add("Lamp", lamp("RECTANGLE"))
+    thing = add("Lamp", area_light("RECTANGLE"))
     thing.parent, thing.rotation_euler = parent, (0, 0, 0.6)
-    lights = extracted().lights
+    lights = read_scene().lights
     matrix = np.array(thing.matrix_world)
     assert np.allclose(lights.axis_u[0], 2 * matrix[:3, 0])
     assert np.allclose(lights.axis_v[0], 3 * matrix[:3, 1])
     assert abs(lights.axis_u[0] @ lights.axis_v[0]) > 1
 
 
-def test_spread_and_shadow_are_passed_on(add, extracted):
-    add("Lamp", lamp(spread=1.25, use_shadow=False))
-    lights = extracted().lights
+def test_spread_and_shadow_are_read(add, read_scene):
+    add("Lamp", area_light(spread=1.25, use_shadow=False))
+    lights = read_scene().lights
     assert lights.spread.tolist() == [1.25]
     assert lights.casts_shadow.tolist() == [False]
 
 
-def test_negative_power_takes_light_away(add, extracted):
-    add("Lamp", lamp(energy=-40.0))
-    assert np.all(extracted().lights.radiance < 0)
+def test_negative_power_gives_negative_radiance(add, read_scene):
+    add("Lamp", area_light(energy=-40.0))
+    assert np.all(read_scene().lights.radiance < 0)
 
 
 @pytest.mark.parametrize("properties", [{"energy": 0.0}, {"color": (0, 0, 0)}])
-def test_a_light_without_power_is_left_out_silently(add, extracted, properties):
-    add("Lamp", lamp(**properties))
-    scene = extracted()
+def test_a_light_without_power_is_left_out_silently(add, read_scene, properties):
+    add("Lamp", area_light(**properties))
+    scene = read_scene()
     assert len(scene.lights.shape) == 0
     assert scene.warnings == ()
 
 
 @pytest.mark.parametrize("scale", [(0, 1, 1), (1, 0, 1), (1, 1, 0), (math.nan, 1, 1), (1, math.inf, 1)])
-def test_a_light_without_a_size_is_left_out_and_named(add, extracted, scale):
-    add("Lamp", lamp()).scale = scale
-    scene = extracted()
+def test_a_light_without_a_size_is_left_out_and_reported(add, read_scene, scale):
+    add("Lamp", area_light()).scale = scale
+    scene = read_scene()
     assert len(scene.lights.shape) == 0
     assert scene.warnings == ("Area lights without a size, or of one beyond measure, are left out: 'Lamp'.",)
 
 
-def test_zero_size_is_left_out_and_named(add, extracted):
-    add("Lamp", lamp("RECTANGLE", size_y=0.0))
-    scene = extracted()
+def test_a_light_of_size_zero_is_left_out_and_reported(add, read_scene):
+    add("Lamp", area_light("RECTANGLE", size_y=0.0))
+    scene = read_scene()
     assert len(scene.lights.shape) == 0
     assert scene.warnings == ("Area lights without a size, or of one beyond measure, are left out: 'Lamp'.",)
 
 
-def test_a_light_beyond_all_brightness_is_left_out_and_named(add, extracted):
-    add("Lamp", lamp(energy=3e38))
-    scene = extracted()
+def test_a_light_that_is_too_bright_is_left_out_and_reported(add, read_scene):
+    add("Lamp", area_light(energy=3e38))
+    scene = read_scene()
     assert len(scene.lights.shape) == 0
     assert scene.warnings == ("Area lights too bright to be drawn are left out: 'Lamp'.",)
 
 
-def test_other_lights_get_one_sentence_a_type(add, extracted):
-    for kind in ("POINT", "POINT", "SUN", "SPOT"):
-        add(kind.title(), bpy.data.lights.new(kind, kind))
-    assert extracted().warnings == (
+def test_other_types_of_lights_are_reported_in_one_sentence_each(add, read_scene):
+    for light_type in ("POINT", "POINT", "SUN", "SPOT"):
+        add(light_type.title(), bpy.data.lights.new(light_type, light_type))
+    assert read_scene().warnings == (
         "Only area lights shine in this engine, point lights are left out: 'Point', 'Point.001'.",
         "Only area lights shine in this engine, sun lights are left out: 'Sun'.",
         "Only area lights shine in this engine, spot lights are left out: 'Spot'.",
     )
 
 
-def test_no_lights_are_an_empty_table(add, extracted):
-    lights = extracted().lights
+def test_no_lights_are_an_empty_table(add, read_scene):
+    lights = read_scene().lights
     assert lights.position.shape == (0, 3)
     assert lights.radiance.dtype == np.float32
     assert lights.normal.dtype == np.float64
 
 
-def test_a_mirrored_light_shines_the_other_way(add, extracted):
-    thing = add("Lamp", lamp())
+def test_a_mirrored_light_has_the_opposite_normal(add, read_scene):
+    thing = add("Lamp", area_light())
     thing.matrix_world = Matrix.Diagonal((1, 1, -1, 1))
-    assert np.allclose(extracted().lights.normal, np.array(thing.matrix_world)[:3, 2] * -1)
+    assert np.allclose(read_scene().lights.normal, np.array(thing.matrix_world)[:3, 2] * -1)
 
 
 def world_with_nodes(scene):
@@ -153,39 +153,39 @@ def world_with_nodes(scene):
     return world
 
 
-def test_the_world_is_its_background_times_its_strength(extracted, empty_scene):
+def test_the_world_is_its_background_times_its_strength(read_scene, empty_scene):
     background = world_with_nodes(empty_scene).node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (0.5, 0.25, 1, 1)
     background.inputs["Strength"].default_value = 2
-    assert extracted().world.radiance.tolist() == [1, 0.5, 2]
+    assert read_scene().world.radiance.tolist() == [1, 0.5, 2]
 
 
-def test_no_world_is_black(extracted):
-    assert extracted().world.radiance.tolist() == [0, 0, 0]
+def test_no_world_is_black(read_scene):
+    assert read_scene().world.radiance.tolist() == [0, 0, 0]
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0), reason="since Blender 5.0 a world always has nodes")
-def test_a_world_without_nodes_has_its_own_colour(extracted, empty_scene):
+def test_a_world_without_nodes_has_its_own_colour(read_scene, empty_scene):
     empty_scene.world = bpy.data.worlds.new("World")
     empty_scene.world.color = (0.5, 0.25, 0.125)
-    assert extracted().world.radiance.tolist() == [0.5, 0.25, 0.125]
+    assert read_scene().world.radiance.tolist() == [0.5, 0.25, 0.125]
 
 
-def test_a_textured_world_has_the_plain_colour_and_a_sentence(extracted, empty_scene):
+def test_a_textured_world_has_the_plain_colour_and_is_reported(read_scene, empty_scene):
     tree = world_with_nodes(empty_scene).node_tree
     background = tree.nodes["Background"]
     background.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1)
     background.inputs["Strength"].default_value = 1
     tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs["Color"], background.inputs["Color"])
-    scene = extracted()
+    scene = read_scene()
     assert scene.world.radiance.tolist() == [0.25, 0.25, 0.25]
     assert scene.warnings == (
         "A world coloured by a node 'Sky Texture' is drawn in the Background's plain colour: 'World'.",
     )
 
 
-def test_a_world_of_no_number_is_black(extracted, empty_scene):
+def test_a_world_that_is_not_finite_has_finite_radiance(read_scene, empty_scene):
     background = world_with_nodes(empty_scene).node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (math.nan, 1, 1, 1)
     background.inputs["Strength"].default_value = math.inf
-    assert np.isfinite(extracted().world.radiance).all()
+    assert np.isfinite(read_scene().world.radiance).all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles, normals, UVs and material slots of single meshes, beside Blender's own data."""
+"""Triangles, normals, UVs and material slots of single meshes, compared with Blender's own data."""
 
 import math
 
@@ -13,8 +13,8 @@ from tests.scenes.cycles import direct_light
 NAN, INF = math.nan, math.inf
 
 
-def paint(source: bpy.types.Mesh) -> None:
-    """Give it a material with an image: UVs of no others are read."""
+def add_image_material(source: bpy.types.Mesh) -> None:
+    """Give the mesh a material with an image: UVs are read only for those."""
     material = bpy.data.materials.new("Paint")
     material.use_nodes = True
     tree = material.node_tree
@@ -24,13 +24,13 @@ def paint(source: bpy.types.Mesh) -> None:
     source.materials.append(material)
 
 
-def test_a_mesh_is_blenders_own_triangles(add, extracted):
+def test_a_mesh_is_blenders_own_triangles(add, read_scene):
     bpy.ops.mesh.primitive_monkey_add()
     bpy.ops.object.shade_smooth()
     source = bpy.context.object.data
-    paint(source)
+    add_image_material(source)
     source.calc_loop_triangles()
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert mesh.positions.tolist() == [list(vertex.co) for vertex in source.vertices]
     assert mesh.triangles.tolist() == [list(triangle.vertices) for triangle in source.loop_triangles]
     corners = [list(triangle.loops) for triangle in source.loop_triangles]
@@ -49,50 +49,50 @@ def test_a_mesh_is_blenders_own_triangles(add, extracted):
 
 
 @pytest.mark.parametrize("operator", ["primitive_ico_sphere_add", "primitive_uv_sphere_add", "primitive_cylinder_add"])
-def test_triangles_quads_and_polygons_have_their_area(add, extracted, operator):
+def test_triangulation_keeps_the_area_of_polygons(add, read_scene, operator):
     getattr(bpy.ops.mesh, operator)()
     source = bpy.context.object.data
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     a, b, c = (mesh.positions[mesh.triangles[:, corner]] for corner in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
     assert area == pytest.approx(sum(polygon.area for polygon in source.polygons), rel=1e-5)
 
 
-def test_quads_are_cut_as_blender_cuts_them(add, extracted):
-    """Flat and bent ones, and ones that overlap themselves along one of their diagonals."""
+def test_quads_are_triangulated_as_by_blender(add, read_scene):
+    """Quads that are flat, bent, or overlap themselves along one of their diagonals."""
     random = np.random.default_rng(0)
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     corners = square + random.normal(size=(300, 4, 3)) * random.choice([0.0, 0.2, 0.6], (300, 1, 1))
     source = add("Bent", (corners.reshape(-1, 3).tolist(), np.arange(1200).reshape(-1, 4).tolist())).data
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     source.calc_loop_triangles()
     assert mesh.triangles.tolist() == [list(triangle.vertices) for triangle in source.loop_triangles]
-    assert {2, 3} <= {int(third) % 4 for third in mesh.triangles[::2, 2]}, "some are cut along each diagonal"
+    assert {2, 3} <= {int(third) % 4 for third in mesh.triangles[::2, 2]}, "both diagonals occur"
 
 
-def test_modifiers_are_applied(add, extracted):
+def test_modifiers_are_applied(add, read_scene):
     add("Plain").modifiers.new("Subdivision", "SUBSURF").levels = 2
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert len(mesh.triangles) == 32
 
 
-def test_flat_faces_have_their_own_normals_and_smooth_ones_share(add, extracted):
+def test_flat_faces_have_face_normals_and_smooth_ones_vertex_normals(add, read_scene):
     bpy.ops.mesh.primitive_cube_add()
     source = bpy.context.object.data
-    (flat,) = extracted().meshes
+    (flat,) = read_scene().meshes
     assert set(np.abs(flat.normals).max(axis=2).reshape(-1)) == {1.0}
     source.shade_smooth()
-    (smooth,) = extracted().meshes
+    (smooth,) = read_scene().meshes
     assert np.allclose(np.abs(smooth.normals), 1 / math.sqrt(3), atol=1e-6)
 
 
-#: A bent quad and one that is plane, which share an edge.
+#: A bent quad and a plane one, which share an edge.
 BENT = ([(-1, -1, 0), (0, -1, 0), (0, 1, 0.6), (-1, 1, 0), (1, -1, 0), (1, 1, 0.6)], [(0, 1, 2, 3), (1, 4, 5, 2)])
 
 
 @pytest.mark.parametrize("smooth", [(False, False), (False, True), (True, True)])
 @pytest.mark.parametrize("custom", [False, True])
-def test_bent_flat_faces_have_their_triangles_normals_as_in_cycles(add, extracted, empty_scene, smooth, custom):
+def test_bent_flat_faces_have_triangle_normals_as_in_cycles(add, read_scene, empty_scene, smooth, custom):
     thing = add("Bent", BENT)
     thing.data.polygons.foreach_set("use_smooth", smooth)
     if custom:
@@ -101,64 +101,64 @@ def test_bent_flat_faces_have_their_triangles_normals_as_in_cycles(add, extracte
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    output, emission, seen = (
+    output, emission, geometry = (
         tree.nodes.new(f"ShaderNode{name}") for name in ("OutputMaterial", "Emission", "NewGeometry")
     )
-    tree.links.new(seen.outputs["Normal"], emission.inputs["Color"])
+    tree.links.new(geometry.outputs["Normal"], emission.inputs["Color"])
     tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
     thing.data.materials.append(material)
     camera = empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
     camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2.0, (0, 0, 9)
     empty_scene.render.resolution_x = empty_scene.render.resolution_y = 16
-    (mesh,) = extracted().meshes
-    truth = direct_light(1)[..., :3]
-    places = (np.arange(16) + 0.5) / 8.0 - 1.0
+    (mesh,) = read_scene().meshes
+    reference = direct_light(1)[..., :3]
+    coordinates = (np.arange(16) + 0.5) / 8.0 - 1.0
     corners = mesh.positions[mesh.triangles].astype(np.float64)
-    # Cycles shades a smooth face beside a flat one as if both were smooth, Blender does not.
+    # Cycles shades a smooth face beside a flat one as if both were smooth; Blender does not.
     for row, column in [(12, 2), (3, 5), (12, 10), (3, 13)][: 2 if smooth[0] != smooth[1] else 4]:
-        at = np.array([places[column], places[row]])
+        point = coordinates[column], coordinates[row], 1.0
         flat = np.concatenate([corners[:, :, :2], np.ones((len(corners), 3, 1))], 2)
-        parts = np.linalg.solve(flat.transpose(0, 2, 1), np.broadcast_to([[*at, 1.0]], (len(flat), 3))[..., None])
-        inside = int(np.argmax(parts[..., 0].min(1)))
-        normal = parts[inside, :, 0] @ mesh.corner_normals[inside]
-        assert np.allclose(normal / np.linalg.norm(normal), truth[row, column], atol=0.02)
+        barycentrics = np.linalg.solve(flat.transpose(0, 2, 1), np.broadcast_to([point], (len(flat), 3))[..., None])
+        triangle = int(np.argmax(barycentrics[..., 0].min(1)))
+        normal = barycentrics[triangle, :, 0] @ mesh.corner_normals[triangle]
+        assert np.allclose(normal / np.linalg.norm(normal), reference[row, column], atol=0.02)
 
 
-def test_plane_flat_faces_keep_their_faces_normals(add, extracted):
+def test_plane_flat_faces_have_blenders_face_normals(add, read_scene):
     bpy.ops.mesh.primitive_cylinder_add(rotation=(0.3, 0.4, 0.5))
     bpy.ops.object.transform_apply()
     source = bpy.context.object.data
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     source.calc_loop_triangles()
     normals = [list(source.polygon_normals[triangle.polygon_index].vector) for triangle in source.loop_triangles]
     assert mesh.normals[:, 0].tolist() == normals
 
 
-def test_custom_normals_are_kept(add, extracted):
+def test_custom_normals_are_kept(add, read_scene):
     source = add("Bent").data
     source.normals_split_custom_set([(0.6, 0.0, 0.8)] * 4)
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert np.allclose(mesh.normals, (0.6, 0.0, 0.8), atol=1e-3)
 
 
-def test_the_layer_that_renders_gives_the_uvs(add, extracted):
+def test_uvs_are_those_of_the_layer_that_is_active_for_rendering(add, read_scene):
     source = add("Mapped").data
-    paint(source)
+    add_image_material(source)
     for name, value in (("First", 0.25), ("Second", 0.75)):
         layer = source.uv_layers.new(name=name)
         layer.uv.foreach_set("vector", [value] * 8)
     source.uv_layers["Second"].active_render = True
     source.uv_layers["First"].active = True
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert mesh.uvs.shape == (2, 3, 2)
     assert np.all(mesh.uvs == 0.75)
 
 
-def mapped(add, names=("First", "Second", "Third")):
-    """Two triangles of two slots, with layers whose UVs are .1, .2 and .3."""
+def mesh_with_uv_layers(add, names=("First", "Second", "Third")):
+    """A mesh of two triangles with two slots and UV layers, whose UVs are all 0.1, all 0.2 and all 0.3."""
     source = add("Mapped", ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])).data
-    for number, name in enumerate(names):
-        source.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(number + 1) / 10] * 12))
+    for index, name in enumerate(names):
+        source.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(index + 1) / 10] * 12))
     source.polygons.foreach_set("material_index", [1, 0])
     return source
 
@@ -167,18 +167,18 @@ def mapped(add, names=("First", "Second", "Third")):
     ("layers", "uvs"), [(("Second",), (0.2, 0.2)), (("", "Third"), (0.3, 0.1)), (("Gone", "Second"), (0.2, 0.0))]
 )
 def test_each_slot_has_the_uvs_of_the_layer_that_it_names(add, layers, uvs):
-    source = mapped(add)
-    found = meshes.triangulated([meshes.read(source, tuple(range(len(layers))), layers)])[0].mesh.uvs
-    assert np.array_equal(found, np.broadcast_to(np.float32(uvs)[:, None, None], (2, 3, 2)))
+    source = mesh_with_uv_layers(add)
+    result = meshes.triangulated([meshes.read(source, tuple(range(len(layers))), layers)])[0].mesh.uvs
+    assert np.array_equal(result, np.broadcast_to(np.float32(uvs)[:, None, None], (2, 3, 2)))
 
 
-def test_a_mesh_without_uvs_has_none(add, extracted):
+def test_a_mesh_without_uvs_has_none(add, read_scene):
     add("Bare")
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert mesh.uvs.shape == (0, 3, 2)
 
 
-def test_faces_of_slots_that_are_not_there_have_the_last_slots_material(add):
+def test_material_slots_that_do_not_exist_are_clamped(add):
     source = add("Many", ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])).data
     for name in ("A", "B"):
         source.materials.append(bpy.data.materials.new(name))
@@ -189,9 +189,9 @@ def test_faces_of_slots_that_are_not_there_have_the_last_slots_material(add):
 
 
 @pytest.mark.parametrize("bad", [NAN, INF, -INF, 1e30])
-def test_a_vertex_that_is_no_place_takes_only_its_triangles_with_it(add, extracted, bad):
+def test_an_invalid_vertex_removes_only_its_triangles(add, read_scene, bad):
     add("Torn", ([(0, 0, 0), (bad, 0, 0), (1, 1, 0), (0, 1, 0), (2, 2, 0)], [(0, 1, 2), (0, 2, 3), (2, 3, 4)]))
-    scene = extracted()
+    scene = read_scene()
     (mesh,) = scene.meshes
     corners = mesh.positions[mesh.triangles]
     assert corners.tolist() == [[[0, 0, 0], [1, 1, 0], [0, 1, 0]], [[1, 1, 0], [0, 1, 0], [2, 2, 0]]]
@@ -200,29 +200,29 @@ def test_a_vertex_that_is_no_place_takes_only_its_triangles_with_it(add, extract
     assert scene.warnings == ("Triangles with corners that are no numbers, or beyond 1e+09 m, are left out: 'Torn'.",)
 
 
-def test_vertices_of_no_triangle_are_left_out(add, extracted):
+def test_vertices_without_triangles_are_left_out(add, read_scene):
     thing = add("Loose", ([(NAN, 0, 0), (1e30, 0, 0), (0, 0, 0), (1, 0, 0), (0, 1, 0)], [(2, 3, 4)]))
-    scene = extracted()
+    scene = read_scene()
     assert len(thing.data.vertices) == 5
     assert scene.meshes[0].positions.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     assert scene.meshes[0].triangles.tolist() == [[0, 1, 2]]
     assert scene.warnings == ()
 
 
-def test_triangles_without_area_are_left_out_and_counted(add, extracted):
+def test_triangles_without_area_are_left_out_and_counted(add, read_scene):
     line = [(0, 0, 0), (1, 1, 1), (2, 2, 2), (0, 1, 0)]
     add("Thin", (line, [(0, 1, 2), (0, 0, 1), (0, 1, 3)]))
-    scene = extracted()
+    scene = read_scene()
     assert len(scene.meshes[0].triangles) == 1
     assert scene.warnings == ("Triangles without area are left out: 'Thin' (2).",)
 
 
-def test_meshes_without_triangles_do_not_stand_in_the_scene(add, extracted):
+def test_meshes_without_triangles_are_left_out(add, read_scene):
     add("Nothing", ([], []))
     add("Points", ([(0, 0, 0), (1, 0, 0)], []))
     add("Collapsed", ([(0, 0, 0)] * 3, [(0, 1, 2)]))
     add("Lost", ([(NAN, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
-    scene = extracted()
+    scene = read_scene()
     assert scene.meshes == ()
     assert scene.instances.mesh.shape == (0,)
     assert scene.instances.world_from_object.shape == (0, 4, 4)
@@ -230,18 +230,18 @@ def test_meshes_without_triangles_do_not_stand_in_the_scene(add, extracted):
     assert len(scene.warnings) == 2
 
 
-def test_normals_and_uvs_that_are_no_numbers_are_repaired(add, extracted):
+def test_normals_and_uvs_that_are_not_finite_are_repaired(add, read_scene):
     source = add("Odd").data
-    paint(source)
+    add_image_material(source)
     layer = source.uv_layers.new(name="UV")
     layer.uv.foreach_set("vector", [0.5, NAN, INF, 0.5, 0.5, -INF, 0.5, 0.5])
-    (mesh,) = extracted().meshes
+    (mesh,) = read_scene().meshes
     assert np.isfinite(mesh.uvs).all()
     assert set(mesh.uvs.reshape(-1)) == {0.0, 0.5}
     assert np.all(mesh.normals == (0, 0, 1))
 
 
-def test_a_corner_without_a_normal_has_its_triangles():
+def test_a_corner_without_a_normal_has_that_of_its_triangle():
     positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
     normals = np.float32([[NAN, 0, 0], [0, 0, 0], [1, 0, 0]])
     for given in (normals, normals[None]):
@@ -249,13 +249,13 @@ def test_a_corner_without_a_normal_has_its_triangles():
 
 
 def test_normals_are_of_unit_length():
-    """Blender 4.5's free normals, attributes of any numbers, need not be."""
+    """The free normals of Blender 4.5 are attributes, which may have any length."""
     positions, triangles = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
     normals = np.float32([[0.7, 0, 0], [0, 3, 0], [0, 0, 1]])
     assert meshes._repaired(normals, positions, triangles).tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
-def test_a_mesh_in_edit_mode_is_read_as_it_stands(add, extracted):
+def test_a_mesh_in_edit_mode_is_read_with_its_edits(add, read_scene):
     import bmesh
 
     thing = add("Edited")
@@ -263,6 +263,6 @@ def test_a_mesh_in_edit_mode_is_read_as_it_stands(add, extracted):
     bpy.ops.object.mode_set(mode="EDIT")
     bmesh.ops.create_cube(bmesh.from_edit_mesh(thing.data))
     bmesh.update_edit_mesh(thing.data)
-    assert extracted().triangle_count == 14
+    assert read_scene().triangle_count == 14
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert extracted().triangle_count == 14
+    assert read_scene().triangle_count == 14

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes that are made into triangles together are what each is alone."""
+"""Meshes that are triangulated together equal those that are triangulated one by one."""
 
 import math
 
@@ -11,14 +11,14 @@ from ism_addon.blender.sync.geometry import meshes
 NAN, INF = math.nan, math.inf
 
 
-def assorted(random: np.random.Generator, add, number: int) -> bpy.types.Mesh:
-    """A mesh of a few triangles, quads or polygons, with holes in what it says of itself, or without."""
+def random_mesh(random: np.random.Generator, add, index: int) -> bpy.types.Mesh:
+    """A mesh of few triangles, quads or polygons; vertices may be invalid, UVs missing, slots out of range."""
     count, sides = int(random.integers(3, 12)), random.choice(["3", "4", "34", "345"])
     points = random.normal(size=(max(count, 5), 3))
     if random.random() < 0.3:
         points[random.integers(count)] = random.choice([NAN, INF, 1e30, 0.0])
     corners = [int(random.choice(list(sides))) for _ in range(random.integers(1, 7))]
-    source = add(f"Mesh {number}", (points.tolist(), [random.permutation(count)[:k].tolist() for k in corners])).data
+    source = add(f"Mesh {index}", (points.tolist(), [random.permutation(count)[:k].tolist() for k in corners])).data
     source.polygons.foreach_set("use_smooth", random.integers(0, 2 if random.random() < 0.5 else 1, len(corners)))
     if random.random() < 0.3:
         source.shade_smooth()
@@ -31,23 +31,23 @@ def assorted(random: np.random.Generator, add, number: int) -> bpy.types.Mesh:
     return source
 
 
-def test_meshes_that_are_made_together_are_what_each_is_alone(add):
-    """Of all kinds, with vertices that are no places, triangles without area, slots that are not there."""
+def test_meshes_triangulated_together_equal_those_triangulated_one_by_one(add):
+    """Many data layouts, invalid vertices, triangles without area, and slots that do not exist."""
     random = np.random.default_rng(0)
-    sources = [assorted(random, add, number) for number in range(120)]
+    sources = [random_mesh(random, add, index) for index in range(120)]
     raws = [meshes.read(source, tuple(range(k % 3 + 1))) for k, source in enumerate(sources)]
     assert len({raw.layout for raw in raws}) > 12
     together = meshes.triangulated(raws)
     assert 0 < sum(each.mesh is None for each in together) < 60
     for one, raw in zip(together, raws, strict=True):
-        (alone,) = meshes.triangulated([raw])
-        assert one[1:] == alone[1:]
-        assert (one.mesh is None) == (alone.mesh is None)
-        assert one.mesh is None or one.mesh.equals(alone.mesh)
+        (single,) = meshes.triangulated([raw])
+        assert one[1:] == single[1:]
+        assert (one.mesh is None) == (single.mesh is None)
+        assert one.mesh is None or one.mesh.equals(single.mesh)
 
 
-def test_a_mesh_whose_normals_are_mended_leaves_those_beside_it_alone(add):
-    """It has normals by corner then; the others keep theirs by vertex."""
+def test_repairing_the_normals_of_a_mesh_leaves_the_others_unchanged(add):
+    """The repaired mesh then has normals per corner; the others keep theirs per vertex."""
     raws = []
     for name in ("One", "Odd", "Other"):
         source = add(name).data

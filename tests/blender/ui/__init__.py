@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings and presets, as panels have them."""
+"""Settings and presets of the panels."""

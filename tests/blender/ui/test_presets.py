@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of quality, as users choose, keep and remove them."""
+"""Quality presets: choosing, saving and removing them."""
 
 from dataclasses import astuple
 from pathlib import Path
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Of its own for what users keep."""
+    """An empty folder of user presets."""
     monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path))
 
 
@@ -30,23 +30,25 @@ def scene():
     return open_empty_file()
 
 
-def found():
+def preset_paths():
     """Paths of all presets, by name."""
     folders = bpy.utils.preset_paths(ISM_RENDER_PT_presets.preset_subdir)
     return {path.stem: path for folder in folders for path in Path(folder).glob("*.py")}
 
 
 def choose(name):
-    bpy.ops.script.execute_preset(filepath=str(found()[name]), menu_idname="ISM_RENDER_PT_presets")
+    """Apply a preset."""
+    bpy.ops.script.execute_preset(filepath=str(preset_paths()[name]), menu_idname="ISM_RENDER_PT_presets")
 
 
-def chosen():
+def current_values():
+    """Values of all settings that presets set."""
     ism = bpy.context.scene.ism
     return {f"{group}.{name}": getattr(getattr(ism, group), name) for group, name in ABOUT}
 
 
-def turn(scene):
-    """All that a preset is about, away from its default."""
+def change_all(scene):
+    """Set everything that presets set to other values than the defaults."""
     scene.ism.shadow.method = "SHADOW_MAPS"
     scene.ism.viewport.resolution = "25"
     for group in (scene.ism.render, scene.ism.viewport):
@@ -54,30 +56,30 @@ def turn(scene):
             setattr(group, member.name, getattr(group, member.name) + 3)
 
 
-def test_ours_are_there():
-    assert set(found()) == OURS
+def test_our_presets_exist():
+    assert set(preset_paths()) == OURS
 
 
-def test_good_is_what_the_settings_are_by_themselves(scene):
-    before = chosen()
-    turn(scene)
-    assert not {name for name, value in chosen().items() if value == before[name]}
+def test_the_default_preset_has_the_default_settings(scene):
+    before = current_values()
+    change_all(scene)
+    assert not {name for name, value in current_values().items() if value == before[name]}
     choose("Default")
-    assert chosen() == before
+    assert current_values() == before
 
 
 @pytest.mark.parametrize(("name", "times", "resolution"), [("Draft", 0.25, "50"), ("Final", 4, "100")])
-def test_a_preset_changes_what_it_says(scene, name, times, resolution):
+def test_draft_and_final_change_samples_and_resolution(scene, name, times, resolution):
     choose("Default")
-    before = chosen()
-    turn(scene)
+    before = current_values()
+    change_all(scene)
     choose(name)
     samples = {"render.samples": FINAL.samples * times, "viewport.samples": VIEWPORT.samples * times}
-    assert chosen() == before | samples | {"viewport.resolution": resolution}
+    assert current_values() == before | samples | {"viewport.resolution": resolution}
 
 
 def test_the_report_of_2013(scene):
-    turn(scene)
+    change_all(scene)
     choose("Report_2013")
     render, viewport = (read_settings.read(scene, use) for use in ("render", "viewport"))
     assert render == viewport
@@ -85,27 +87,27 @@ def test_the_report_of_2013(scene):
     assert astuple(render.quality) == pytest.approx(astuple(settings.Quality(samples=1)))
 
 
-def test_the_look_is_left_alone(scene):
+def test_other_settings_are_left_unchanged(scene):
     scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.debug_view = 3.0, 2.0, "normal"
     for name in OURS:
         choose(name)
     assert (scene.ism.ssao.radius, scene.ism.shadow.bias, scene.ism.debug_view) == (3.0, 2.0, "normal")
 
 
-def test_users_keep_and_remove_their_own(scene, tmp_path):
-    turn(scene)
-    kept = chosen()
+def test_users_can_save_and_remove_their_own(scene, tmp_path):
+    change_all(scene)
+    own_values = current_values()
     bpy.ops.render.ism_preset_add(name="My own")
-    assert found()["My_own"].is_relative_to(tmp_path)
+    assert preset_paths()["My_own"].is_relative_to(tmp_path)
     choose("Default")
-    assert chosen() != kept
+    assert current_values() != own_values
     choose("My_own")
-    assert chosen() == kept
+    assert current_values() == own_values
     bpy.ops.render.ism_preset_add(name="My_own", remove_name=True)
-    assert set(found()) == OURS
+    assert set(preset_paths()) == OURS
 
 
-OF_0_1_0 = """import bpy
+PRESET_OF_0_1_0 = """import bpy
 ism = bpy.context.scene.ism
 
 ism.shadow.method = 'CLASSIC'
@@ -115,21 +117,21 @@ ism.viewport.surface_points = 4096
 """
 
 
-def test_one_that_version_0_1_0_saved_keeps_its_values(scene, tmp_path, capfd):
+def test_a_preset_of_version_0_1_0_keeps_its_values(scene, tmp_path, capfd):
     folder = tmp_path / "presets" / ISM_RENDER_PT_presets.preset_subdir
     folder.mkdir(parents=True)
-    (folder / "Old.py").write_text(OF_0_1_0)
-    for _ in range(2):  # as it was, and as it has been written anew
+    (folder / "Old.py").write_text(PRESET_OF_0_1_0)
+    for _ in range(2):  # as 0.1.0 saved it, and as its first use has rewritten it
         choose("Default")
         choose("Old")
-        found = chosen()
-        assert found["shadow.method"] == "SHADOW_MAPS"
-        assert (found["render.samples"], found["viewport.samples"]) == (5, VIEWPORT.samples)
-        assert (found["render.virtual_lights"], found["viewport.map_points"]) == (64, 4096)
+        values = current_values()
+        assert values["shadow.method"] == "SHADOW_MAPS"
+        assert (values["render.samples"], values["viewport.samples"]) == (5, VIEWPORT.samples)
+        assert (values["render.virtual_lights"], values["viewport.map_points"]) == (64, 4096)
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_choice_can_be_undone(scene):
+def test_choosing_a_preset_can_be_undone(scene):
     scene.ism.render.samples = 9
     bpy.ops.ed.undo_push(message="before")
     choose("Final")
@@ -138,16 +140,16 @@ def test_a_choice_can_be_undone(scene):
     assert bpy.context.scene.ism.render.samples == 9
 
 
-def test_nothing_goes_wrong_without_a_word(scene, capfd):
-    """Blender prints what fails in a preset, and goes on."""
+def test_our_presets_print_no_errors(scene, capfd):
+    """Blender prints an error in a preset and continues."""
     for name in OURS:
         choose(name)
     assert capfd.readouterr() == ("", "")
 
 
-def test_they_are_gone_after_unregister():
+def test_presets_are_gone_after_unregister():
     addon.unregister()
     try:
-        assert not found()
+        assert not preset_paths()
     finally:
         addon.register()

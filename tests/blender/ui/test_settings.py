@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every setting goes the whole way: a field of `settings`, a property of Blender's, and back."""
+"""Each field of `settings` is a property in Blender, and is read back from it."""
 
 from dataclasses import asdict, astuple, fields
 
@@ -18,7 +18,7 @@ GROUPS = {
     "viewport": settings.VIEWPORT,
     "": settings.Settings(),
 }
-EVERY = [
+ALL_SETTINGS = [
     pytest.param(name, member, control, id=f"{name}.{member.name}")
     for name, defaults in GROUPS.items()
     for member, control in settings.setting_fields(type(defaults))
@@ -26,7 +26,7 @@ EVERY = [
 
 
 def group_of(scene, name):
-    """scene.ism.shadow and its like, or for "" scene.ism."""
+    """The property group scene.ism.NAME, or scene.ism for ""."""
     return getattr(scene.ism, name) if name else scene.ism
 
 
@@ -38,8 +38,8 @@ def scene():
     return open_empty_file()
 
 
-def another(control, default):
-    """A value within the range that is not the default."""
+def other_value(control, default):
+    """A value within the range, other than the default."""
     if isinstance(default, bool):
         return not default
     if isinstance(default, settings.Choice):
@@ -47,32 +47,32 @@ def another(control, default):
     return type(default)(default + 1) if default + 1 <= control.high else type(default)((default + control.low) / 2)
 
 
-def turn_all(scene):
+def change_all(scene):
     for name, defaults in GROUPS.items():
         for member, control in settings.setting_fields(type(defaults)):
-            setattr(group_of(scene, name), member.name, another(control, getattr(defaults, member.name)))
+            setattr(group_of(scene, name), member.name, other_value(control, getattr(defaults, member.name)))
 
 
 def approximately(value):
-    """What equals a value up to the float32 in which Blender keeps its properties."""
+    """Equals a value up to the precision of float32, in which Blender stores its properties."""
     return pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
 
 
-def same(ours, theirs):
+def is_equal(ours, theirs):
     return astuple(ours) == tuple(approximately(value) for value in astuple(theirs))
 
 
 def test_defaults(scene):
     for use, quality in (("render", settings.FINAL), ("viewport", settings.VIEWPORT)):
         read = read_settings.read(scene, use)
-        assert same(read.shadow, settings.Shadow())
-        assert same(read.ssao, settings.SSAO())
-        assert same(read.quality, settings.Quality(*astuple(quality)[: len(fields(settings.Quality))]))
+        assert is_equal(read.shadow, settings.Shadow())
+        assert is_equal(read.ssao, settings.SSAO())
+        assert is_equal(read.quality, settings.Quality(*astuple(quality)[: len(fields(settings.Quality))]))
         assert read.debug_view == settings.Settings().debug_view
 
 
-@pytest.mark.parametrize("name, member, control", EVERY)
-def test_property_says_what_the_field_says(scene, name, member, control):
+@pytest.mark.parametrize("name, member, control", ALL_SETTINGS)
+def test_a_property_has_the_name_limits_and_unit_of_its_field(scene, name, member, control):
     rna = group_of(scene, name).bl_rna.properties[member.name]
     default = getattr(GROUPS[name], member.name)
     assert (rna.name, rna.description) == (control.label, control.meaning)
@@ -94,22 +94,22 @@ def test_units_follow_the_scene(scene):
     assert (ssao["radius"].unit, ssao["cone_angle"].unit) == ("LENGTH", "ROTATION")
 
 
-@pytest.mark.parametrize("name, member, control", [each for each in EVERY if each.id != "viewport.resolution"])
-def test_values_arrive_and_stay_in_range(scene, name, member, control):
+@pytest.mark.parametrize("name, member, control", [each for each in ALL_SETTINGS if each.id != "viewport.resolution"])
+def test_values_are_read_back_within_their_range(scene, name, member, control):
     group, default = group_of(scene, name), getattr(GROUPS[name], member.name)
 
-    def arrived():
+    def read_back():
         read = read_settings.read(scene, "render" if name == "render" else "viewport")
-        part = {"render": read.quality, "viewport": read.quality, "": read}.get(name) or getattr(read, name)
-        return getattr(part, member.name)
+        section = {"render": read.quality, "viewport": read.quality, "": read}.get(name) or getattr(read, name)
+        return getattr(section, member.name)
 
-    setattr(group, member.name, another(control, default))
-    assert type(arrived()) is type(default)
-    assert arrived() == approximately(another(control, default))
+    setattr(group, member.name, other_value(control, default))
+    assert type(read_back()) is type(default)
+    assert read_back() == approximately(other_value(control, default))
     if control.high is not None:
-        for beyond, limit in ((control.low - 1, control.low), (min(control.high * 2, 2**31 - 1), control.high)):
-            setattr(group, member.name, type(default)(beyond))
-            assert arrived() == pytest.approx(limit)
+        for out_of_range, limit in ((control.low - 1, control.low), (min(control.high * 2, 2**31 - 1), control.high)):
+            setattr(group, member.name, type(default)(out_of_range))
+            assert read_back() == pytest.approx(limit)
 
 
 def test_an_unknown_choice_is_refused(scene):
@@ -129,17 +129,17 @@ def test_an_unknown_choice_is_refused(scene):
         ),
     ],
 )
-def test_panels_have_the_settings_of_the_method(scene, method, shadow, sampling):
+def test_panels_show_the_settings_of_the_method(scene, method, shadow, sampling):
     scene.ism.shadow.method = method
     assert panels.ISM_RENDER_PT_shadow.shown(scene) == shadow
     assert panels.ISM_RENDER_PT_sampling_render.shown(scene) == sampling
     assert panels.ISM_RENDER_PT_sampling_viewport.shown(scene) == [*sampling, "resolution"]
 
 
-def test_the_two_qualities_are_apart(scene):
+def test_render_and_viewport_quality_are_independent(scene):
     scene.ism.viewport.samples = 3
     assert read_settings.read(scene, "viewport").quality.samples == 3
-    assert same(read_settings.read(scene, "render").quality, settings.FINAL)
+    assert is_equal(read_settings.read(scene, "render").quality, settings.FINAL)
 
 
 def test_a_debug_view_is_for_the_viewport_alone(scene):
@@ -149,14 +149,14 @@ def test_a_debug_view_is_for_the_viewport_alone(scene):
 
 
 @pytest.mark.parametrize(("resolution", "pixels"), [("100", 1), ("50", 2), ("25", 4)])
-def test_a_resolution_is_a_size_of_pixels(scene, resolution, pixels):
+def test_a_resolution_sets_the_pixel_size(scene, resolution, pixels):
     scene.ism.viewport.resolution = resolution
     assert read_settings.pixel_size(scene) == pixels
     assert not hasattr(scene.ism.render, "resolution")
 
 
-def test_survive_the_file(scene, tmp_path):
-    turn_all(scene)
+def test_settings_are_saved_in_the_file(scene, tmp_path):
+    change_all(scene)
     before = {use: read_settings.read(scene, use) for use in ("render", "viewport")}
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "turned.blend"))
     open_empty_file()
@@ -166,25 +166,25 @@ def test_survive_the_file(scene, tmp_path):
         assert asdict(read_settings.read(bpy.context.scene, use)) == asdict(expected)
 
 
-def test_a_copied_scene_keeps_them(scene):
-    turn_all(scene)
+def test_a_copied_scene_keeps_its_settings(scene):
+    change_all(scene)
     assert read_settings.read(scene.copy(), "render") == read_settings.read(scene, "render")
 
 
-@pytest.mark.parametrize("name, member, control", EVERY)
-def test_keyframes_move_them(scene, name, member, control):
+@pytest.mark.parametrize("name, member, control", ALL_SETTINGS)
+def test_keyframes_animate_settings(scene, name, member, control):
     default = getattr(GROUPS[name], member.name)
     path = ".".join(filter(None, ("ism", name, member.name)))
-    for frame, value in ((1, default), (11, another(control, default))):
+    for frame, value in ((1, default), (11, other_value(control, default))):
         setattr(group_of(scene, name), member.name, value)
         assert scene.keyframe_insert(path, frame=frame)
-    for frame, value in ((1, default), (11, another(control, default))):
+    for frame, value in ((1, default), (11, other_value(control, default))):
         scene.frame_set(frame)
         evaluated = bpy.context.evaluated_depsgraph_get().scene_eval
         assert getattr(group_of(evaluated, name), member.name) == approximately(value)
 
 
-def test_undo_brings_back_the_old_value(scene):
+def test_undo_restores_the_old_value(scene):
     bpy.ops.ed.undo_push(message="before")
     bpy.context.scene.ism.ssao.radius = 7.0
     bpy.ops.ed.undo_push(message="after")
@@ -192,7 +192,7 @@ def test_undo_brings_back_the_old_value(scene):
     assert bpy.context.scene.ism.ssao.radius == pytest.approx(settings.SSAO().radius)
 
 
-def test_groups_are_gone_after_unregister():
+def test_property_groups_are_gone_after_unregister():
     properties_before = set(properties.CLASSES)
     addon.unregister()
     try:

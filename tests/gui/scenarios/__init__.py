@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Generator functions on a session: each `yield` hands control back to Blender's main loop."""
+"""The scenarios: generator functions of a session. At each `yield`, Blender's main loop runs."""

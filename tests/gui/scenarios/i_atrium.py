@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo's scene among Blender's panels: the README's picture of the window."""
+"""The demo's scene in Blender's window with its panels: the README's screenshot."""
 
 import os
 import subprocess
@@ -15,16 +15,16 @@ ROOT = Path(__file__).parents[3]
 BUILD = "import sys; sys.path.insert(0, sys.argv[-2]); from tests.scenes import atrium; atrium.build(sys.argv[-1])"
 
 
-@scenario(region=(1280, 720), patience=240)
+@scenario(region=(1280, 720), timeout=240)
 def atrium(session: Session) -> Steps:
     """The atrium through its camera, with the engine's panels beside it."""
     path = session.folder / "atrium.blend"
     build = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", BUILD]
-    # In another's folder than ours: Blender takes away the packages of extensions that it starts without.
-    elsewhere = {**os.environ, "BLENDER_USER_RESOURCES": str(session.folder / "builder")}
-    subprocess.run([*build, "--", str(ROOT), str(path)], check=True, env=elsewhere)
+    # With other user resources than ours: a Blender that starts without our extension removes its packages.
+    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(session.folder / "builder")}
+    subprocess.run([*build, "--", str(ROOT), str(path)], check=True, env=environment)
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-    from tests.scenes.atrium_light import set_up_ssao  # it uses what a file brings
+    from tests.scenes.atrium_light import set_up_ssao  # imported here: it uses data of the loaded file
 
     set_up_ssao(session.scene.ism.ssao)
     session.view.view_perspective = "CAMERA"
@@ -33,10 +33,10 @@ def atrium(session: Session) -> Steps:
     properties = next(area for area in session.window.screen.areas if area.type == "PROPERTIES")
     properties.spaces.active.context = "RENDER"
     began = time.perf_counter()
-    session.rendered()
+    session.show_rendered()
     yield from session.until_idle(200)
-    session.measured("from opening to the last sample", time.perf_counter() - began, "s")
+    session.record("from opening to the last sample", time.perf_counter() - began, "s")
     properties.tag_redraw()
     yield from session.wait(0.5)
-    seen = session.pixels("atrium")
-    assert seen.std() > 0.1, "the atrium is not seen"
+    shown = session.pixels("atrium")
+    assert shown.std() > 0.1, "the picture of the atrium is empty"

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures by an OpenGL that is guaranteed, and by another one."""
+"""Pictures with the limits that OpenGL 4.1 guarantees, and by a second OpenGL implementation."""

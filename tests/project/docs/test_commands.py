@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every command and script in the documentation does what it says, or at least is one that its program knows."""
+"""Every command and script in the documentation runs, or at least its program knows its options."""
 
 import importlib
 import io
@@ -22,31 +22,33 @@ from tests.support.small_scenes import SMALL_SETTINGS
 from tests.tools import machine, project
 
 COMMANDS = list(commands())
-#: Blender's own options that the documentation may name: its module cannot tell them. As in `blender --help`.
-BLENDER = {"--background", "--python", "--command", "--engine", "--factory-startup"} | {
+#: Options of `blender --help` that the documentation may use. They are listed because bpy does not give them.
+BLENDER_OPTIONS = {"--background", "--python", "--command", "--engine", "--factory-startup"} | {
     f"--render-{what}" for what in ("output", "anim", "frame")
 }
 
 
-def of(*beginning: str) -> list[Command]:
-    return [command for command in COMMANDS if tuple(command.words[: len(beginning)]) == beginning]
+def beginning_with(*words: str) -> list[Command]:
+    return [command for command in COMMANDS if tuple(command.words[: len(words)]) == words]
 
 
-DEV, PYTHON = of("python3", "dev.py"), [*of("python3", "-m", "ism_addon.gpu"), *of("python", "-m", "ism_addon.gpu")]
-STEPS = of("python3", "-m", "tests.demo.steps")
-INSTALL, EXTENSION, QUESTIONS = of("apt-get"), of("blender", "--command", "extension"), of("python3", "-c")
-BLENDERS = [command for command in of("blender") if command not in EXTENSION]
+DEV = beginning_with("python3", "dev.py")
+COMMAND_LINE = [*beginning_with("python3", "-m", "ism_addon.gpu"), *beginning_with("python", "-m", "ism_addon.gpu")]
+STEPS = beginning_with("python3", "-m", "tests.demo.steps")
+INSTALL, ONE_LINERS = beginning_with("apt-get"), beginning_with("python3", "-c")
+EXTENSION = beginning_with("blender", "--command", "extension")
+BLENDER = [command for command in beginning_with("blender") if command not in EXTENSION]
 
 
 @cache
 def help_of(module: str, *arguments: str) -> str:
-    """What a module's main prints when it is asked for help."""
-    main, told = importlib.import_module(module).main, io.StringIO()
+    """What a module's main prints for --help."""
+    main, output = importlib.import_module(module).main, io.StringIO()
     words = [module, *arguments, "--help"]
-    with mock.patch.object(sys, "argv", words), redirect_stdout(told), pytest.raises(SystemExit) as end:
+    with mock.patch.object(sys, "argv", words), redirect_stdout(output), pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 0
-    return told.getvalue()
+    return output.getvalue()
 
 
 def main_of(benchmark: str) -> str:
@@ -55,14 +57,14 @@ def main_of(benchmark: str) -> str:
     return f"{module}.__main__" if hasattr(importlib.import_module(module), "__path__") else module
 
 
-def test_each_command_is_of_a_kind_that_is_tried_here():
-    tried = [*DEV, *STEPS, *PYTHON, *INSTALL, *EXTENSION, *QUESTIONS, *BLENDERS]
-    assert [str(command) for command in COMMANDS if command not in tried] == []
+def test_every_command_is_tested_here():
+    tested = [*DEV, *STEPS, *COMMAND_LINE, *INSTALL, *EXTENSION, *ONE_LINERS, *BLENDER]
+    assert [str(command) for command in COMMANDS if command not in tested] == []
     assert other_languages() == set()
 
 
 @pytest.mark.parametrize("command", DEV, ids=str)
-def test_dev_knows_it(command):
+def test_dev_knows_the_command(command):
     verb, *rest = command.words[2:]
     text = help_of("dev", verb)
     if verb == "bench":
@@ -76,14 +78,14 @@ def test_dev_knows_it(command):
     assert all(option in text for option in command.options)
 
 
-@pytest.mark.parametrize("command", PYTHON, ids=str)
+@pytest.mark.parametrize("command", COMMAND_LINE, ids=str)
 def test_the_command_line_draws(command, tmp_path):
     snapshot.save(tmp_path / "scene.npz", *box_over_plane(24, 16), SMALL_SETTINGS)
     arguments = command.words[3:] or ["--help"]
-    run = [sys.executable, "-m", "ism_addon.gpu", *arguments]
+    line = [sys.executable, "-m", "ism_addon.gpu", *arguments]
     environment = os.environ | {"PYTHONPATH": str(project.ROOT)}
-    done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
-    assert (done.returncode, done.stderr) == (0, "")
+    run = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    assert (run.returncode, run.stderr) == (0, "")
     if "-o" in arguments:
         assert (tmp_path / arguments[arguments.index("-o") + 1]).stat().st_size > 100
 
@@ -96,35 +98,35 @@ def test_the_pictures_of_the_method_have_a_command(command):
     ]
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="they ask EGL")
-@pytest.mark.parametrize("command", QUESTIONS, ids=str)
-def test_a_question_is_answered(command):
-    done = subprocess.run([sys.executable, *command.words[1:]], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+@pytest.mark.skipif(sys.platform != "linux", reason="they use EGL")
+@pytest.mark.parametrize("command", ONE_LINERS, ids=str)
+def test_python_one_liners_print_a_result(command):
+    run = subprocess.run([sys.executable, *command.words[1:]], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.strip()
 
 
 @pytest.mark.parametrize("command", INSTALL, ids=str)
-def test_packages_to_install_are_those_that_we_need(command):
+def test_packages_to_install_are_those_that_are_needed(command):
     packages = {word for word in command.words[2:] if not word.startswith("-")}
     assert packages <= set(machine.LIBRARIES.values())
 
 
 @pytest.mark.parametrize("command", EXTENSION, ids=str)
-def test_blenders_tool_for_extensions_knows_it(command, monkeypatch):
+def test_blenders_tool_for_extensions_knows_the_command(command, monkeypatch):
     monkeypatch.syspath_prepend(str(Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core"))
     from bl_pkg.bl_extension_cli import cli_extension_handler
 
-    told = io.StringIO()
-    with redirect_stdout(told), pytest.raises(SystemExit) as end:
+    output = io.StringIO()
+    with redirect_stdout(output), pytest.raises(SystemExit) as end:
         cli_extension_handler([command.words[3], "--help"])
     assert end.value.code == 0
-    assert all(option in told.getvalue() for option in command.options - {"--command"})
+    assert all(option in output.getvalue() for option in command.options - {"--command"})
 
 
-@pytest.mark.parametrize("command", BLENDERS, ids=str)
+@pytest.mark.parametrize("command", BLENDER, ids=str)
 def test_blender_has_these_options(command):
-    assert command.options - {"-b"} <= BLENDER
+    assert command.options - {"-b"} <= BLENDER_OPTIONS
 
 
 @pytest.mark.parametrize(("page", "script"), scripts().items(), ids=scripts())
@@ -145,7 +147,7 @@ def test_scripts_run(page, script, tmp_path, monkeypatch):
 
 
 def test_the_first_render_shows_the_cube_in_light(tmp_path, monkeypatch):
-    """The README's script, as it stands, at its own size: brighter in the cube's light than the world is."""
+    """The README's script at a tenth of its resolution: the lit cube is much brighter than the darkest pixel."""
     monkeypatch.chdir(tmp_path)
     bpy.ops.wm.read_factory_settings()
     addon.register()

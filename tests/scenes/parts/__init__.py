@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scenes are built of: shapes, materials, textures."""
+"""Shapes, materials and textures that the scenes are built from."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of a building in stone: arcades, pillars, vaults, balustrades. Metres; each stands on z = 0."""
+"""Parts of a stone building: arcades, pillars, vaults, balustrades. In metres; each stands on z = 0."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.scenes.parts.shapes import Shape, box, grid, join, lathe, path_length, ring
 
-POLE = 0.004  # m, half width of the pinhole that a turned cap leaves where nobody looks: no quad degenerates
+POLE = 0.004  # m, half width of a hole at the axis of a cap: without it, quads there would be degenerate
 
 
 def wall_over_arches(
@@ -20,7 +20,7 @@ def wall_over_arches(
     thickness: float,
     steps: int = 28,
 ) -> Shape:
-    """A closed wall along x, centred on y = 0, whose lower edge follows round arches."""
+    """A closed wall along x, centred on y = 0. Its lower edge follows round arches."""
     springing, top = heights
     angles = np.linspace(np.pi, 0.0, steps + 1)
     arches = [np.stack([c + radius * np.cos(angles), springing + radius * np.sin(angles)], -1) for c in centres]
@@ -30,25 +30,25 @@ def wall_over_arches(
     corners = [(edge, -half), (ceiling, -half), (ceiling, half), (edge, half), (edge, -half)]
     sides = []
     for (line, y), (next_line, next_y) in pairwise(corners):
-        rows = np.stack([at(line, y), at(next_line, next_y)])
+        rows = np.stack([at_depth(line, y), at_depth(next_line, next_y)])
         flat = y == next_y
         uvs = [row[:, [0, 2]] if flat else np.stack([path_length(line), row[:, 1]], axis=-1) for row in rows]
         sides.append(grid(rows, np.stack(uvs)))
-    for x, turned in ((start, 1), (end, -1)):
-        y, z = np.array([[half, -half], [half, -half]])[:, ::turned], np.array([[springing] * 2, [top] * 2])
+    for x, order in ((start, 1), (end, -1)):
+        y, z = np.array([[half, -half], [half, -half]])[:, ::order], np.array([[springing] * 2, [top] * 2])
         sides.append(grid(np.stack([np.full((2, 2), x), y, z], axis=-1), np.stack([y, z], axis=-1)))
     return join(sides)
 
 
-def at(line: np.ndarray, y: float) -> np.ndarray:
-    """Points (N,2) of x and z, at a depth y: (N,3)."""
+def at_depth(line: np.ndarray, y: float) -> np.ndarray:
+    """(N,3): points (N,2) of x and z, at one y."""
     return np.stack([line[:, 0], np.full(len(line), y), line[:, 1]], axis=-1)
 
 
 def archivolt(radius: float, width: float, thickness: float, steps: int = 28) -> Shape:
-    """The moulded ring of stones around an arch, standing out on both sides of a wall along x; centre at the origin."""
+    """The moulding around an arch. It projects from both sides of a wall along x; its centre is the origin."""
     half = 0.5 * thickness
-    # A centimetre before the wall: of two faces in one plane, chance decides which shades the other.
+    # A centimetre in front of the wall: if two faces were coplanar, rounding would decide which one shadows the other.
     profile = np.array([(0.0, -0.01), (0.35, -0.01), (0.4, -0.02), (0.85, -0.02), (1.0, 0.06)]) - (0.0, half)
     profile = np.concatenate([profile, profile[::-1] * (1.0, -1.0)])
     profile = profile[::-1] * (width, 1.0) + (radius - 0.02, 0.0)
@@ -60,19 +60,19 @@ def archivolt(radius: float, width: float, thickness: float, steps: int = 28) ->
 
 
 def curve(*pieces: tuple[tuple[float, float], tuple[float, float], float]) -> np.ndarray:
-    """A profile of (radius, height) from pieces: two ends and how far the piece bulges out (negative: in)."""
+    """A profile of (radius, height) from pieces: two ends, and how far the piece bulges out (negative: in)."""
     points = []
     for start, end, bulge in pieces:
         steps = np.linspace(0.0, 1.0, 6 if bulge else 2)[:, None]
         line = (1.0 - steps) * start + steps * np.array(end)
         points.append(line + np.sin(np.pi * steps) * (bulge, 0.0))
     joined = np.concatenate(points)
-    keep = np.concatenate([[True], np.linalg.norm(np.diff(joined, axis=0), axis=1) > 1e-6])
-    return joined[keep]
+    distinct = np.concatenate([[True], np.linalg.norm(np.diff(joined, axis=0), axis=1) > 1e-6])
+    return joined[distinct]
 
 
 def pillar(height: float, radius: float, abacus: float, flutes: int) -> tuple[Shape, Shape]:
-    """A round pillar: its shaft with entasis, and its base and capital."""
+    """A round pillar: its shaft with entasis; and its base and capital."""
     r = radius
     base_top, neck = 0.16 + 0.6 * r, height - 0.16 - 1.5 * r
     t = np.linspace(0.0, 1.0, 11)
@@ -103,7 +103,7 @@ def pillar(height: float, radius: float, abacus: float, flutes: int) -> tuple[Sh
 
 
 def slab(half: float, low: float, high: float) -> Shape:
-    """A square plate with its edges broken, so that they catch light."""
+    """A square plate whose upper edge is bevelled, so that it catches light."""
     c = min(0.015, 0.2 * (high - low))
     return ring([(POLE, low), (half, low), (half, high - c), (half - c, high), (POLE, high)], 0.0, 0.0)
 
@@ -118,7 +118,7 @@ def pier(height: float, half: float) -> Shape:
 
 
 def groin_vault(half_x: float, half_y: float, springing: float, rise: float, steps: int = 20) -> Shape:
-    """Two crossing barrels over a bay, centred on the origin, their crown `rise` above the springing."""
+    """Two barrel vaults that cross above a bay, centred on the origin. Their crown is `rise` above the springing."""
     s = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, steps + 1))
     x, y = np.meshgrid(s, s, indexing="ij")
     z = springing + rise * np.sqrt(1.0 - np.minimum(x**2, y**2))
@@ -126,7 +126,7 @@ def groin_vault(half_x: float, half_y: float, springing: float, rise: float, ste
 
 
 def balustrade(length: float, count: int) -> Shape:
-    """Rails and balusters along x, centred on the origin, 0.95 high."""
+    """Rails and balusters along x, centred on the origin, 0.95 m high."""
     h = 0.5 * length
     profile = curve(
         ((0.05, 0.17), (0.05, 0.2), 0.012),
@@ -135,11 +135,11 @@ def balustrade(length: float, count: int) -> Shape:
         ((0.056, 0.63), (0.056, 0.67), 0.012),
         ((0.044, 0.68), (0.062, 0.8), -0.014),
     )
-    one = lathe(profile, 8)
-    spots = (np.arange(count) + 0.5) / count * length - h
+    baluster = lathe(profile, 8)
+    positions = (np.arange(count) + 0.5) / count * length - h
     rail = [(-0.09, 0.785), (0.02, 0.785), (0.05, 0.83), (0.05, 0.92), (0.03, 0.95), (-0.09, 0.95)]
     foot = box((-h, -0.12, -0.02), (h, 0.12, 0.18))
-    return join([ring(rail, h, 0.095), foot, *(one.moved(x=x) for x in spots)])
+    return join([ring(rail, h, 0.095), foot, *(baluster.moved(x=x) for x in positions)])
 
 
 def urn(height: float) -> Shape:

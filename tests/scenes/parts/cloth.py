@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hanging cloth: curtains in arches, banners over a rail, swags from side to side, each around its origin."""
+"""Hanging cloths: curtains, banners and swags, each around its origin."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from tests.scenes.parts.shapes import Shape, grid
 
 
 def curtain(width: float, height: float, pleats: int, seed: int, gather: float = 0.0, steps: int = 64) -> Shape:
-    """A pleated curtain from z = 0 down; `gather` is how much of its width a tie takes away at 60 % of its height."""
+    """A pleated curtain below z = 0. `gather` is the fraction of its width that a tie removes at 60 % of its height."""
     u, v = sheet(7 * pleats, steps)
     drift = waves(u, v, seed)
     depth = 0.03 + 0.055 * v**0.7
@@ -22,7 +22,7 @@ def curtain(width: float, height: float, pleats: int, seed: int, gather: float =
 
 
 def banner(width: float, height: float, seed: int, steps: int = 72) -> Shape:
-    """A heavy cloth hung flat from z = 0 down, with long folds that open towards its hem."""
+    """A heavy cloth below z = 0, with long folds that widen towards its hem."""
     u, v = sheet(48, steps)
     drift = waves(u, v, seed)
     fold = np.sin(2.0 * np.pi * 2.5 * u + 1.1 * drift + 0.8 * seed) + 0.4 * np.sin(2.0 * np.pi * 6.0 * u - 1.3 * drift)
@@ -33,7 +33,7 @@ def banner(width: float, height: float, seed: int, steps: int = 72) -> Shape:
 
 
 def swag(span: float, width: float, sag: float, seed: int, steps: int = 96) -> Shape:
-    """A cloth stretched along y between two sides, `sag` deep in the middle, rippled across."""
+    """A cloth hung along y between two sides, `sag` lower in the middle, with ripples across its width."""
     u, v = sheet(40, steps)
     drift = waves(v, u, seed)
     t = 2.0 * v - 1.0
@@ -47,13 +47,13 @@ def swag(span: float, width: float, sag: float, seed: int, steps: int = 96) -> S
 
 
 def sheet(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates across and down a sheet, both 0..1: two arrays (rows + 1, columns + 1)."""
+    """Coordinates across and down a sheet, 0..1: two arrays (rows + 1, columns + 1)."""
     v, u = np.meshgrid(np.linspace(0.0, 1.0, rows + 1), np.linspace(0.0, 1.0, columns + 1), indexing="ij")
     return u, v
 
 
 def waves(u: np.ndarray, v: np.ndarray, seed: int) -> np.ndarray:
-    """A slow irregular wave over a sheet, about -1..1, so that no two cloths hang alike."""
+    """A smooth random wave over a sheet, about -1..1, so that cloths differ."""
     random = np.random.default_rng(seed)
     total = np.zeros_like(u)
     for frequency in (1.0, 2.0, 3.5):

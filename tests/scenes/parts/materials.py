@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The atrium's materials in Blender: textures packed into the file, Principled, and Lambertian in effect."""
+"""The scenes' materials in Blender: Principled BSDFs that are Lambertian. Textures are packed into the file."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ GREEN = damask((0.13, 0.29, 0.21), (0.56, 0.58, 0.34), seed=52)
 BLUE = damask((0.115, 0.20, 0.38), (0.70, 0.66, 0.52), seed=53)
 GOLD = (0.78, 0.60, 0.30)
 
-#: name: the texture's maker and the metres (across, up) that it covers.
+#: By name: the function that makes the texture, and the metres (across, up) that it covers.
 TEXTURED: dict[str, tuple[Callable[[], np.ndarray], tuple[float, float]]] = {
     "Stone blocks": (textures.stone_blocks, (3.2, 3.2)),
     "Limestone": (textures.limestone, (2.0, 2.0)),
@@ -28,7 +28,7 @@ TEXTURED: dict[str, tuple[Callable[[], np.ndarray], tuple[float, float]]] = {
     "Blue banner": (lambda: bordered(BLUE, (3, 7), GOLD, (1024, 420)), (1.2, 3.0)),
 }
 
-#: name: linear colour.
+#: By name: linear colour.
 PLAIN = {
     "Marble": (0.64, 0.61, 0.56),
     "Terracotta": (0.42, 0.17, 0.085),
@@ -49,15 +49,15 @@ PLAIN = {
 
 
 class Materials:
-    """The materials, each made when it is first asked for."""
+    """The materials by name. Each is made at its first use."""
 
     def __init__(self) -> None:
-        self.made: dict[str, bpy.types.Material] = {}
+        self.by_name: dict[str, bpy.types.Material] = {}
 
     def __getitem__(self, name: str) -> bpy.types.Material:
-        if name not in self.made:
-            self.made[name] = lambertian(name)
-        return self.made[name]
+        if name not in self.by_name:
+            self.by_name[name] = lambertian(name)
+        return self.by_name[name]
 
 
 def texture_size(name: str) -> tuple[float, float]:
@@ -66,7 +66,7 @@ def texture_size(name: str) -> tuple[float, float]:
 
 
 def lambertian(name: str) -> bpy.types.Material:
-    """A Principled material without gloss, its base colour an image or plain."""
+    """A Principled material without specular reflection. Its base colour is an image or constant."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     principled = material.node_tree.nodes["Principled BSDF"]

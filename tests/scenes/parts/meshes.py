@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes to Blender's meshes."""
+"""Blender meshes of shapes."""
 
 import math
 from collections.abc import Sequence
@@ -11,12 +11,12 @@ import numpy as np
 from tests.scenes.parts.materials import Materials, texture_size
 from tests.scenes.parts.shapes import Shape
 
-SHARP = math.radians(32.0)  # creases beyond this angle stay edges
-WELD = 1e-5  # m
+SHARP = math.radians(32.0)  # edges with a larger angle between their faces are shaded sharp
+WELD_DISTANCE = 1e-5  # m
 
 
 def mesh_of(name: str, parts: Sequence[tuple[Shape, str]], materials: Materials) -> bpy.types.Mesh:
-    """One mesh of several (shape, material), welded, facing outwards, smooth up to sharp edges."""
+    """One mesh of several (shape, material): vertices welded, normals outwards, smooth except at sharp edges."""
     positions, quads, uvs, slots, offset = [], [], [], [], 0
     for slot, (shape, material) in enumerate(parts):
         positions.append(shape.positions)
@@ -38,9 +38,9 @@ def mesh_of(name: str, parts: Sequence[tuple[Shape, str]], materials: Materials)
 
 
 def weld(positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points at one place become one point."""
+    """Merge points at the same position."""
     _, first, inverse = np.unique(
-        np.round(positions / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True
+        np.round(positions / WELD_DISTANCE).astype(np.int64), axis=0, return_index=True, return_inverse=True
     )
     return positions[first], inverse.reshape(-1)[quads]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quads with texture coordinates in metres: boxes, turned profiles, swept rings, grids."""
+"""Surfaces of quads with texture coordinates in metres: boxes, lathed profiles, swept rings, grids."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ class Shape:
     quads: np.ndarray
     uvs: np.ndarray
 
-    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0, turn: float = 0.0) -> "Shape":
-        """The same shape, turned about the z axis by `turn` radians, then moved."""
-        cosine, sine = np.cos(turn), np.sin(turn)
+    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0, angle: float = 0.0) -> "Shape":
+        """The shape rotated about the z axis by `angle` radians, then moved."""
+        cosine, sine = np.cos(angle), np.sin(angle)
         rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         return Shape(self.positions @ rotation.T + (x, y, z), self.quads, self.uvs)
 
 
 def join(shapes: Sequence[Shape]) -> Shape:
-    """Several shapes as one."""
+    """One shape of several."""
     offsets = np.cumsum([0] + [len(shape.positions) for shape in shapes])
     return Shape(
         np.concatenate([shape.positions for shape in shapes]),
@@ -33,7 +33,7 @@ def join(shapes: Sequence[Shape]) -> Shape:
 
 
 def grid(positions: np.ndarray, uvs: np.ndarray) -> Shape:
-    """The surface through rows and columns of points (R,C,3) with their uvs (R,C,2)."""
+    """The surface through a grid of points (R,C,3) with uvs (R,C,2)."""
     rows, columns = positions.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
     quads = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], axis=-1).reshape(-1, 4)
@@ -41,9 +41,9 @@ def grid(positions: np.ndarray, uvs: np.ndarray) -> Shape:
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> Shape:
-    """A block between two corners; each side's uvs are its own two coordinates."""
-    choice = np.array([[(i >> axis) & 1 for axis in range(3)] for i in range(8)])
-    positions = np.where(choice == 1, high, low).astype(float)
+    """A box between two corners. The uvs of a side are its own two coordinates."""
+    is_high = np.array([[(i >> axis) & 1 for axis in range(3)] for i in range(8)])
+    positions = np.where(is_high == 1, high, low).astype(float)
     quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
     axes = np.array([(0, 1), (0, 1), (0, 2), (0, 2), (1, 2), (1, 2)])
     uvs = np.take_along_axis(positions[quads], axes[:, None, :].repeat(4, axis=1), axis=2)
@@ -51,31 +51,31 @@ def box(low: Sequence[float], high: Sequence[float]) -> Shape:
 
 
 def lathe(profile: np.ndarray, segments: int, lobes: int = 0, depth: np.ndarray | float = 0.0) -> Shape:
-    """A profile (N,2) of radius and height turned about the z axis, bottom first.
+    """A profile (N,2) of radius and height, bottom first, rotated about the z axis.
 
-    `lobes` waves around the axis carve `depth` (N,) metres into the radius: flutes and leaves.
+    `lobes` waves around the axis reduce the radius by up to `depth` (N,) metres: flutes and leaves.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, segments + 1)
     carved = np.broadcast_to(np.asarray(depth), len(profile))[:, None] * np.abs(np.sin(0.5 * lobes * angles))
     radius = profile[:, :1] - carved
-    rounds = np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=-1)
+    circles = np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=-1)
     height = np.broadcast_to(profile[:, 1, None, None], (*radius.shape, 1))
     around = angles * profile[:, 0].max()
     along = path_length(profile)
     uvs = np.stack(np.broadcast_arrays(around[None, :], along[:, None]), axis=-1)
-    surface = grid(np.concatenate([rounds, height], axis=-1), uvs)
-    return Shape(surface.positions, weld(surface.quads, len(profile), segments + 1), surface.uvs)
+    surface = grid(np.concatenate([circles, height], axis=-1), uvs)
+    return Shape(surface.positions, close_grid(surface.quads, len(profile), segments + 1), surface.uvs)
 
 
-def weld(quads: np.ndarray, rows: int, columns: int) -> np.ndarray:
-    """Let the last column of a grid's quads be its first."""
+def close_grid(quads: np.ndarray, rows: int, columns: int) -> np.ndarray:
+    """Quads of a grid whose last column of points is replaced by its first."""
     index = np.arange(rows * columns).reshape(rows, columns)
     index[:, -1] = index[:, 0]
     return index.reshape(-1)[quads]
 
 
 def ring(profile: Sequence[tuple[float, float]], half_x: float, half_y: float) -> Shape:
-    """A profile of (outward, height) led around a rectangle and mitred at its corners."""
+    """A profile of (distance outwards, height) swept around a rectangle and mitred at its corners."""
     line = np.array(profile)
     along = path_length(line)
     sides = []
@@ -91,9 +91,9 @@ def ring(profile: Sequence[tuple[float, float]], half_x: float, half_y: float) -
 
 
 def path_length(points: np.ndarray) -> np.ndarray:
-    """Length of the path through points (N,D) up to each of them (N,)."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    """(N,): the length of the path through points (N,D) up to each of them."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(lengths)])
 
 
 CORNERS = [(-1, -1), (1, -1), (1, 1), (-1, 1)]

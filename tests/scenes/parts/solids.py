@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curved solids of quads: balls, rounded blocks, tubes along any path, knots. Metres, around the origin."""
+"""Curved solids of quads: balls, rounded blocks, tubes along paths, knots. In metres, around the origin."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from tests.scenes.parts.shapes import Shape, grid, join, path_length
 
 
 def ball(radius: float, steps: int, power: float = 2.0) -> Shape:
-    """A sphere of 6 × steps² quads without poles; a larger power makes it a block with round edges."""
+    """A sphere of 6 × steps² quads without poles. A power above 2 makes it a block with round edges."""
     line = np.tan(np.linspace(-0.25 * np.pi, 0.25 * np.pi, steps + 1))
     u, v = np.meshgrid(line, line, indexing="ij")
     sides = []
@@ -20,27 +20,27 @@ def ball(radius: float, steps: int, power: float = 2.0) -> Shape:
 
 
 def tube(path: np.ndarray, radius: float | np.ndarray, sides: int, closed: bool = False) -> Shape:
-    """A tube of `radius` (N,) around a path (N,3); its ends are open, or meet where it is closed."""
+    """A tube of `radius` (N,) around a path (N,3). Its ends are open, unless it is closed to a ring."""
     points = np.concatenate([path, path[:1]]) if closed else path
     along = np.gradient(points, axis=0)
     if closed:
         along[0] = along[-1] = points[1] - points[-2]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    across = carried(along)
-    if closed:  # spread the twist that a journey around leaves over all of it
+    across = transported_normals(along)
+    if closed:  # distribute the twist between its end and its start over the whole path
         end = across[-1]
         twist = np.arctan2(np.cross(end, across[0]) @ along[0], end @ across[0])
-        across = turned(across, along, np.linspace(0.0, twist, len(points)))
+        across = rotated(across, along, np.linspace(0.0, twist, len(points)))
     angles = np.linspace(0.0, 2.0 * np.pi, sides + 1)[None, :, None]
     around = np.cos(angles) * across[:, None] + np.sin(angles) * np.cross(along, across)[:, None]
-    thick = np.broadcast_to(np.asarray(radius, float), len(path))
-    thick = np.append(thick, thick[0]) if closed else thick
-    uvs = np.stack(np.broadcast_arrays(path_length(points)[:, None], angles[..., 0] * thick.max()), axis=-1)
-    return grid(points[:, None] + thick[:, None, None] * around, uvs)
+    radii = np.broadcast_to(np.asarray(radius, float), len(path))
+    radii = np.append(radii, radii[0]) if closed else radii
+    uvs = np.stack(np.broadcast_arrays(path_length(points)[:, None], angles[..., 0] * radii.max()), axis=-1)
+    return grid(points[:, None] + radii[:, None, None] * around, uvs)
 
 
-def carried(along: np.ndarray) -> np.ndarray:
-    """Unit vectors (N,3) across the directions (N,3), each the one before without its part along the path."""
+def transported_normals(along: np.ndarray) -> np.ndarray:
+    """Unit vectors (N,3) perpendicular to directions (N,3): each is the previous one, projected and normalized."""
     across = np.empty_like(along)
     across[0] = np.cross(along[0], np.eye(3)[np.abs(along[0]).argmin()])
     for index in range(len(along)):
@@ -50,19 +50,19 @@ def carried(along: np.ndarray) -> np.ndarray:
     return across
 
 
-def turned(across: np.ndarray, along: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """Vectors (N,3) turned about unit axes (N,3) that are square to them."""
+def rotated(across: np.ndarray, along: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Vectors (N,3) rotated about unit axes (N,3) that are perpendicular to them."""
     return np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(along, across)
 
 
 def knot(p: int, q: int, radius: float, thickness: float, steps: int, sides: int) -> Shape:
     """A torus knot that winds p times around the axis and q times through the hole; p = 1, q = 0 is a ring."""
     t = np.linspace(0.0, 2.0 * np.pi, steps, endpoint=False)
-    reach = radius * (1.0 + (0.45 * np.cos(q * t) if q else 0.0))
-    path = np.stack([reach * np.cos(p * t), reach * np.sin(p * t), -0.45 * radius * np.sin(q * t)], axis=-1)
+    distance = radius * (1.0 + (0.45 * np.cos(q * t) if q else 0.0))
+    path = np.stack([distance * np.cos(p * t), distance * np.sin(p * t), -0.45 * radius * np.sin(q * t)], axis=-1)
     return tube(path, thickness, sides, closed=True)
 
 
-def lowest(shape: Shape, rotation: np.ndarray) -> float:
-    """Height of a turned shape's lowest point."""
+def lowest_point(shape: Shape, rotation: np.ndarray) -> float:
+    """Height of the lowest point of a rotated shape."""
     return float((shape.positions @ rotation[2]).min())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A robed water-carrier in marble: limbs and drapery joined by a voxel remesh, smoothed. Feet on z = 0, 2.3 m high."""
+"""A statue of a robed water carrier, 2.3 m high, feet on z = 0: shapes joined by a voxel remesh and smoothed."""
 
 from itertools import pairwise
 
@@ -12,10 +12,10 @@ VOXEL = 0.0145  # m: about 60,000 triangles, fine enough for the folds
 
 
 def statue_mesh() -> bpy.types.Mesh:
-    """The figure as a finely subdivided mesh, without texture coordinates."""
-    rough = figure()
+    """The figure as a fine mesh without texture coordinates."""
+    shape = figure()
     mesh = bpy.data.meshes.new("Statue")
-    mesh.from_pydata(rough.positions.tolist(), [], rough.quads.tolist())
+    mesh.from_pydata(shape.positions.tolist(), [], shape.quads.tolist())
     sculpture = bpy.data.objects.new("Statue", mesh)
     bpy.context.scene.collection.objects.link(sculpture)
     remesh = sculpture.modifiers.new("Remesh", "REMESH")
@@ -32,7 +32,7 @@ def statue_mesh() -> bpy.types.Mesh:
 
 
 def figure() -> Shape:
-    """All parts, overlapping; the remesh keeps what is outside."""
+    """All parts. They overlap; the remesh keeps only the outer surface."""
     left, right, neck = (0.19, 0.0, 1.60), (-0.19, 0.0, 1.58), (0.0, -0.01, 1.64)
     elbow_up, hand_up = (0.40, -0.06, 1.76), (0.27, -0.05, 2.02)
     elbow_down, hand_down = (-0.36, 0.05, 1.30), (-0.21, -0.17, 1.17)
@@ -58,12 +58,12 @@ def figure() -> Shape:
 
 
 def robe() -> Shape:
-    """The skirt from the waist to the ground: folds that deepen downwards and turn with the hip."""
+    """The skirt from the waist to the ground. Its folds deepen downwards and twist."""
     t = np.linspace(0.0, 1.0, 60)
     radius = 0.16 + 0.11 * np.sin(np.pi * np.clip(t * 1.5, 0.0, 0.5)) + 0.13 * np.clip(t - 0.2, 0.0, 1.0) ** 1.4
     angle = np.linspace(0.0, 2.0 * np.pi, 145)
-    turn = 0.5 * np.sin(2.2 * t)[:, None]
-    folds = np.cos(9.0 * angle + 3.0 * turn) + 0.55 * np.cos(14.0 * angle - 4.0 * turn) + 0.5 * np.cos(5.0 * angle)
+    twist = 0.5 * np.sin(2.2 * t)[:, None]
+    folds = np.cos(9.0 * angle + 3.0 * twist) + 0.55 * np.cos(14.0 * angle - 4.0 * twist) + 0.5 * np.cos(5.0 * angle)
     knee = 0.05 * np.exp(-(((t - 0.5) / 0.22) ** 2))[:, None] * np.exp(-(((angle - 4.3) / 0.5) ** 2))
     r = radius[:, None] * (1.0 + 0.075 * np.clip(t * 1.6, 0.0, 1.0)[:, None] * folds) + knee
     sway = 0.035 * np.sin(np.pi * t)[:, None]
@@ -75,7 +75,7 @@ def robe() -> Shape:
 
 
 def sash() -> list[Shape]:
-    """A mantle slung from the raised shoulder to the hip, in three strands."""
+    """A sash from the raised shoulder to the hip, in three strands."""
     t = np.linspace(0.0, 2.0 * np.pi, 25)
     strands = []
     for k in range(3):
@@ -98,7 +98,7 @@ def jar() -> Shape:
 
 
 def limb(start: object, end: object, start_radius: float, end_radius: float, segments: int = 24) -> Shape:
-    """A round-ended cone from one joint (x,y,z) to the next."""
+    """A truncated cone with round ends, from one joint (x,y,z) to the next."""
     a, b = np.asarray(start, float), np.asarray(end, float)
     length = float(np.linalg.norm(b - a))
     angles = np.linspace(-0.5 * np.pi, 0.0, 9)
@@ -106,9 +106,9 @@ def limb(start: object, end: object, start_radius: float, end_radius: float, seg
     high = np.stack([end_radius * np.cos(angles), -end_radius * np.sin(angles)], -1)[::-1] + (0.0, length)
     profile = np.concatenate([low, high])
     profile[[0, -1], 0] = 1e-3
-    turned = lathe(profile, segments)
+    cone = lathe(profile, segments)
     axis = (b - a) / length
     side = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
     side /= np.linalg.norm(side)
     frame = np.stack([side, np.cross(axis, side), axis])
-    return Shape(turned.positions @ frame + a, turned.quads, turned.uvs)
+    return Shape(cone.positions @ frame + a, cone.quads, cone.uvs)

@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image textures by script: stone, paving, plaster, wood, woven cloth. All (H,W,3) sRGB-encoded 0..1, and they tile."""
+"""Procedural image textures: stone, paving, plaster, wood, cloth. (H,W,3), sRGB-encoded, 0..1, and tileable."""
 
 import numpy as np
 
 Color = tuple[float, float, float]
 
 
-def noise(size: int, roughness: float, seed: int) -> np.ndarray:
-    """Periodic fractal noise (size,size), mean 0, deviation 1; larger `roughness` (1..3) is smoother."""
+def noise(size: int, exponent: float, seed: int) -> np.ndarray:
+    """Periodic fractal noise (size,size), mean 0, standard deviation 1. A larger `exponent` (1..3) is smoother."""
     spectrum = np.fft.rfft2(np.random.default_rng(seed).standard_normal((size, size)))
     frequency = np.hypot(np.fft.fftfreq(size)[:, None], np.fft.rfftfreq(size)[None, :])
     frequency[0, 0] = np.inf
-    field = np.fft.irfft2(spectrum * frequency**-roughness, s=(size, size))
+    field = np.fft.irfft2(spectrum * frequency**-exponent, s=(size, size))
     return field / field.std()
 
 
 def mix(a: np.ndarray | Color, b: np.ndarray | Color, amount: np.ndarray) -> np.ndarray:
-    """From colour a to colour b by amount (H,W), 0..1."""
+    """Linear interpolation from colour a to colour b by amount (H,W), clamped to 0..1."""
     t = np.clip(amount, 0.0, 1.0)[..., None]
     return (1.0 - t) * np.asarray(a) + t * np.asarray(b)
 
@@ -29,7 +29,7 @@ def pixels(size: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def edges(x: np.ndarray, y: np.ndarray, wobble: np.ndarray) -> np.ndarray:
-    """Distance to the nearest edge of unit cells, the edge made uneven by `wobble`."""
+    """Distance to the nearest edge of unit cells, plus `wobble`, which makes the edge uneven."""
     return np.minimum(0.5 - np.abs(x % 1.0 - 0.5), 0.5 - np.abs(y % 1.0 - 0.5)) + wobble
 
 
@@ -63,7 +63,7 @@ def limestone(size: int = 512, seed: int = 11) -> np.ndarray:
 
 
 def paving(size: int = 1024, tiles: int = 4, seed: int = 21) -> np.ndarray:
-    """Square slabs with dark diamonds set into their corners, worn and uneven in tone."""
+    """Square slabs of uneven tone, with dark diamonds in their corners."""
     x, y = pixels(size)
     fine, broad, veins = noise(size, 0.8, seed), noise(size, 1.6, seed + 1), noise(size, 1.3, seed + 2)
     tx, ty = x * tiles, y * tiles
@@ -80,7 +80,7 @@ def paving(size: int = 1024, tiles: int = 4, seed: int = 21) -> np.ndarray:
 
 
 def plaster(size: int = 512, seed: int = 31) -> np.ndarray:
-    """Warm lime plaster, blotched by age."""
+    """Warm lime plaster with large blotches."""
     fine, broad = noise(size, 0.9, seed), noise(size, 1.8, seed + 1)
     color = mix((0.80, 0.70, 0.555), (0.875, 0.80, 0.68), 0.5 + 0.28 * broad)
     return np.clip(color * (1.0 + 0.015 * fine)[..., None], 0.0, 1.0)
@@ -99,7 +99,7 @@ def wood(size: int = 512, planks: int = 4, seed: int = 41) -> np.ndarray:
 
 
 def damask(ground: Color, figure: Color, size: int = 512, seed: int = 51) -> np.ndarray:
-    """Woven cloth with a lattice of ogees and flowers, `figure` on `ground`."""
+    """Woven cloth with a lattice of ogees and flowers of the colour `figure` on the colour `ground`."""
     x, y = pixels(size)
     tau = 2.0 * np.pi
     lattice = np.cos(tau * 2 * x) * np.cos(tau * y) + 0.22 * np.cos(tau * 4 * x) * np.cos(tau * 2 * y)
@@ -114,13 +114,13 @@ def damask(ground: Color, figure: Color, size: int = 512, seed: int = 51) -> np.
 
 
 def flower(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Polar coordinates around the centres of the ogees: angle and radius (1 at the neighbour's edge)."""
+    """Polar coordinates around the centres of the ogees: angle, and radius (1 at the edge to the next ogee)."""
     fx, fy = (2.0 * x + 0.5) % 1.0 - 0.5, (y + 0.5 * (np.floor(2.0 * x + 0.5) % 2.0) + 0.5) % 1.0 - 0.5
     return np.arctan2(1.6 * fy, fx), np.hypot(1.6 * fy, fx) * 2.0
 
 
 def bordered(cloth: np.ndarray, repeats: tuple[int, int], trim: Color, shape: tuple[int, int]) -> np.ndarray:
-    """One whole banner (H,W) = shape: the cloth repeated (across, up), with a double border of `trim`."""
+    """A banner of `shape` (H,W) pixels: the cloth repeated (across, up) times, with a double border of `trim`."""
     height, width = shape
     rows = (np.arange(height) * repeats[1] * cloth.shape[0] // height) % cloth.shape[0]
     columns = (np.arange(width) * repeats[0] * cloth.shape[1] // width) % cloth.shape[1]

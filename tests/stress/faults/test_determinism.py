@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same file, settings and driver give the same bits: whoever renders, in whatever order, beside whatever else."""
+"""The same file, settings and driver give the same bits, in any process, order and beside any other renders."""
 
 import hashlib
 import subprocess
@@ -20,15 +20,15 @@ from tests.support.small_scenes import draw
 from tests.tools import project
 from tests.tools.new_file import open_empty_file
 
-PLAIN = Settings(ssao=SSAO(), quality=Quality(samples=9, virtual_lights=16, map_size=32, map_points=2048))
-METHODS = {method: replace(PLAIN, shadow=Shadow(method=method)) for method in Method}
-BOTH = pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
+BASE_SETTINGS = Settings(ssao=SSAO(), quality=Quality(samples=9, virtual_lights=16, map_size=32, map_points=2048))
+METHODS = {method: replace(BASE_SETTINGS, shadow=Shadow(method=method)) for method in Method}
+BOTH_METHODS = pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])
 FRAMES = 4
 
 
-@BOTH
+@BOTH_METHODS
 def test_renderers_side_by_side(device, method):
-    """Three viewports of one context take turns, pass by pass."""
+    """Three renderers of one context draw in alternation, pass by pass."""
     from ism_addon.gpu.profile import Profile
     from ism_addon.gpu.renderer import Renderer
 
@@ -47,10 +47,10 @@ def test_renderers_side_by_side(device, method):
         assert np.array_equal(renderer.picture(), draw(device, *picture).color)
 
 
-@BOTH
+@BOTH_METHODS
 @pytest.mark.parametrize("name", SMALL)
 def test_another_process(device, tmp_path, method, name):
-    """Whatever this one has drawn before."""
+    """A new process draws what this one draws, whatever this one has drawn before."""
     path, picture = tmp_path / "scene.npz", (*SMALL[name](64, 48), METHODS[method])
     snapshot.save(path, *picture)
     lines = (
@@ -61,13 +61,13 @@ def test_another_process(device, tmp_path, method, name):
         "print(hashlib.sha256(draw(open_device(), *snapshot.load(sys.argv[1])).color.tobytes()).hexdigest())",
     )
     command = [sys.executable, "-c", "\n".join(lines), path]
-    told = subprocess.run(command, check=True, capture_output=True, text=True, cwd=project.ROOT).stdout.strip()
-    assert told == hashlib.sha256(draw(device, *picture).color.tobytes()).hexdigest()
+    digest = subprocess.run(command, check=True, capture_output=True, text=True, cwd=project.ROOT).stdout.strip()
+    assert digest == hashlib.sha256(draw(device, *picture).color.tobytes()).hexdigest()
 
 
 @pytest.fixture
 def animation(tmp_path):
-    """A file in which the camera, a thing and a lamp move."""
+    """A file in which the camera, a mesh and a light move."""
     addon.register()
     open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
@@ -78,10 +78,10 @@ def animation(tmp_path):
     moving.append(bpy.context.object)
     bpy.ops.object.camera_add(location=(0.0, -8.0, 5.0), rotation=(1.0, 0.0, 0.0))
     moving.append(bpy.context.object)
-    for number, thing in enumerate(moving):
+    for index, each in enumerate(moving):
         for frame in (1, FRAMES):
-            thing.location.x += 0.1 * frame * (number + 1)
-            thing.keyframe_insert("location", frame=frame)
+            each.location.x += 0.1 * frame * (index + 1)
+            each.keyframe_insert("location", frame=frame)
     scene = bpy.context.scene
     scene.camera, scene.frame_start, scene.frame_end = moving[-1], 1, FRAMES
     scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "ISM", 96, 54
@@ -94,8 +94,8 @@ def animation(tmp_path):
     return path
 
 
-def worker(animation, folder, frames: list[int], persistent: bool = False) -> None:
-    """A process of its own renders some frames, as a farm's does: `blender -b animation -o folder/#### -f frames`."""
+def render_frames(animation, folder, frames: list[int], persistent: bool = False) -> None:
+    """Render some frames in a new process, as a render farm does: `blender -b animation -o folder/#### -f frames`."""
     lines = (
         "import sys",
         "import bpy",
@@ -119,14 +119,14 @@ def pictures(folder) -> list[dict[str, np.ndarray]]:
 
 
 def test_an_animation_in_chunks(animation, tmp_path):
-    """Two workers with chunks of it, or backwards, or with what was read kept: each frame has the same bits."""
+    """In chunks by two processes, backwards, or with Persistent Data: each frame has the same bits."""
     whole, chunks, backwards, kept = (tmp_path / name for name in ("whole", "chunks", "backwards", "kept"))
     every = list(range(1, FRAMES + 1))
-    worker(animation, whole, every)
+    render_frames(animation, whole, every)
     with ThreadPoolExecutor(2) as farm:
-        list(farm.map(lambda frames: worker(animation, chunks, frames), [[1], [2], [3, 4]]))
-    worker(animation, backwards, every[::-1])
-    worker(animation, kept, every, persistent=True)
+        list(farm.map(lambda frames: render_frames(animation, chunks, frames), [[1], [2], [3, 4]]))
+    render_frames(animation, backwards, every[::-1])
+    render_frames(animation, kept, every, persistent=True)
     expected = pictures(whole)
     assert not all(np.array_equal(expected[0][name], expected[-1][name]) for name in expected[0])
     for folder in (chunks, backwards, kept):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of files that are missing or cannot be written; and nothing is lost by them."""
+"""Files that are missing or cannot be written: the message, and that existing files are kept."""
 
 import os
 import subprocess
@@ -22,7 +22,7 @@ from tests.tools import project
 from tests.tools.new_file import open_empty_file, open_factory_file
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="fills the disk as it is done on Linux")
-GONE = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."
+IMAGE_WARNING = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."
 
 
 @pytest.fixture
@@ -38,8 +38,8 @@ def blender() -> Iterator[bpy.types.Scene]:
 
 
 @contextmanager
-def disk_with_room_for(size: int) -> Iterator[None]:
-    """No file can become larger than that."""
+def file_size_limit(size: int) -> Iterator[None]:
+    """As on a full disk, no file can become larger than `size` bytes."""
     import resource
 
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -51,78 +51,78 @@ def disk_with_room_for(size: int) -> Iterator[None]:
 
 
 @ON_LINUX
-def test_a_disk_that_is_full_while_a_snapshot_is_written(blender, path):
-    """It is as if nothing had been asked: the older one is there, and no piece of a new one."""
-    before = path.read_bytes()
-    with pytest.raises(RuntimeError) as report, disk_with_room_for(4000):
-        bpy.ops.ism.save_snapshot(filepath=str(path))
-    assert str(report.value) == f"Error: The snapshot was not saved: File too large: {path}\n"
-    assert path.read_bytes() == before
-    assert list(path.parent.iterdir()) == [path]
+def test_a_full_disk_while_a_snapshot_is_written(blender, snapshot_path):
+    """The older snapshot is kept, and no partial file is left."""
+    before = snapshot_path.read_bytes()
+    with pytest.raises(RuntimeError) as report, file_size_limit(4000):
+        bpy.ops.ism.save_snapshot(filepath=str(snapshot_path))
+    assert str(report.value) == f"Error: The snapshot was not saved: File too large: {snapshot_path}\n"
+    assert snapshot_path.read_bytes() == before
+    assert list(snapshot_path.parent.iterdir()) == [snapshot_path]
 
 
 @ON_LINUX
-def test_a_disk_that_is_full_while_a_picture_is_written(told, path):
-    assert told(path, "-o", "/dev/full") == "[Errno 28] No space left on device: '/dev/full'"
-    picture = path.with_name("out.png")
+def test_a_full_disk_while_a_picture_is_written(cli_error, snapshot_path):
+    assert cli_error(snapshot_path, "-o", "/dev/full") == "[Errno 28] No space left on device: '/dev/full'"
+    picture = snapshot_path.with_name("out.png")
     picture.write_text("an older one")
-    with disk_with_room_for(100):
-        assert told(path, "-o", picture) == f"[Errno 27] File too large: '{picture}'"
+    with file_size_limit(100):
+        assert cli_error(snapshot_path, "-o", picture) == f"[Errno 27] File too large: '{picture}'"
     assert picture.read_text() == "an older one"
 
 
 @ON_LINUX
-def test_a_file_that_is_replaced_stays_what_it_is(path):
-    """Its mode, and a link to it; one that may not be written to is not."""
-    link = path.with_name("link.npz")
-    link.symlink_to(path)
-    path.chmod(0o600)
+def test_a_replaced_file_keeps_its_mode_and_links(snapshot_path):
+    """A symbolic link to it still is one."""
+    link = snapshot_path.with_name("link.npz")
+    link.symlink_to(snapshot_path)
+    snapshot_path.chmod(0o600)
     snapshot.save(link, *pillar_field(24, 16), SMALL_SETTINGS)
     assert link.is_symlink()
-    assert path.stat().st_mode & 0o777 == 0o600
-    assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
+    assert snapshot_path.stat().st_mode & 0o777 == 0o600
+    assert snapshot.load(snapshot_path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
 
 
-def test_a_file_is_on_its_disk_before_it_takes_the_place_of_another(path, monkeypatch):
-    """Or after a power cut there would be an empty one."""
-    done = []
+def test_a_file_is_on_disk_before_it_replaces_another(snapshot_path, monkeypatch):
+    """Otherwise a power cut could leave an empty file."""
+    calls = []
 
-    def noted(name: str, function):
-        monkeypatch.setattr(os, name, lambda *arguments: (done.append(name), function(*arguments)))
+    def record(name: str, function):
+        monkeypatch.setattr(os, name, lambda *arguments: (calls.append(name), function(*arguments)))
 
-    noted("fsync", os.fsync)
-    noted("replace", os.replace)
-    snapshot.save(path, *pillar_field(24, 16), SMALL_SETTINGS)
-    assert done == ["fsync", "replace"]
-
-
-def test_what_a_killed_process_has_left_is_in_nobodys_way(path):
-    """In a container, the next process has the same number."""
-    left = path.with_name(f".{os.getpid()}.part")
-    left.write_text("half a snapshot")
-    snapshot.save(path, *pillar_field(24, 16), SMALL_SETTINGS)
-    assert snapshot.load(path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
-    assert sorted(path.parent.iterdir()) == [left, path]
+    record("fsync", os.fsync)
+    record("replace", os.replace)
+    snapshot.save(snapshot_path, *pillar_field(24, 16), SMALL_SETTINGS)
+    assert calls == ["fsync", "replace"]
 
 
-def test_files_that_are_written_at_the_same_time(path):
-    """By threads, into one folder: each is whole."""
+def test_a_temporary_file_of_a_killed_process_does_no_harm(snapshot_path):
+    """In a container the next process may have the same id, which is in the name of the temporary file."""
+    leftover = snapshot_path.with_name(f".{os.getpid()}.part")
+    leftover.write_text("half a snapshot")
+    snapshot.save(snapshot_path, *pillar_field(24, 16), SMALL_SETTINGS)
+    assert snapshot.load(snapshot_path)[0].triangle_count == pillar_field(24, 16)[0].triangle_count
+    assert sorted(snapshot_path.parent.iterdir()) == [leftover, snapshot_path]
 
-    def write(number: int) -> None:
-        with atomic_write(path.with_name(f"{number % 3}")) as file:
-            file.write(b"%d" % (number % 3) * 10_000)
+
+def test_files_that_are_written_at_the_same_time(snapshot_path):
+    """Threads write into one folder: each file is complete."""
+
+    def write(index: int) -> None:
+        with atomic_write(snapshot_path.with_name(f"{index % 3}")) as file:
+            file.write(b"%d" % (index % 3) * 10_000)
 
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(write, range(400)))
-    path.unlink()
-    assert {each.name: each.read_bytes() for each in path.parent.iterdir()} == {
-        f"{number}": b"%d" % number * 10_000 for number in range(3)
+    snapshot_path.unlink()
+    assert {each.name: each.read_bytes() for each in snapshot_path.parent.iterdir()} == {
+        f"{index}": b"%d" % index * 10_000 for index in range(3)
     }
 
 
 @contextmanager
-def somebody() -> Iterator[None]:
-    """Not root, who may write everywhere."""
+def unprivileged_user() -> Iterator[None]:
+    """Another user than root, who may write everywhere."""
     before = os.geteuid()
     os.seteuid(os.getuid() or 65534)
     try:
@@ -132,31 +132,31 @@ def somebody() -> Iterator[None]:
 
 
 @ON_LINUX
-def test_a_file_in_a_folder_in_which_no_other_may_be_made():
-    """It is written over; a new one cannot be."""
+def test_a_writable_file_in_a_read_only_folder():
+    """The file is overwritten; a new one cannot be made."""
     with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder, "out.png")
-        place.write_bytes(b"an older one")
-        place.chmod(0o666)
+        output = Path(folder, "out.png")
+        output.write_bytes(b"an older one")
+        output.chmod(0o666)
         Path(folder).chmod(0o555)
-        with somebody():
-            with atomic_write(place) as file:
+        with unprivileged_user():
+            with atomic_write(output) as file:
                 file.write(b"newer")
             with pytest.raises(PermissionError, match=r"other\.png"), atomic_write(Path(folder, "other.png")):
                 pass
         Path(folder).chmod(0o755)
-        assert place.read_bytes() == b"newer"
+        assert output.read_bytes() == b"newer"
 
 
 @ON_LINUX
-def test_a_picture_into_a_pipe(path):
-    command = [sys.executable, "-m", "ism_addon.gpu", path, "-o", "/dev/stdout"]
-    said = subprocess.run(command, cwd=project.ROOT, capture_output=True, timeout=60, check=True)
-    assert said.stdout.startswith(b"\x89PNG")
+def test_a_picture_into_a_pipe(snapshot_path):
+    command = [sys.executable, "-m", "ism_addon.gpu", snapshot_path, "-o", "/dev/stdout"]
+    completed = subprocess.run(command, cwd=project.ROOT, capture_output=True, timeout=60, check=True)
+    assert completed.stdout.startswith(b"\x89PNG")
 
 
 def test_images_that_are_missing(blender, tmp_path):
-    """The base colour is drawn instead."""
+    """A warning says that the base colour is drawn instead."""
     image = bpy.data.images.new("gone.png", 2, 2)
     image.source, image.filepath = "FILE", str(tmp_path / "gone.png")
     material = bpy.data.materials.new("Painted")
@@ -166,12 +166,12 @@ def test_images_that_are_missing(blender, tmp_path):
     surface = material.node_tree.nodes["Principled BSDF"]
     material.node_tree.links.new(texture.outputs["Color"], surface.inputs["Base Color"])
     bpy.data.objects["Cube"].data.materials[0] = material
-    assert GONE in scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
+    assert IMAGE_WARNING in scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
 
 
 def test_libraries_that_are_missing(blender, tmp_path):
-    """Of an object, its mesh, its material or a collection: Blender puts something empty in place."""
-    library, path = tmp_path / "library.blend", tmp_path / "scene.blend"
+    """Blender replaces linked data of a missing library by empty data-blocks; a warning names them."""
+    library, blend_path = tmp_path / "library.blend", tmp_path / "scene.blend"
     cube = bpy.data.objects["Cube"]
     bpy.data.libraries.write(str(library), {cube, cube.data, cube.data.materials[0]})
     open_empty_file()
@@ -184,10 +184,10 @@ def test_libraries_that_are_missing(blender, tmp_path):
     for each in (bpy.data.objects["Cube"], *own):
         bpy.context.collection.objects.link(each)
     assert scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings == ()
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend_path))
     library.unlink()
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    (sentence,) = scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
-    kind, _, names = sentence.partition(": ")
-    assert kind == "Linked data that was not found is missing from the picture"
+    bpy.ops.wm.open_mainfile(filepath=str(blend_path))
+    (warning,) = scene_reader.scene(bpy.context.evaluated_depsgraph_get()).warnings
+    issue, _, names = warning.partition(": ")
+    assert issue == "Linked data that was not found is missing from the picture"
     assert {"'Cube'", "'Material'"} <= set(names.removesuffix(".").replace(" (2)", "").split(", "))

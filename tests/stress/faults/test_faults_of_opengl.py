@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist reads where OpenGL is not there, breaks or is asked for too much; and drawing goes on afterwards."""
+"""Error messages where OpenGL is missing, fails or lacks memory; and drawing goes on afterwards."""
 
 import ctypes
 import os
@@ -27,8 +27,8 @@ from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
 from tests.support.small_scenes import SMALL_SHADOW_MAPS
 from tests.tools import project
 
-#: Asks twice, in an interpreter of its own, and prints both errors.
-ASK = """
+#: For a new interpreter: two clients request a picture, and the errors of both are printed.
+REQUEST_TWICE = """
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.jobs.render_thread import RenderThread
 from tests.scenes.small import box_over_plane
@@ -43,28 +43,28 @@ for client in range(2):
 worker.stop()
 """
 
-ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="takes OpenGL away as it is done on Linux")
+ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="hides OpenGL as it is done on Linux")
 
 
-def complaint(before: str = "", **environment: object) -> str:
-    """What two clients are both told, after the lines `before`."""
-    asked = subprocess.run(
-        [sys.executable, "-c", before + ASK],
+def reported_error(before: str = "", **environment: object) -> str:
+    """The error of a render in a new process, after the lines `before`; that of a second client must be the same."""
+    completed = subprocess.run(
+        [sys.executable, "-c", before + REQUEST_TWICE],
         cwd=project.ROOT,
         env=os.environ | {name: str(value) for name, value in environment.items()},
         capture_output=True,
         text=True,
         timeout=60,
     )
-    assert asked.returncode == 0, asked.stderr
-    assert "Traceback" not in asked.stderr
-    first, second = asked.stdout.splitlines()
+    assert completed.returncode == 0, completed.stderr
+    assert "Traceback" not in completed.stderr
+    first, second = completed.stdout.splitlines()
     assert first == second
     return first
 
 
-def says_no_opengl(error: str) -> bool:
-    """What is in the brackets comes from elsewhere."""
+def is_no_opengl_error(error: str) -> bool:
+    """The text in the brackets comes from moderngl or the driver: it is not compared."""
     return re.sub(r"\(.+\)", "(…)", error) == (
         "OpenGL 4.1 could not be opened (…): "
         "install the graphics card's driver, or Mesa's EGL libraries for rendering without a card"
@@ -73,21 +73,21 @@ def says_no_opengl(error: str) -> bool:
 
 @ON_LINUX
 def test_no_egl(tmp_path):
-    """A library of that name that is none goes before the real one."""
+    """An invalid file of the library's name is found before the real one."""
     for name in ("libEGL.so", "libEGL.so.1"):
         (tmp_path / name).write_text("none")
-    assert says_no_opengl(complaint(LD_LIBRARY_PATH=tmp_path))
+    assert is_no_opengl_error(reported_error(LD_LIBRARY_PATH=tmp_path))
 
 
 @ON_LINUX
 def test_no_driver():
-    assert says_no_opengl(complaint(__EGL_VENDOR_LIBRARY_FILENAMES="/none", LIBGL_DRIVERS_PATH="/none"))
+    assert is_no_opengl_error(reported_error(__EGL_VENDOR_LIBRARY_FILENAMES="/none", LIBGL_DRIVERS_PATH="/none"))
 
 
 def test_an_opengl_that_is_too_old(opened_device):
     if "llvmpipe" not in opened_device.name:
-        pytest.skip("only Mesa can be told to be older than it is")
-    assert says_no_opengl(complaint(MESA_GL_VERSION_OVERRIDE="3.3"))
+        pytest.skip("only Mesa can report an older version than its own")
+    assert is_no_opengl_error(reported_error(MESA_GL_VERSION_OVERRIDE="3.3"))
 
 
 @pytest.mark.parametrize(
@@ -99,73 +99,73 @@ def test_an_opengl_that_is_too_old(opened_device):
 )
 def test_no_moderngl(tmp_path, before, why):
     (tmp_path / "moderngl.py").write_text("raise OSError('a library of it is broken')")
-    assert complaint(before.format(folder=str(tmp_path))) == (
+    assert reported_error(before.format(folder=str(tmp_path))) == (
         f"moderngl, which comes with the extension, could not be loaded ({why}): install the extension again"
     )
 
 
 @pytest.mark.parametrize("version", ["5.9.0", "6.0.0", "unknown"])
 def test_a_moderngl_that_another_add_on_has_brought(tmp_path, version):
-    """The real one, told to be of another version, goes before ours."""
-    theirs = shutil.copytree(Path(moderngl.__file__).parent, tmp_path / "moderngl")
-    text = (theirs / "__init__.py").read_text("utf-8")
-    changed = re.sub(r'^__version__ = ".*"$', f'__version__ = "{version}"', text, flags=re.M)
-    assert changed != text
-    (theirs / "__init__.py").write_text(changed, "utf-8")
-    assert complaint(PYTHONPATH=tmp_path) == (
-        f"Another add-on has brought moderngl {version} ({theirs / '__init__.py'}), and this engine needs 5.10 or a "
+    """A copy of the real one with another version number is imported before ours."""
+    copy = shutil.copytree(Path(moderngl.__file__).parent, tmp_path / "moderngl")
+    text = (copy / "__init__.py").read_text("utf-8")
+    changed_text = re.sub(r'^__version__ = ".*"$', f'__version__ = "{version}"', text, flags=re.M)
+    assert changed_text != text
+    (copy / "__init__.py").write_text(changed_text, "utf-8")
+    assert reported_error(PYTHONPATH=tmp_path) == (
+        f"Another add-on has brought moderngl {version} ({copy / '__init__.py'}), and this engine needs 5.10 or a "
         "later 5: disable that add-on and start Blender again"
     )
 
 
-def test_the_moderngls_that_the_extension_brings_are_among_those_it_can_use():
-    for carried in project.WHEELS.values():
-        (version,) = (package.partition("==")[2] for package in carried["packages"] if package.startswith("moderngl="))
+def test_the_bundled_moderngl_versions_are_supported():
+    for wheels in project.WHEELS.values():
+        (version,) = (package.partition("==")[2] for package in wheels["packages"] if package.startswith("moderngl="))
         assert OLDEST <= tuple(map(int, version.split(".")))[:2] < NEXT_MAJOR
 
 
 @pytest.fixture
 def at_pass(monkeypatch):
-    """at_pass(number, do): do(loop) before the number-th pass from now on is drawn, in the worker's thread."""
+    """at_pass(number, action): calls action(loop) in the render thread, before it draws the number-th pass from now."""
 
-    def at_pass(number, do) -> None:
-        step, left = RenderLoop.step, iter(range(number))
+    def at_pass(number, action) -> None:
+        step, indices = RenderLoop.step, iter(range(number))
 
-        def step_or_do(loop: RenderLoop, client: object, job: Job) -> None:
-            if next(left, None) == number - 1:
-                do(loop)
+        def step_with_action(loop: RenderLoop, client: object, job: Job) -> None:
+            if next(indices, None) == number - 1:
+                action(loop)
             step(loop, client, job)
 
-        monkeypatch.setattr(RenderLoop, "step", step_or_do)
+        monkeypatch.setattr(RenderLoop, "step", step_with_action)
 
     return at_pass
 
 
-def load(loop: RenderLoop, name: str) -> int:
+def function_address(loop: RenderLoop, name: str) -> int:
     """The address of one of OpenGL's functions."""
     return loop.device.gl.mglo._context.load(name)
 
 
 def lost(loop: RenderLoop) -> None:
-    """As drivers do: from then on nothing is drawn, and nothing is said about it."""
-    ctypes.CFUNCTYPE(ctypes.c_uint)(load(loop, "eglReleaseThread"))()
+    """Lose the context as drivers do: from then on nothing is drawn, without an error."""
+    ctypes.CFUNCTYPE(ctypes.c_uint)(function_address(loop, "eglReleaseThread"))()
 
 
-def killed(_studio: RenderLoop) -> None:
+def killed(_loop: RenderLoop) -> None:
     raise SystemExit  # as Python ends threads
 
 
 @ON_LINUX
 def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
-    """What was in memory before is no picture."""
-    images, count = Renderer.images, iter(range(3))
+    """Undefined memory is not returned as a picture."""
+    images, calls = Renderer.images, iter(range(3))
 
-    def images_or_loss(renderer: Renderer, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
-        if next(count, 3) == 2:
+    def lose_context_at_third_call(renderer: Renderer, passes: Collection[RenderPass]) -> dict[str, np.ndarray]:
+        if next(calls, 3) == 2:
             ctypes.CFUNCTYPE(ctypes.c_uint)(renderer.device.gl.mglo._context.load("eglReleaseThread"))()
-        return images(renderer, wanted)
+        return images(renderer, passes)
 
-    monkeypatch.setattr(Renderer, "images", images_or_loss)
+    monkeypatch.setattr(Renderer, "images", lose_context_at_third_call)
     job, pictures = worker.start(request(LONG), "client"), []
     while not job.finished:
         job.wait(1.0)
@@ -175,7 +175,7 @@ def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("do", "sentence"),
+    ("action", "sentence"),
     [
         (lost, "The graphics driver has taken OpenGL away, as it does when it resets the card: render again"),
         (killed, "The thread that draws has ended unexpectedly: render again"),
@@ -184,13 +184,13 @@ def test_context_lost_while_a_picture_is_read(worker, monkeypatch):
 @pytest.mark.parametrize("number", [1, 2, 30])
 @ON_LINUX
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_context_lost_and_worker_killed(worker, at_pass, do, sentence, number):
-    """All who wait are told, and keep the picture that they have; who asks next has a whole one."""
+def test_context_lost_and_worker_killed(worker, at_pass, action, sentence, number):
+    """Waiting jobs end with the error and keep their last picture; the next request is drawn completely."""
     done = worker.start(request(), "done")
     assert wait_for_end(done)
     waiting = [worker.start(request(LONG), client) for client in ("one", "other")]
     assert all(wait_for_picture(job) for job in waiting)
-    at_pass(number, do)
+    at_pass(number, action)
     assert all(wait_for_end(job) for job in waiting)
     assert [job.error for job in (done, *waiting)] == ["", sentence, sentence]
     assert all(np.isfinite(job.picture().color).all() for job in waiting)
@@ -200,7 +200,7 @@ def test_context_lost_and_worker_killed(worker, at_pass, do, sentence, number):
     assert np.array_equal(again.picture().color, done.picture().color)
 
 
-def test_a_shader_that_is_broken(worker, shaders):  # noqa: F811 (a fixture)
+def test_a_broken_shader(worker, shaders):  # noqa: F811 (a fixture)
     edit(shaders / "passes/film/shade.frag", "void main() {", "void main() {\n    nonsense;")
     job = worker.start(request(), "client")
     assert wait_for_end(job)
@@ -211,21 +211,21 @@ def test_a_shader_that_is_broken(worker, shaders):  # noqa: F811 (a fixture)
 
 
 def test_a_picture_beyond_the_drivers_limit(worker, device):
-    most = device.texture_size
-    job = worker.start(request(size=(most + 1, 8)), "client")
+    max_size = device.texture_size
+    job = worker.start(request(size=(max_size + 1, 8)), "client")
     assert wait_for_end(job)
     assert job.error == (
-        f"The picture could not be drawn: {most + 1}×8 pixels are more than the {most}×{most} "
+        f"The picture could not be drawn: {max_size + 1}×8 pixels are more than the {max_size}×{max_size} "
         "that this OpenGL can draw at once"
     )
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize("turned", [False, True])
-def test_the_widest_picture(worker, device, turned):
-    """Up to the limit, all are drawn."""
-    most = device.texture_size
-    job = worker.start(request(size=(8, most) if turned else (most, 8)), "client")
+@pytest.mark.parametrize("is_upright", [False, True])
+def test_the_widest_picture(worker, device, is_upright):
+    """As wide or as high as the driver's limit, it is drawn."""
+    max_size = device.texture_size
+    job = worker.start(request(size=(8, max_size) if is_upright else (max_size, 8)), "client")
     assert wait_for_end(job)
     assert job.error == ""
     assert np.isfinite(job.picture().color).all()
@@ -233,9 +233,9 @@ def test_the_widest_picture(worker, device, turned):
 
 @pytest.mark.alone
 def test_out_of_graphics_memory(worker, device, monkeypatch):
-    """Of the software driver, no texture has more than 2 GB; a card's memory would have to be full.
+    """The software driver's textures are limited to 2 GB; with a graphics card its memory would have to be full.
 
-    Where the system does not say how much is free, nothing is estimated before.
+    Free memory is reported as unknown, so that no estimate refuses the picture before.
     """
     monkeypatch.setattr(memory_estimate, "free", lambda gl: None)
     if "llvmpipe" not in device.name:
@@ -254,15 +254,15 @@ def test_out_of_graphics_memory(worker, device, monkeypatch):
     assert again.error == ""
 
 
-def test_what_opengl_refuses(worker, at_pass):
-    """Drivers only note it, and go on: the picture would be wrong without a word."""
-    at_pass(5, lambda loop: ctypes.CFUNCTYPE(None, ctypes.c_uint)(load(loop, "glEnable"))(0xFFFF))
+def test_an_opengl_error(worker, at_pass):
+    """Drivers only record it and go on: without a check the picture would be wrong and no error shown."""
+    at_pass(5, lambda loop: ctypes.CFUNCTYPE(None, ctypes.c_uint)(function_address(loop, "glEnable"))(0xFFFF))
     job = worker.start(request(), "client")
     assert wait_for_end(job)
     assert job.error == "The picture could not be drawn: the graphics driver refuses it (GL_INVALID_ENUM)"
 
 
 def test_an_atlas_beyond_the_limit():
-    """It is drawn in portions, see test_atlas.py; only a map by itself may be wider than any texture."""
-    asked = replace(SMALL_SHADOW_MAPS, quality=replace(SMALL_SHADOW_MAPS.quality, map_size=100_000))
-    assert beyond_limits(asked) == ("Map Size cannot be 100,000: 4,096 is used instead.",)
+    """An atlas is drawn in portions, see test_atlas.py; only a single map may be wider than any texture."""
+    settings = replace(SMALL_SHADOW_MAPS, quality=replace(SMALL_SHADOW_MAPS.quality, map_size=100_000))
+    assert beyond_limits(settings) == ("Map Size cannot be 100,000: 4,096 is used instead.",)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A snapshot is data: refused in a sentence or drawn, whatever is in it, and never larger in memory than as a file."""
+"""Damaged and hostile snapshots: refused with one line or drawn. Nothing is executed, and memory is bounded."""
 
 import io
 import os
@@ -23,94 +23,94 @@ from tests.unit.test_snapshot import rewritten
 
 
 @pytest.mark.parametrize(
-    ("harm", "sentence"),
+    ("damage", "sentence"),
     [
-        (lambda whole: whole[: len(whole) // 2], "{} is not a snapshot: File is not a zip file."),
-        (lambda whole: b"", "{} is not a snapshot: File is not a zip file."),
-        (lambda whole: whole.replace(b"NUMPY", b"NUMPI"), "{} is not a snapshot: Bad CRC-32 for file 'snapshot.npy'."),
+        (lambda data: data[: len(data) // 2], "{} is not a snapshot: File is not a zip file."),
+        (lambda data: b"", "{} is not a snapshot: File is not a zip file."),
+        (lambda data: data.replace(b"NUMPY", b"NUMPI"), "{} is not a snapshot: Bad CRC-32 for file 'snapshot.npy'."),
     ],
     ids=["truncated", "empty", "corrupt"],
 )
-def test_a_snapshot_that_is_damaged(told, path, harm, sentence):
-    path.write_bytes(harm(path.read_bytes()))
-    assert told(path) == sentence.format(path)
+def test_a_damaged_snapshot(cli_error, snapshot_path, damage, sentence):
+    snapshot_path.write_bytes(damage(snapshot_path.read_bytes()))
+    assert cli_error(snapshot_path) == sentence.format(snapshot_path)
 
 
-def test_a_snapshot_of_later_times(told, path):
-    rewritten(path, told={"version": snapshot.VERSION + 1})
-    assert told(path) == f"{path} is a snapshot of version 4; this one reads version 3."
+def test_a_snapshot_of_a_later_version(cli_error, snapshot_path):
+    rewritten(snapshot_path, values={"version": snapshot.VERSION + 1})
+    assert cli_error(snapshot_path) == f"{snapshot_path} is a snapshot of version 4; this one reads version 3."
 
 
-def test_a_snapshot_that_is_not_there(told, tmp_path):
-    assert told(tmp_path / "none.npz") == f"[Errno 2] No such file or directory: '{tmp_path / 'none.npz'}'"
+def test_a_missing_snapshot(cli_error, tmp_path):
+    assert cli_error(tmp_path / "none.npz") == f"[Errno 2] No such file or directory: '{tmp_path / 'none.npz'}'"
 
 
-class Spell:
-    """What a pickle may hold: unpickled, it would call anything."""
+class CodeInPickle:
+    """Unpickling it calls a function, as a hostile pickle may."""
 
     def __reduce__(self):
         return pytest.fail, ("a snapshot has been executed",)
 
 
 def member(shape: str = "(4,)", dtype: str = "'<f4'", data: bytes = bytes(16)) -> bytes:
-    """An .npy whose header says anything."""
+    """An .npy file with this shape and dtype in its header, whether or not they match the data."""
     header = f"{{'descr': {dtype}, 'fortran_order': False, 'shape': {shape}, }}\n".encode()
     return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + data
 
 
 def pickled() -> bytes:
-    spell = io.BytesIO()
-    np.save(spell, np.array([Spell()], object), allow_pickle=True)
-    return spell.getvalue()
+    buffer = io.BytesIO()
+    np.save(buffer, np.array([CodeInPickle()], object), allow_pickle=True)
+    return buffer.getvalue()
 
 
-@pytest.mark.parametrize("packing", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
-def test_a_snapshot_that_is_packed(told, path, packing):
-    """What unpacks to more than the file could be anything: the sizes that an archive tells may be wrong."""
-    with zipfile.ZipFile(path, "w", packing) as archive:
+@pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
+def test_a_compressed_snapshot(cli_error, snapshot_path, compression):
+    """It is refused, as its uncompressed size is not known: the archive may state a wrong one."""
+    with zipfile.ZipFile(snapshot_path, "w", compression) as archive:
         archive.writestr("snapshot.npy", bytes(20_000_000))
-    whole = path.read_bytes()
-    path.write_bytes(whole.replace((20_000_000).to_bytes(4, "little"), (100).to_bytes(4, "little")))
+    data = snapshot_path.read_bytes()
+    snapshot_path.write_bytes(data.replace((20_000_000).to_bytes(4, "little"), (100).to_bytes(4, "little")))
     tracemalloc.start()
     try:
-        assert told(path) == f"{path} is not a snapshot: its arrays are compressed."
+        assert cli_error(snapshot_path) == f"{snapshot_path} is not a snapshot: its arrays are compressed."
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize("place", ["settings/shadow/bias", "view/width", "view/filter_width", "settings/debug_view"])
-@pytest.mark.parametrize("long", [10**400, "a" * 5000, [0] * 5000], ids=["number", "word", "list"])
-def test_a_snapshot_of_long_values(told, path, place, long):
-    """The sentence says where, and quotes no more than can be read."""
-    said = told(rewritten(path, told={place: long}))
-    assert f"The snapshot's {place}" in said or f"The snapshot's {place.partition('/')[0]} cannot be used" in said
-    assert str(long)[:20] in said
-    assert len(said) < 400
+@pytest.mark.parametrize("name", ["settings/shadow/bias", "view/width", "view/filter_width", "settings/debug_view"])
+@pytest.mark.parametrize("value", [10**400, "a" * 5000, [0] * 5000], ids=["number", "word", "list"])
+def test_a_snapshot_with_long_values(cli_error, snapshot_path, name, value):
+    """The message says where the value is, and quotes only its beginning."""
+    message = cli_error(rewritten(snapshot_path, values={name: value}))
+    assert f"The snapshot's {name}" in message or f"The snapshot's {name.partition('/')[0]} cannot be used" in message
+    assert str(value)[:20] in message
+    assert len(message) < 400
 
 
-def test_a_snapshot_of_an_unknown_setting_with_a_long_name(told, path):
-    said = told(rewritten(path, told={f"settings/{'long ' * 1000}": 1}))
-    assert said.startswith("The snapshot's settings has long long")
-    assert len(said) < 200
+def test_a_snapshot_with_a_long_unknown_setting(cli_error, snapshot_path):
+    message = cli_error(rewritten(snapshot_path, values={f"settings/{'long ' * 1000}": 1}))
+    assert message.startswith("The snapshot's settings has long long")
+    assert len(message) < 200
 
 
-def test_a_reason_without_words_has_a_name(told, path, monkeypatch):
-    """As that of a file for which there is no memory."""
+def test_an_error_without_a_message_is_named(cli_error, snapshot_path, monkeypatch):
+    """Such as a MemoryError: the message gives the exception's name."""
 
     def no_memory(*_arguments):
         raise MemoryError
 
     monkeypatch.setattr(snapshot, "_members", no_memory)
-    assert told(path) == f"{path} is not a snapshot: MemoryError."
+    assert cli_error(snapshot_path) == f"{snapshot_path} is not a snapshot: MemoryError."
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="devices are files elsewhere")
-def test_what_is_no_plain_file_is_not_read(told, tmp_path):
-    """It might have no end, or never begin."""
+def test_a_device_or_pipe_is_not_read(cli_error, tmp_path):
+    """Reading it might never end or never begin."""
     os.mkfifo(tmp_path / "pipe")
     for path in (Path(os.devnull).with_name("zero"), tmp_path / "pipe", tmp_path):
-        assert told(path) == f"{path} is not a snapshot: it is no plain file."
+        assert cli_error(path) == f"{path} is not a snapshot: it is no plain file."
 
 
 @pytest.mark.parametrize(
@@ -127,57 +127,56 @@ def test_what_is_no_plain_file_is_not_read(told, tmp_path):
     ],
     ids=["pickle", "claims 8 GB", "less than none", "unended", "made long", "a call", "deep", "a long number"],
 )
-def test_a_snapshot_that_is_hostile(told, path, name, content, sentence):
+def test_a_hostile_snapshot(cli_error, snapshot_path, name, content, sentence):
     """Nothing of it is executed, and reading takes no more memory than a few times its file."""
-    with zipfile.ZipFile(path) as archive:
+    with zipfile.ZipFile(snapshot_path) as archive:
         members = {each: archive.read(each) for each in archive.namelist()} | {name: content}
-    with zipfile.ZipFile(path, "w") as archive:
+    with zipfile.ZipFile(snapshot_path, "w") as archive:
         for each, data in members.items():
             archive.writestr(each, data)
     tracemalloc.start()
     try:
-        said = told(path)
-        assert tracemalloc.get_traced_memory()[1] < 2**20 + 20 * path.stat().st_size
+        message = cli_error(snapshot_path)
+        assert tracemalloc.get_traced_memory()[1] < 2**20 + 20 * snapshot_path.stat().st_size
     finally:
         tracemalloc.stop()
-    assert said.startswith(f"{path} is not a snapshot: ")
-    assert sentence in said
+    assert message.startswith(f"{snapshot_path} is not a snapshot: ")
+    assert sentence in message
 
 
-#: Numbers at the ends of what a snapshot may hold, and between.
-ENDS = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-45, 1e-38, 1e-9, 1e5, -1e9, 1e9, 1e15, 3e38)
+#: Extreme and ordinary floating-point values for a snapshot's arrays.
+FLOATS = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-45, 1e-38, 1e-9, 1e5, -1e9, 1e9, 1e15, 3e38)
+
+#: Paths of numbers outside of its arrays.
+SCALARS = ("view/filter_width", "settings/shadow/bias", "settings/ssao/radius", "settings/quality/error_threshold")
+
+#: Integer values by kind of dtype; most others would only be refused.
+INTEGERS = {"b": (0, 1), "u": (0, 0, 1, 1, 255), "i": (0, 0, 1, -1, 2**31 - 1)}
 
 
-#: Other numbers that it holds.
-TOLD = ("view/filter_width", "settings/shadow/bias", "settings/ssao/radius", "settings/quality/error_threshold")
-
-#: The same of whole numbers; most others would only be refused.
-WHOLE = {"b": (0, 1), "u": (0, 0, 1, 1, 255), "i": (0, 0, 1, -1, 2**31 - 1)}
-
-
-def spoilt(arrays: dict[str, np.ndarray], chance: random.Random) -> dict[str, np.ndarray]:
-    """Some of the arrays, with other numbers in places."""
+def with_random_values(arrays: dict[str, np.ndarray], rng: random.Random) -> dict[str, np.ndarray]:
+    """One to three of the arrays, with random values at some or all indices."""
     changed = {}
-    for name in chance.sample(sorted(arrays), chance.randint(1, 3)):
+    for name in rng.sample(sorted(arrays), rng.randint(1, 3)):
         changed[name] = array = arrays[name].copy()
-        for _ in range(chance.choice([1, 2, array.size])):
-            index = np.unravel_index(chance.randrange(array.size), array.shape)
-            array[index] = chance.choice(ENDS if array.dtype.kind == "f" else WHOLE[array.dtype.kind])
+        for _ in range(rng.choice([1, 2, array.size])):
+            index = np.unravel_index(rng.randrange(array.size), array.shape)
+            array[index] = rng.choice(FLOATS if array.dtype.kind == "f" else INTEGERS[array.dtype.kind])
     return changed
 
 
 @pytest.mark.parametrize("scene", [box_over_plane, pillar_field])
-def test_snapshots_of_any_numbers(worker, tmp_path, examples, scene):
-    """Refused in a sentence, or drawn: no pixel is not finite, and no drawing fails."""
-    path, chance, drawn = tmp_path / "scene.npz", random.Random(2026), 0
+def test_snapshots_with_random_values(worker, tmp_path, examples, scene):
+    """Refused, or drawn without an error and with finite pixels."""
+    snapshot_path, rng, drawn = tmp_path / "scene.npz", random.Random(2026), 0
     for _ in range(examples):
-        snapshot.save(path, *scene(24, 16), chance.choice([SMALL_SETTINGS, SMALL_SHADOW_MAPS]))
-        with np.load(path) as members:
+        snapshot.save(snapshot_path, *scene(24, 16), rng.choice([SMALL_SETTINGS, SMALL_SHADOW_MAPS]))
+        with np.load(snapshot_path) as members:
             arrays = {name: members[name] for name in members.files if name != "snapshot" and members[name].size}
-        told = {chance.choice(TOLD): chance.choice([*ENDS, 0, -1, 10**400]) for _ in range(chance.randrange(3))}
-        rewritten(path, arrays=spoilt(arrays, chance), told=told)
+        changes = {rng.choice(SCALARS): rng.choice([*FLOATS, 0, -1, 10**400]) for _ in range(rng.randrange(3))}
+        rewritten(snapshot_path, arrays=with_random_values(arrays, rng), values=changes)
         try:
-            request = Request(*snapshot.load(path), RENDER_PASSES)
+            request = Request(*snapshot.load(snapshot_path), RENDER_PASSES)
         except snapshot.SnapshotError:
             continue
         job = worker.start(request, "client")
@@ -189,8 +188,8 @@ def test_snapshots_of_any_numbers(worker, tmp_path, examples, scene):
 
 
 @pytest.mark.parametrize("width", [-1.0, 500.0, 1e30])
-def test_a_snapshot_whose_filter_is_none(worker, path, width):
-    scene, view, settings = snapshot.load(rewritten(path, told={"view/filter_width": width}))
+def test_a_snapshot_with_an_impossible_filter_width(worker, snapshot_path, width):
+    scene, view, settings = snapshot.load(rewritten(snapshot_path, values={"view/filter_width": width}))
     nearest = 0 if width < 0.0 else 50
     assert view_beyond_limits(view) == (f"Filter Size cannot be {width:g} px: {nearest} px is used instead.",)
     job = worker.start(Request(scene, view, settings), "client")

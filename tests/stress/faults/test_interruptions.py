@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders that are ended from outside, or begun where nobody would expect one."""
+"""Renders that end from outside, run beside others, or start in a handler."""
 
 import signal
 import subprocess
@@ -14,10 +14,10 @@ import pytest
 from tests.support import exr
 from tests.tools import project
 
-#: Renders a small picture, in an interpreter of its own; what comes before, between and after is the test's.
+#: Start of a script for a new interpreter: sets up a small scene, and defines render(name).
 SCRIPT = """
 import bpy, signal, sys, threading, time
-signal.signal(signal.SIGINT, signal.default_int_handler)  # else it is ignored where it is by whoever started the tests
+signal.signal(signal.SIGINT, signal.default_int_handler)  # SIGINT is ignored if the parent process ignores it
 from ism_addon import addon
 addon.register()
 folder = sys.argv[1]
@@ -33,34 +33,36 @@ def render(name):
 """
 
 
-def script(folder: Path, *lines: str) -> subprocess.Popen:
-    """Begun, with all that it says to be read."""
+def start_script(folder: Path, *lines: str) -> subprocess.Popen:
+    """Start SCRIPT with further lines in a new process; its output can be read."""
     command = [sys.executable, "-c", "\n".join([SCRIPT, *lines]), folder]
     return subprocess.Popen(command, cwd=project.ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def done(process: subprocess.Popen, status: int = 0) -> str:
-    """What it said, when it has ended as it should and without complaint."""
+def output_of(process: subprocess.Popen, status: int = 0) -> str:
+    """What the process printed, after it has ended with this exit status and no traceback."""
     try:
         out, error = process.communicate(timeout=60)
     finally:
-        process.kill()  # else what does not end would draw on beside all other tests
+        process.kill()  # a process that did not end would slow down all other tests
     assert process.returncode == status, error
     assert "Traceback" not in error
     return out
 
 
 @pytest.fixture(scope="module")
-def alone(tmp_path_factory) -> dict[str, np.ndarray]:
+def reference(tmp_path_factory) -> dict[str, np.ndarray]:
     """The picture of a script that does nothing else."""
     folder = tmp_path_factory.mktemp("alone")
-    done(script(folder, "render('picture')"))
+    output_of(start_script(folder, "render('picture')"))
     return exr.read(folder / "picture.exr")
 
 
-def same(path: Path, expected: dict[str, np.ndarray]) -> bool:
-    found = exr.read(path)
-    return found.keys() == expected.keys() and all(np.array_equal(found[name], expected[name]) for name in found)
+def is_same(path: Path, expected: dict[str, np.ndarray]) -> bool:
+    channels = exr.read(path)
+    return channels.keys() == expected.keys() and all(
+        np.array_equal(channels[name], expected[name]) for name in channels
+    )
 
 
 def test_exit_while_a_viewport_is_drawn(tmp_path):
@@ -68,22 +70,22 @@ def test_exit_while_a_viewport_is_drawn(tmp_path):
         "from ism_addon.gpu.jobs.job import Request",
         "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
-        "from tests.support.jobs import LONG, begun",
-        "assert begun(shared.start(Request(*box_over_plane(320, 200), LONG), 'viewport'))",
+        "from tests.support.jobs import LONG, wait_for_picture",
+        "assert wait_for_picture(shared.start(Request(*box_over_plane(320, 200), LONG), 'viewport'))",
         "print('drawing')",
     )
-    assert done(script(tmp_path, *lines)).endswith("drawing\n")
+    assert output_of(start_script(tmp_path, *lines)).endswith("drawing\n")
 
 
 @pytest.mark.alone
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal as it is done elsewhere")
 @pytest.mark.parametrize(
-    ("number", "status", "said"),
+    ("signal_number", "status", "printed"),
     [(signal.SIGINT, 0, "'Error: The render was interrupted\\n'"), (signal.SIGTERM, -signal.SIGTERM, "")],
     ids=["Ctrl+C", "killed"],
 )
-def test_exit_while_rendering(tmp_path, number, status, said):
-    """A script can tell what has happened; what a farm's manager sends ends it at once."""
+def test_exit_while_rendering(tmp_path, signal_number, status, printed):
+    """Ctrl+C raises an error in the script; SIGTERM, which render farm managers send, ends the process soon."""
     lines = (
         "scene.ism.render.samples = 65536",
         "threading.Thread(target=lambda: (time.sleep(1.0), print('rendering', flush=True))).start()",
@@ -92,16 +94,16 @@ def test_exit_while_rendering(tmp_path, number, status, said):
         "except RuntimeError as error:",
         "    print(repr(str(error)))",
     )
-    process = script(tmp_path, *lines)
+    process = start_script(tmp_path, *lines)
     assert any("rendering" in line for line in process.stdout)
-    process.send_signal(number)
+    process.send_signal(signal_number)
     before = time.monotonic()
-    assert said in done(process, status)
+    assert printed in output_of(process, status)
     assert time.monotonic() - before < 5.0
 
 
 def test_unregistered_while_rendering(tmp_path):
-    """By another thread, or a handler of the render: Blender would crash, so it is refused, and can be done later."""
+    """From another thread or a render handler: Blender would crash, so it is refused; after the render it works."""
     lines = (
         "scene.ism.render.samples, scene.ism.render.error_threshold = 600, 0.0",
         "def unregister(*_):",
@@ -121,37 +123,37 @@ def test_unregistered_while_rendering(tmp_path):
         "unregister()",
         "unregister()",
     )
-    said = done(script(tmp_path, *lines)).splitlines()
+    output = output_of(start_script(tmp_path, *lines)).splitlines()
     sentence = "ISM is rendering: it can be disabled when the render has ended"
-    assert {line for line in said if line.endswith(sentence)} == {f"True {sentence}", f"False {sentence}"}
+    assert {line for line in output if line.endswith(sentence)} == {f"True {sentence}", f"False {sentence}"}
 
 
-def test_two_renders_at_once(tmp_path, alone):
-    """Of two processes, each has the picture that it would have alone."""
+def test_two_renders_at_once(tmp_path, reference):
+    """By two processes: each draws the picture that it would draw alone."""
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda name: done(script(tmp_path, f"render({name!r})")), ["one", "other"]))
-    assert all(same(tmp_path / f"{name}.exr", alone) for name in ("one", "other"))
+        list(pool.map(lambda name: output_of(start_script(tmp_path, f"render({name!r})")), ["one", "other"]))
+    assert all(is_same(tmp_path / f"{name}.exr", reference) for name in ("one", "other"))
 
 
-def test_a_render_beside_a_viewport(tmp_path, alone):
-    """In one process, by one thread."""
+def test_a_render_beside_a_viewport(tmp_path, reference):
+    """In one process, whose one render thread draws both."""
     lines = (
         "from ism_addon.gpu.jobs.job import Request",
         "from ism_addon.gpu.jobs.render_thread import shared",
         "from tests.scenes.small import box_over_plane",
-        "from tests.support.jobs import LONG, begun",
+        "from tests.support.jobs import LONG, wait_for_picture",
         "job = shared.start(Request(*box_over_plane(64, 40), LONG), 'viewport')",
-        "assert begun(job)",
+        "assert wait_for_picture(job)",
         "render('picture')",
         "assert not job.finished",
     )
-    done(script(tmp_path, *lines))
-    assert same(tmp_path / "picture.exr", alone)
+    output_of(start_script(tmp_path, *lines))
+    assert is_same(tmp_path / "picture.exr", reference)
 
 
 #: Not frame_change_post and render_stats: Blender crashes or hangs there, with Cycles too.
 @pytest.mark.parametrize(
-    ("handlers", "act"),
+    ("handlers", "trigger"),
     [
         ("load_post", "bpy.ops.wm.save_as_mainfile(filepath=f'{folder}/a.blend'); bpy.ops.wm.revert_mainfile()"),
         ("save_post", "bpy.ops.wm.save_as_mainfile(filepath=f'{folder}/a.blend')"),
@@ -163,8 +165,8 @@ def test_a_render_beside_a_viewport(tmp_path, alone):
         ("render_complete", "render('picture')"),
     ],
 )
-def test_a_render_from_a_handler(tmp_path, alone, handlers, act):
-    """It has the picture that it would have alone; and so has the render in which that was begun."""
+def test_a_render_from_a_handler(tmp_path, reference, handlers, trigger):
+    """The nested render and the one whose handler started it both draw the picture that they would draw alone."""
     lines = (
         "calls = []",
         "@bpy.app.handlers.persistent",
@@ -173,18 +175,18 @@ def test_a_render_from_a_handler(tmp_path, alone, handlers, act):
         "    if len(calls) == 1:",
         "        render('from handler')",
         f"bpy.app.handlers.{handlers}.append(handler)",
-        act,
+        trigger,
         "assert calls",
-        f"bpy.app.handlers.{handlers}.clear()",  # of our own too
+        f"bpy.app.handlers.{handlers}.clear()",  # the engine's own too
     )
-    done(script(tmp_path, *lines))
+    output_of(start_script(tmp_path, *lines))
     pictures = sorted(tmp_path.glob("*.exr"))
     assert tmp_path / "from handler.exr" in pictures
-    assert all(same(path, alone) for path in pictures)
+    assert all(is_same(path, reference) for path in pictures)
 
 
 def test_a_render_in_the_background(tmp_path):
-    """`bpy.app.background`: what cannot be drawn is one error for the script, and one sentence."""
+    """Without a window: a scene that cannot be rendered raises one error of one sentence in the script."""
     lines = (
         "assert bpy.app.background",
         "scene.camera = None",
@@ -193,5 +195,5 @@ def test_a_render_in_the_background(tmp_path):
         "except RuntimeError as error:",
         "    print(repr(str(error)))",
     )
-    said = done(script(tmp_path, *lines)).splitlines()[-1]
-    assert said == repr("Error: Cannot render, no camera\n")
+    last_line = output_of(start_script(tmp_path, *lines)).splitlines()[-1]
+    assert last_line == repr("Error: Cannot render, no camera\n")

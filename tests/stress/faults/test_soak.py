@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""After many renders and updates of viewports all is as at the start: memory, OpenGL's objects, threads, pace."""
+"""Many renders or viewport updates leak no memory, OpenGL objects or threads, and become no slower."""
 
 import ctypes
 import gc
@@ -25,26 +25,26 @@ from tests.tools.new_file import open_empty_file, open_factory_file
 
 pytestmark = [
     pytest.mark.alone,
-    pytest.mark.skipif(sys.platform != "linux", reason="memory is told as on Linux"),
+    pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as on Linux"),
 ]
 
 MEGABYTE = 1e6
-#: Rounds until caches are full, such as the allocator's arenas.
-WARM = 30
-#: OpenGL's objects that are counted, by names up to this.
-KINDS, NAMES = ("Texture", "Buffer", "Framebuffer", "VertexArray", "Program", "Shader"), 5000
+#: Repetitions until caches are full, such as the allocator's arenas.
+WARM_UP = 30
+#: Types of OpenGL objects that are counted, and the end of the range of their names (integers) that is tried.
+OBJECT_TYPES, NAME_LIMIT = ("Texture", "Buffer", "Framebuffer", "VertexArray", "Program", "Shader"), 5000
 
 
 @pytest.fixture
 def scene() -> Iterator[bpy.types.Scene]:
-    """Five things on a floor, two lamps and a camera."""
+    """Five spheres on a floor, two lights and a camera."""
     addon.register()
     open_empty_file()
     bpy.ops.mesh.primitive_plane_add(size=20.0)
-    for across in range(5):
-        bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16, location=(across - 2.0, 0.0, 1.0))
-    for across in (-2.0, 2.0):
-        bpy.ops.object.light_add(type="AREA", location=(across, 0.0, 6.0))
+    for x in range(5):
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16, location=(x - 2.0, 0.0, 1.0))
+    for x in (-2.0, 2.0):
+        bpy.ops.object.light_add(type="AREA", location=(x, 0.0, 6.0))
         bpy.context.object.data.energy = 300.0
     bpy.ops.object.camera_add(location=(0.0, -8.0, 5.0), rotation=(1.0, 0.0, 0.0))
     scene = bpy.context.scene
@@ -56,121 +56,127 @@ def scene() -> Iterator[bpy.types.Scene]:
     open_factory_file()
 
 
-def edit(chance: random.Random) -> None:
-    """Anything that an artist changes; in the end there is as much as before."""
-    thing = chance.choice([thing for thing in bpy.data.objects if thing.type == "MESH" and thing.name != "Plane"])
-    lamp = chance.choice(list(bpy.data.lights))
-    match chance.randrange(6):
+def edit(rng: random.Random) -> None:
+    """Change a random property of a random object; the amount of data stays the same."""
+    sphere = rng.choice([each for each in bpy.data.objects if each.type == "MESH" and each.name != "Plane"])
+    light = rng.choice(list(bpy.data.lights))
+    match rng.randrange(6):
         case 0:
-            thing.location = [chance.uniform(-2.0, 2.0) for _ in range(3)]
+            sphere.location = [rng.uniform(-2.0, 2.0) for _ in range(3)]
         case 1:
-            thing.scale = [chance.uniform(0.5, 1.5) for _ in range(3)]
+            sphere.scale = [rng.uniform(0.5, 1.5) for _ in range(3)]
         case 2:
-            lamp.energy, lamp.size = chance.uniform(100.0, 500.0), chance.uniform(0.1, 2.0)
+            light.energy, light.size = rng.uniform(100.0, 500.0), rng.uniform(0.1, 2.0)
         case 3:
-            for vertex in thing.data.vertices:
-                vertex.co.z *= chance.uniform(0.95, 1.05)
-            thing.data.update()
+            for vertex in sphere.data.vertices:
+                vertex.co.z *= rng.uniform(0.95, 1.05)
+            sphere.data.update()
         case 4:
-            copy = bpy.data.objects.new("Copy", thing.data.copy())
+            copy = bpy.data.objects.new("Copy", sphere.data.copy())
             bpy.context.collection.objects.link(copy)
-            bpy.data.meshes.remove(thing.data)
+            bpy.data.meshes.remove(sphere.data)
         case 5:
-            bpy.context.scene.camera.location.x = chance.uniform(-1.0, 1.0)
+            bpy.context.scene.camera.location.x = rng.uniform(-1.0, 1.0)
 
 
-class Census(threading.Event):
-    """Counts objects of OpenGL in the worker's thread, when it is next asked to draw."""
+class ObjectCount(threading.Event):
+    """The number of OpenGL objects, once the render thread has counted them."""
 
     count = 0
 
     def take(self, loop: RenderLoop) -> None:
+        """Count in the render thread, where the context is current."""
         load = loop.device.gl.mglo._context.load
         loop.device.free_released()
-        tests = [ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(load(f"glIs{kind}")) for kind in KINDS]
-        self.count = sum(bool(test(name)) for test in tests for name in range(1, NAMES))
+        prototype = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)
+        is_object = [prototype(load(f"glIs{object_type}")) for object_type in OBJECT_TYPES]
+        self.count = sum(bool(test(name)) for test in is_object for name in range(1, NAME_LIMIT))
         self.set()
 
 
 @pytest.fixture
-def census(monkeypatch) -> Callable[[Callable], int]:
-    """census(draw): how many objects there are in OpenGL as something is drawn."""
-    asked: list[Census] = []
+def count_objects(monkeypatch) -> Callable[[Callable], int]:
+    """count_objects(draw): the number of OpenGL objects during draw()."""
+    pending: list[ObjectCount] = []
     tidy = RenderLoop.tidy
 
     def tidy_and_count(loop: RenderLoop, jobs, forgotten) -> None:
         tidy(loop, jobs, forgotten)
-        while asked:
-            asked.pop().take(loop)
+        while pending:
+            pending.pop().take(loop)
 
     monkeypatch.setattr(RenderLoop, "tidy", tidy_and_count)
 
-    def census(draw: Callable[[], None]) -> int:
-        taken = Census()
-        asked.append(taken)
+    def count_objects(draw: Callable[[], None]) -> int:
+        counted = ObjectCount()
+        pending.append(counted)
         draw()
-        assert taken.wait(10.0)
-        return taken.count
+        assert counted.wait(10.0)
+        return counted.count
 
-    return census
+    return count_objects
 
 
-def threads() -> int:
-    """Of this process, Blender's and the driver's too where the system tells."""
+def thread_count() -> int:
+    """Threads of this process, where possible with those of Blender and the driver."""
     tasks = Path("/proc/self/task")
     return len(list(tasks.iterdir())) if tasks.exists() else threading.active_count()
 
 
 def soak(
-    rounds: int, draw: Callable[[random.Random], None], census, within, finish: Callable[[], None] = lambda: None
+    repetitions: int,
+    draw: Callable[[random.Random], None],
+    count_objects,
+    assert_within,
+    finish: Callable[[], None] = lambda: None,
 ) -> None:
-    """Draw so many rounds and compare the end with the start, when caches are warm.
+    """Draw repeatedly, and compare the state at the end with that after the warm-up.
 
-    Before each of the two, `finish` draws to its end what is half drawn: how many objects that has is chance.
+    Before each state is taken, `finish` completes an unfinished job, whose number of objects would be random.
     """
-    chance, seconds = random.Random(1), []
+    rng, seconds = random.Random(1), []
 
     def state() -> tuple[int, int, int]:
         finish()
-        objects = census(lambda: draw(chance))
+        objects = count_objects(lambda: draw(rng))
         gc.collect()
-        return resident(), objects, threads()
+        return resident(), objects, thread_count()
 
-    for number in range(WARM + rounds):
-        if number == WARM:
-            memory, objects, running = state()
+    for repetition in range(WARM_UP + repetitions):
+        if repetition == WARM_UP:
+            memory, objects, threads = state()
         before = time.process_time()
-        draw(chance)
+        draw(rng)
         seconds.append(time.process_time() - before)
-    grown = [after - before for after, before in zip(state(), (memory, objects, running), strict=True)]
-    within(grown[0] / MEGABYTE, 20.0)
-    within(grown[1], 0)
-    within(grown[2], 0)
-    half = WARM + rounds // 2
-    first, last = statistics.median(seconds[WARM:half]), statistics.median(seconds[half:])
-    within(last / first, 1.5)
+    growth = [after - before for after, before in zip(state(), (memory, objects, threads), strict=True)]
+    assert_within(growth[0] / MEGABYTE, 20.0)
+    assert_within(growth[1], 0)
+    assert_within(growth[2], 0)
+    half = WARM_UP + repetitions // 2
+    first, last = statistics.median(seconds[WARM_UP:half]), statistics.median(seconds[half:])
+    assert_within(last / first, 1.5)
 
 
-def test_soak_of_renders(scene, census, within, rounds):
-    def render(chance: random.Random) -> None:
-        edit(chance)
+def test_soak_of_renders(scene, count_objects, assert_within, repetitions):
+    def render(rng: random.Random) -> None:
+        edit(rng)
         assert bpy.ops.render.render() == {"FINISHED"}
 
-    soak(rounds, render, census, within)
+    soak(repetitions, render, count_objects, assert_within)
 
 
-def test_soak_of_viewports(scene, census, within, rounds):
-    """As a viewport asks: what changed is read, and each job replaces the one before, some of them half drawn."""
-    reader, patience = scene_reader.Reader(), random.Random(2)
+def test_soak_of_viewports(scene, count_objects, assert_within, repetitions):
+    """As a viewport does: changes are read, and each job replaces the one before, which may be unfinished."""
+    reader, patience_rng = scene_reader.Reader(), random.Random(2)
     job = None
 
-    def update(chance: random.Random) -> None:
+    def update(rng: random.Random) -> None:
         nonlocal job
-        edit(chance)
+        edit(rng)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        asked = reader.read(depsgraph), camera.final_view(depsgraph), read_settings.read(scene, "viewport")
-        job = shared.start(Request(*asked, preview_pixel_size=patience.choice([1, 4])), "viewport")
-        while patience.random() < 0.9 and not job.finished:
+        arguments = reader.read(depsgraph), camera.final_view(depsgraph), read_settings.read(scene, "viewport")
+        job = shared.start(Request(*arguments, preview_pixel_size=patience_rng.choice([1, 4])), "viewport")
+        while patience_rng.random() < 0.9 and not job.finished:
             job.wait(0.01)
         assert not job.error
 
@@ -179,6 +185,6 @@ def test_soak_of_viewports(scene, census, within, rounds):
             job.wait(0.5)
 
     try:
-        soak(rounds, update, census, within, finish)
+        soak(repetitions, update, count_objects, assert_within, finish)
     finally:
         shared.forget("viewport")

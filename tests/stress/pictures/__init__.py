@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of scenes at the ends of what there is."""
+"""Pictures of extreme scenes, against closed forms, reference images, Cycles and each other."""

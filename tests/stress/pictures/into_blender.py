@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene and its view as objects in Blender, which hold them in float32; and back, as our engine reads them."""
+"""Converts a scene and its view to Blender objects, which store float32, and reads them back as the engine does."""
 
 import math
 
@@ -14,7 +14,7 @@ from tests.tools.new_file import open_empty_file
 
 
 def into_blender(scene: Scene, view: View) -> None:
-    """In a new file; grey surfaces, smooth where the normals of a triangle's corners differ."""
+    """Build the scene in a new file: one diffuse material; a mesh is shaded smooth if any triangle's normals differ."""
     open_empty_file()
     material = bpy.data.materials.new("Grey")
     material.use_nodes = True
@@ -25,26 +25,26 @@ def into_blender(scene: Scene, view: View) -> None:
     material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
     meshes = []
     for source in scene.meshes:
-        made = bpy.data.meshes.new("Mesh")
+        mesh = bpy.data.meshes.new("Mesh")
         points, corners = np.unique(source.positions, axis=0, return_inverse=True)
-        made.from_pydata(points.tolist(), [], corners.reshape(-1)[source.triangles].tolist())
-        made.shade_smooth() if np.ptp(source.corner_normals, axis=1).max() > 1e-3 else made.shade_flat()
-        made.materials.append(material)
-        meshes.append(made)
-    rows = scene.instances.mesh, scene.instances.world_from_object, scene.instances.visible
-    for mesh, matrix, visible in zip(*rows, strict=True):
-        place("Thing", meshes[mesh], matrix).visible_camera = bool(visible)
-    for row in range(len(scene.lights.shape)):
-        add_light(scene, row)
+        mesh.from_pydata(points.tolist(), [], corners.reshape(-1)[source.triangles].tolist())
+        mesh.shade_smooth() if np.ptp(source.corner_normals, axis=1).max() > 1e-3 else mesh.shade_flat()
+        mesh.materials.append(material)
+        meshes.append(mesh)
+    instances = scene.instances.mesh, scene.instances.world_from_object, scene.instances.visible
+    for mesh_id, matrix, visible in zip(*instances, strict=True):
+        add_object("Thing", meshes[mesh_id], matrix).visible_camera = bool(visible)
+    for index in range(len(scene.lights.shape)):
+        add_light(scene, index)
     add_camera(view)
-    bpy.context.scene.cycles.light_sampling_threshold = 0.0  # else it leaves faint light to chance
+    bpy.context.scene.cycles.light_sampling_threshold = 0.0  # else Cycles samples faint lights stochastically
     bpy.context.scene.world = bpy.data.worlds.new("Black")
     bpy.context.scene.world.use_nodes = False
     bpy.context.scene.world.color = (0.0, 0.0, 0.0)
 
 
 def out_of_blender() -> tuple[Scene, View]:
-    """The open file, as a final render has it."""
+    """The scene and view of the open file, as a final render reads them."""
     addon.register()
     try:
         depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -53,41 +53,42 @@ def out_of_blender() -> tuple[Scene, View]:
         addon.unregister()
 
 
-def place(name: str, data: bpy.types.ID, matrix: np.ndarray) -> bpy.types.Object:
-    thing = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(thing)
-    thing.parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(thing.parent)
-    thing.matrix_parent_inverse = Matrix(matrix)  # location, rotation and scale could not hold shears
-    return thing
+def add_object(name: str, data: bpy.types.ID, matrix: np.ndarray) -> bpy.types.Object:
+    """Link a new object whose world matrix is `matrix`, by way of a parent."""
+    instance = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(instance)
+    instance.parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(instance.parent)
+    instance.matrix_parent_inverse = Matrix(matrix)  # location, rotation and scale could not hold shears
+    return instance
 
 
 def add_light(scene: Scene, row: int) -> None:
     lights = scene.lights
     width, height = np.linalg.norm(lights.axis_u[row]), np.linalg.norm(lights.axis_v[row])
-    made = bpy.data.lights.new("Light", "AREA")
-    ellipse = lights.shape[row] == LightShape.ELLIPSE
-    made.shape, made.size, made.size_y = "ELLIPSE" if ellipse else "RECTANGLE", width, height
-    made.spread, made.use_shadow = float(lights.spread[row]), bool(lights.casts_shadow[row])
-    brightest = float(lights.radiance[row].max())
-    made.color = lights.radiance[row] / brightest
-    made.energy = math.pi * width * height * (math.pi / 4.0 if ellipse else 1.0) * brightest
+    light = bpy.data.lights.new("Light", "AREA")
+    is_ellipse = lights.shape[row] == LightShape.ELLIPSE
+    light.shape, light.size, light.size_y = "ELLIPSE" if is_ellipse else "RECTANGLE", width, height
+    light.spread, light.use_shadow = float(lights.spread[row]), bool(lights.casts_shadow[row])
+    max_radiance = float(lights.radiance[row].max())
+    light.color = lights.radiance[row] / max_radiance
+    light.energy = math.pi * width * height * (math.pi / 4.0 if is_ellipse else 1.0) * max_radiance
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 2], matrix[:3, 3] = lights.axis_u[row] / width, -lights.normal[row], lights.position[row]
     matrix[:3, 1] = np.cross(matrix[:3, 2], matrix[:3, 0])
-    place("Light", made, matrix)
+    add_object("Light", light, matrix)
 
 
 def add_camera(view: View) -> None:
-    lens = bpy.data.cameras.new("Camera")
+    camera_data = bpy.data.cameras.new("Camera")
     clip = view.clip_from_view
     if clip[3, 2]:
-        lens.angle = 2.0 * math.atan(1.0 / clip[0, 0])
-        lens.clip_start, lens.clip_end = clip[2, 3] / (clip[2, 2] - 1.0), clip[2, 3] / (clip[2, 2] + 1.0)
+        camera_data.angle = 2.0 * math.atan(1.0 / clip[0, 0])
+        camera_data.clip_start, camera_data.clip_end = clip[2, 3] / (clip[2, 2] - 1.0), clip[2, 3] / (clip[2, 2] + 1.0)
     else:
-        lens.type, lens.ortho_scale = "ORTHO", 2.0 / clip[0, 0]
+        camera_data.type, camera_data.ortho_scale = "ORTHO", 2.0 / clip[0, 0]
     scene = bpy.context.scene
-    scene.camera = place("Camera", lens, np.linalg.inv(view.view_from_world))
-    lens.sensor_fit = "HORIZONTAL"
+    scene.camera = add_object("Camera", camera_data, np.linalg.inv(view.view_from_world))
+    camera_data.sensor_fit = "HORIZONTAL"
     scene.render.resolution_x, scene.render.resolution_y = view.width, view.height
     scene.render.resolution_percentage = 100

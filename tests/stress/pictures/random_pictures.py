@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of anything: what Hypothesis draws them from, smaller and plainer as it shrinks."""
+"""Hypothesis strategies for random pictures: scenes, views and settings. They shrink to small, plain ones."""
 
 import math
 from dataclasses import replace
@@ -16,26 +16,28 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 
 def powers(low: float, high: float) -> st.SearchStrategy[float]:
-    """Ten to the power of something; 1 is the plainest."""
+    """10 to a power between `low` and `high`; shrinks towards 1."""
     return st.floats(low, high, width=16).map(lambda power: 10.0**power)
 
 
 @st.composite
 def meshes(draw: st.DrawFn) -> Mesh:
-    """A few triangles: slivers, in one plane, with corners in common, or any; with normals of their own, or any."""
+    """A few triangles: random, coplanar, slivers, or snapped to a grid; flat, or with random normals at the corners."""
     random, count = generator(draw), draw(st.integers(1, 40))
     size = draw(powers(-2, 0.5))
     corners = random.uniform(-1.0, 1.0, (count, 1, 3)) + size * random.uniform(-1.0, 1.0, (count, 3, 3))
-    kind = draw(st.sampled_from(["any", "plane", "slivers", "grid"]))
-    if kind == "plane":
+    layout = draw(st.sampled_from(["any", "plane", "slivers", "grid"]))
+    if layout == "plane":
         corners[..., 2] = 0.0
-    if kind == "slivers":
+    if layout == "slivers":
         corners[:, 2] = corners[:, 1] + draw(powers(-7, -2)) * random.uniform(-1.0, 1.0, (count, 3))
-    if kind == "grid":
+    if layout == "grid":
         corners = np.round(2.0 * corners) / 2.0
     corners = corners.astype(np.float32)
     edges = corners[:, 1:] - corners[:, :1]
-    corners = corners[(np.cross(edges[:, 0], edges[:, 1]) ** 2).sum(1) > 0.0]  # as they come from Blender
+    corners = corners[
+        (np.cross(edges[:, 0], edges[:, 1]) ** 2).sum(1) > 0.0
+    ]  # the scene reader leaves out triangles without area
     if not len(corners):
         corners = np.eye(3, dtype=np.float32)[None]
     flat = mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
@@ -46,35 +48,35 @@ def meshes(draw: st.DrawFn) -> Mesh:
 
 
 def generator(draw: st.DrawFn) -> np.random.Generator:
-    """What need not shrink is drawn from here."""
+    """A seeded generator, for values that need not shrink."""
     return np.random.default_rng(draw(SEEDS))
 
 
-def turned(random: np.random.Generator) -> np.ndarray:
-    """(3,3): any turn, now and then by right angles."""
+def random_orthogonal(random: np.random.Generator) -> np.ndarray:
+    """(3,3): a random orthogonal matrix, sometimes a permutation of the axes."""
     if random.random() < 0.3:
         return np.eye(3)[random.permutation(3)]
     return np.linalg.qr(random.normal(size=(3, 3)))[0]
 
 
 @st.composite
-def instances(draw: st.DrawFn, count_of_meshes: int) -> Instances:
-    """Turned, mirrored, sheared, of any size, one on the other."""
+def instances(draw: st.DrawFn, mesh_count: int) -> Instances:
+    """Rotated, mirrored, sheared and scaled instances that may overlap."""
     random, count = generator(draw), draw(st.integers(1, 5))
     matrices = np.tile(np.eye(4), (count, 1, 1))
     for matrix in matrices:
         stretch = random.choice([1.0, -1.0, 0.5, 3.0, 1e-3, 0.0], 3, p=[0.7, 0.1, 0.1, 0.06, 0.02, 0.02])
         shear = np.eye(3)
         shear[0, 2] = random.choice([0.0, 0.7, -4.0], p=[0.8, 0.1, 0.1])
-        matrix[:3, :3], matrix[:3, 3] = turned(random) @ shear * stretch, np.round(random.normal(size=3), 1)
-    visible, casts = random.random((2, count)) < 0.85
-    ids = random.integers(0, count_of_meshes, count).astype(np.int32)
-    return Instances(ids, matrices, visible, casts, np.zeros(count, np.uint32))
+        matrix[:3, :3], matrix[:3, 3] = random_orthogonal(random) @ shear * stretch, np.round(random.normal(size=3), 1)
+    visible, casts_shadow = random.random((2, count)) < 0.85
+    mesh_ids = random.integers(0, mesh_count, count).astype(np.int32)
+    return Instances(mesh_ids, matrices, visible, casts_shadow, np.zeros(count, np.uint32))
 
 
-def basis_towards(random: np.random.Generator, place: np.ndarray) -> np.ndarray:
-    """(3,3): right, up and forward of what looks from a place (3,) about where things are."""
-    forward = random.normal(size=3) * 0.3 - place
+def basis_towards_origin(random: np.random.Generator, position: np.ndarray) -> np.ndarray:
+    """(3,3): right, up and forward of a camera or light at a position (3,) that faces roughly the origin."""
+    forward = random.normal(size=3) * 0.3 - position
     right = np.cross(forward, random.normal(size=3))
     rows = np.array([right, np.cross(right, forward), forward])
     return rows / np.linalg.norm(rows, axis=1, keepdims=True)
@@ -82,50 +84,50 @@ def basis_towards(random: np.random.Generator, place: np.ndarray) -> np.ndarray:
 
 @st.composite
 def lights(draw: st.DrawFn) -> Lights:
-    """From none to four, in and out of things, of any size, power and spread."""
+    """Zero to four lights, inside and outside of meshes, of any size, power and spread."""
     random, count = generator(draw), draw(st.integers(0, 4))
-    place = random.normal(size=(count, 3)) * random.choice([0.5, 2.0, 10.0], (count, 1))
-    axes = np.array([basis_towards(random, at) for at in place]).reshape(-1, 3, 3)
+    position = random.normal(size=(count, 3)) * random.choice([0.5, 2.0, 10.0], (count, 1))
+    axes = np.array([basis_towards_origin(random, each) for each in position]).reshape(-1, 3, 3)
     sizes = 10.0 ** random.uniform(-4.0, 1.5, (count, 2))
     colors = random.choice([0.0, 0.5, 1.0], (count, 3)) if draw(st.booleans()) else np.ones((count, 3))
     power = 10.0 ** random.uniform(-3.0, 3.0, (count, 1)) * colors
-    none = np.full(count, -1, np.int32)
+    unlinked = np.full(count, -1, np.int32)
     return Lights(
         shape=random.choice([int(shape) for shape in LightShape], count).astype(np.int32),
-        position=place,
+        position=position,
         axis_u=axes[:, 0] * sizes[:, :1],
         axis_v=axes[:, 1] * sizes[:, 1:],
         normal=axes[:, 2],
         radiance=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
         spread=random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05]).astype(np.float32),
         casts_shadow=random.random(count) < 0.9,
-        receivers=none,
-        blockers=none.copy(),
+        receivers=unlinked,
+        blockers=unlinked.copy(),
     )
 
 
 @st.composite
 def views(draw: st.DrawFn) -> View:
-    """From anywhere, within things too, of few pixels."""
+    """Views from anywhere, also inside of meshes, of few pixels."""
     random = generator(draw)
     width, height = draw(st.sampled_from([16, 24, 9, 1])), draw(st.sampled_from([12, 17, 8, 1]))
-    place = random.normal(size=3) * random.choice([0.3, 2.0, 20.0], p=[0.2, 0.7, 0.1])
-    right, up, forward = basis_towards(random, place)
+    position = random.normal(size=3) * random.choice([0.3, 2.0, 20.0], p=[0.2, 0.7, 0.1])
+    right, up, forward = basis_towards_origin(random, position)
     matrix = np.eye(4)
     matrix[:3, :3] = right, up, -forward
-    matrix[:3, 3] = -matrix[:3, :3] @ place
+    matrix[:3, 3] = -matrix[:3, :3] @ position
     if random.random() < 0.25:
         clip = np.diag([0.5, 0.5 * width / height, -0.01, 1.0])
         clip[2, 3] = -1.0
     else:
         clip = perspective(random.choice([0.9, 0.3, 2.5]), width / height, random.choice([0.1, 1e-3]), 1e3)
-    reach = draw(st.sampled_from([1.5, 0.01, 3.0]))
-    return View(clip, matrix, width, height, filter_width=reach, transparent=draw(st.booleans()))
+    filter_width = draw(st.sampled_from([1.5, 0.01, 3.0]))
+    return View(clip, matrix, width, height, filter_width=filter_width, transparent=draw(st.booleans()))
 
 
 @st.composite
 def all_settings(draw: st.DrawFn) -> Settings:
-    """Both methods, with few points and samples."""
+    """Settings of both methods, with few points and samples."""
     method = draw(st.sampled_from(Method))
     ssao = SSAO(
         enabled=draw(st.booleans()),
@@ -147,10 +149,10 @@ def all_settings(draw: st.DrawFn) -> Settings:
 @st.composite
 def pictures(draw: st.DrawFn) -> Picture:
     """A scene, its view and settings."""
-    things = tuple(draw(st.lists(meshes(), min_size=1, max_size=3)))
+    scene_meshes = tuple(draw(st.lists(meshes(), min_size=1, max_size=3)))
     scene = Scene(
-        meshes=things,
-        instances=draw(instances(len(things))),
+        meshes=scene_meshes,
+        instances=draw(instances(len(scene_meshes))),
         materials=Materials(np.array([[0.6, 0.3, 0.9]], np.float32), np.full(1, -1, np.int32)),
         images=(),
         lights=draw(lights()),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of what can be calculated: the light on a floor, a penumbra, a corner, a room that is white all over."""
+"""Pictures against closed forms: unshadowed light, penumbrae, ambient occlusion in a corner, a white furnace."""
 
 import math
 from dataclasses import replace
@@ -23,43 +23,51 @@ from tests.support.small_scenes import (
     view_from_above,
     with_quality,
 )
-from tests.unit.environment.test_ambient_occlusion import FULL, corner, half_resolution_surface, mean_occlusion
+from tests.unit.environment.test_ambient_occlusion import (
+    HEMISPHERE_SSAO,
+    corner,
+    half_resolution_surface,
+    mean_occlusion,
+)
 
 FLOOR = quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))
-#: Of the floor: what arrives becomes this part of radiance.
-REFLECTED = 0.6 / math.pi
+#: Radiance over irradiance of the floor, whose base colour is 0.6.
+BRDF = 0.6 / math.pi
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def places(width: float, pixels: int) -> np.ndarray:
-    """(pixels,) m: where the columns of a picture from above look."""
+def pixel_positions(width: float, pixels: int) -> np.ndarray:
+    """(pixels,) m: x of the pixel centres of a picture from above, `width` m wide."""
     return ((np.arange(pixels) + 0.5) / pixels - 0.5) * width
 
 
 @pytest.mark.parametrize("shape", list(LightShape), ids=["rectangle", "ellipse"])
 @pytest.mark.parametrize("size", [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6])
-def test_light_on_a_floor(device, within, shape, size):
-    """Of a light so large, a metre above it: from next to nothing to touching all of it."""
-    lamp = light(shape, (0.0, 0.0, 1.0), (size, 0, 0), (0, -0.7 * size, 0), radiance=1.0 / min(size**2, 1.0))
-    picture = draw(device, make_scene([FLOOR], lamp), view_from_above(4.0, (9, 1))).color[0, :, 0]
-    points = np.column_stack([places(4.0, 9), np.zeros((9, 2))])
-    truth = [REFLECTED * lamp.radiance[0, 0] * reference_irradiance.irradiance(point, UP, lamp) for point in points]
-    within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
+def test_irradiance_of_a_floor(device, assert_within, shape, size):
+    """A floor 1 m below a light of this size, from almost a point to almost a whole sky."""
+    area_light = light(shape, (0.0, 0.0, 1.0), (size, 0, 0), (0, -0.7 * size, 0), radiance=1.0 / min(size**2, 1.0))
+    picture = draw(device, make_scene([FLOOR], area_light), view_from_above(4.0, (9, 1))).color[0, :, 0]
+    points = np.column_stack([pixel_positions(4.0, 9), np.zeros((9, 2))])
+    truth = [
+        BRDF * area_light.radiance[0, 0] * reference_irradiance.irradiance(point, UP, area_light) for point in points
+    ]
+    assert_within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
 
 
 @pytest.mark.parametrize("height", [1e-6, 1e-4, 1e-2])
-def test_a_light_that_almost_touches(device, within, height):
-    """Half a sky of light, below its middle, from a hair's breadth."""
-    lamp = light(position=(0.0, 0.0, height))
-    picture = draw(device, make_scene([FLOOR], lamp), view_from_above(0.8, (9, 1))).color[0, :, 0]
-    points = np.column_stack([places(0.8, 9), np.zeros((9, 2))])
-    truth = [REFLECTED * reference_irradiance.irradiance(point, UP, lamp) for point in points]
-    within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
+def test_a_light_that_almost_touches_the_floor(device, assert_within, height):
+    """Points under a light at this height: it fills almost the whole hemisphere."""
+    area_light = light(position=(0.0, 0.0, height))
+    picture = draw(device, make_scene([FLOOR], area_light), view_from_above(0.8, (9, 1))).color[0, :, 0]
+    points = np.column_stack([pixel_positions(0.8, 9), np.zeros((9, 2))])
+    truth = [BRDF * reference_irradiance.irradiance(point, UP, area_light) for point in points]
+    assert_within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
 
 
-def strip(lamp: Lights, part: float) -> Lights:
-    """The part of a light that is on the side of its axis u."""
-    return replace(lamp, position=lamp.position + 0.5 * (1.0 - part) * lamp.axis_u, axis_u=part * lamp.axis_u)
+def visible_strip(area_light: Lights, fraction: float) -> Lights:
+    """The strip of a rectangular light towards +u that has this fraction of its width."""
+    offset = 0.5 * (1.0 - fraction) * area_light.axis_u
+    return replace(area_light, position=area_light.position + offset, axis_u=fraction * area_light.axis_u)
 
 
 @pytest.mark.parametrize(
@@ -70,108 +78,112 @@ def strip(lamp: Lights, part: float) -> Lights:
     ],
     ids=["rays", "maps"],
 )
-def test_the_penumbra_of_a_half_plane(device, within, settings, bound):
-    """Halfway between the floor and the light: of the light, as much is hidden as the receiver is below the plane."""
-    lamp = light(position=(0.0, 0.0, 2.0))
+def test_the_penumbra_of_a_half_plane(device, assert_within, settings, bound):
+    """A half-plane midway between floor and light: the visible fraction of the light grows linearly with x."""
+    area_light = light(position=(0.0, 0.0, 2.0))
     plane = quad((-4, -4, 1), (4, 0, 0), (0, 8, 0))
-    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plane], lamp)
+    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plane], area_light)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
     picture = draw(device, scene, view_from_above(1.6, (48, 8)), settings).color[..., 0]
     truth = np.zeros((8, 48))
     for row, column in np.ndindex(truth.shape):
-        x, y = places(1.6, 48)[column], places(1.6 / 6.0, 8)[row]
-        if (part := float(np.clip(x + 0.5, 0.0, 1.0))) > 0.0:
-            arrives = reference_irradiance.irradiance(np.array([x, y, 0.0]), UP, strip(lamp, part))
-            truth[row, column] = REFLECTED * arrives
-    within(float(np.sqrt(((picture - truth) ** 2).mean()) / truth.mean()), bound)
+        x, y = pixel_positions(1.6, 48)[column], pixel_positions(1.6 / 6.0, 8)[row]
+        if (fraction := float(np.clip(x + 0.5, 0.0, 1.0))) > 0.0:
+            strip = visible_strip(area_light, fraction)
+            truth[row, column] = BRDF * reference_irradiance.irradiance(np.array([x, y, 0.0]), UP, strip)
+    assert_within(float(np.sqrt(((picture - truth) ** 2).mean()) / truth.mean()), bound)
 
 
-#: Numbers of samples at which a penumbra is looked at.
-COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 96, 128, 256, 512, 1024, 2048)
+#: Sample counts after which the error of a penumbra is checked.
+SAMPLE_COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 96, 128, 256, 512, 1024, 2048)
 
 
-def part_before_an_edge(x: float, y: float, edge: np.ndarray) -> float:
-    """Irradiance at (x, y, 0) by the part of a square light 2 m up that is seen past an edge 1 m over the origin."""
+def irradiance_past_edge(x: float, y: float, across: np.ndarray) -> float:
+    """Irradiance at (x, y, 0) by a square light at z = 2 that is partly hidden by a half-plane at z = 1.
+
+    The half-plane's edge is over the origin; `across` (2,) is perpendicular to the edge and points to its open side.
+    """
     corners = [np.array(corner) for corner in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
-    ahead, seen = [corner @ edge + edge @ (x, y) for corner in corners], []
+    side, visible = [corner @ across + across @ (x, y) for corner in corners], []
     for k in range(4):
-        if ahead[k] >= 0.0:
-            seen.append(corners[k])
-        if (ahead[k] >= 0.0) != (ahead[k - 3] >= 0.0):
-            seen.append(corners[k] + (corners[k - 3] - corners[k]) * ahead[k] / (ahead[k] - ahead[k - 3]))
-    polygon = np.array([(*(corner - (x, y)), 2.0) for corner in seen])
-    return abs(reference_irradiance.edge_sum(polygon, UP)) if len(seen) > 2 else 0.0
+        if side[k] >= 0.0:
+            visible.append(corners[k])
+        if (side[k] >= 0.0) != (side[k - 3] >= 0.0):
+            visible.append(corners[k] + (corners[k - 3] - corners[k]) * side[k] / (side[k] - side[k - 3]))
+    polygon = np.array([(*(corner - (x, y)), 2.0) for corner in visible])
+    return abs(reference_irradiance.edge_sum(polygon, UP)) if len(visible) > 2 else 0.0
 
 
 @pytest.mark.parametrize("degrees", [0, 33, 90])
-def test_penumbrae_have_no_floor(device, within, degrees):
-    """Beside an edge at any angle the error falls as a randomised sequence's does, and no bias is left."""
+def test_penumbrae_converge_without_bias(device, assert_within, degrees):
+    """The error at an edge of any angle falls as that of randomised quasi-Monte Carlo, and no bias is left."""
     angle, size = math.radians(degrees), (48, 48)
-    edge, along = np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
-    plate = quad(np.array([0.0, 0.0, 1.0]) - 4.0 * edge - 4.0 * along, 4.0 * edge, 8.0 * along)
+    across = np.array([math.cos(angle), math.sin(angle), 0.0])
+    along = np.array([-math.sin(angle), math.cos(angle), 0.0])
+    plate = quad(np.array([0.0, 0.0, 1.0]) - 4.0 * across - 4.0 * along, 4.0 * across, 8.0 * along)
     scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], light())
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    view, axis = view_from_above(1.0, size, filter_width=1.5), places(1.0, 48)
-    whole = reference_irradiance.irradiance(np.zeros(3), UP, light())
-    truth = np.array([[part_before_an_edge(x, y, edge[:2]) for x in axis] for y in axis]) / whole
+    view, axis = view_from_above(1.0, size, filter_width=1.5), pixel_positions(1.0, 48)
+    unshadowed = reference_irradiance.irradiance(np.zeros(3), UP, light())
+    truth = np.array([[irradiance_past_edge(x, y, across[:2]) for x in axis] for y in axis]) / unshadowed
     penumbra = (truth > 0.02) & (truth < 0.98)
-    renderer, profile, settings = Renderer(device), Profile(), with_quality(SMALL_SETTINGS, samples=COUNTS[-1])
-    for sample in range(COUNTS[-1]):
+    renderer, profile, settings = Renderer(device), Profile(), with_quality(SMALL_SETTINGS, samples=SAMPLE_COUNTS[-1])
+    for sample in range(SAMPLE_COUNTS[-1]):
         for _ in renderer.sample(scene, view, settings, sample, profile):
             pass
-        if sample + 1 in COUNTS:
-            off = (renderer.picture()[..., 0] / (REFLECTED * whole) - truth)[penumbra]
-            within(float(np.sqrt((off**2).mean())) * (sample + 1) ** 0.65, 0.2)
-    within(float(np.sqrt((off**2).mean())), 0.0016)
-    within(abs(float(off.mean())), 0.0003)
+        if sample + 1 in SAMPLE_COUNTS:
+            error = (renderer.picture()[..., 0] / (BRDF * unshadowed) - truth)[penumbra]
+            assert_within(float(np.sqrt((error**2).mean())) * (sample + 1) ** 0.65, 0.2)
+    assert_within(float(np.sqrt((error**2).mean())), 0.0016)
+    assert_within(abs(float(error.mean())), 0.0003)
 
 
-def hidden_before_a_wall(distance: np.ndarray, radius: float) -> np.ndarray:
-    """The hidden part of the hemisphere's places, `distance` m before an endless wall at a right angle.
+def occluded_by_wall(distance: np.ndarray, radius: float) -> np.ndarray:
+    """Occluded fraction of the ambient occlusion samples at points `distance` m from an infinite, perpendicular wall.
 
-    The component c along the wall's normal has the density 2/pi sqrt(1-c²); a place at the distance s is within the
-    wall if c s > distance, and s² is even up to radius².
+    The component c of a sample's direction along the wall's normal has the density 2/pi sqrt(1-c²). A sample at the
+    distance s is behind the wall if c s > distance, and s² is uniform up to radius².
     """
     c = (np.arange(20_000) + 0.5) / 20_000
-    part = np.maximum(1.0 - (distance[:, None] / (radius * c)) ** 2, 0.0)
-    return (2.0 / np.pi * np.sqrt(1.0 - c**2) * part).mean(1)
+    fraction = np.maximum(1.0 - (distance[:, None] / (radius * c)) ** 2, 0.0)
+    return (2.0 / np.pi * np.sqrt(1.0 - c**2) * fraction).mean(1)
 
 
-def test_ambient_occlusion_in_a_corner(device, within):
+def test_ambient_occlusion_in_a_corner(device, assert_within):
     scene, view = corner()
-    ours = mean_occlusion(device, scene, view, FULL)
+    measured = mean_occlusion(device, scene, view, HEMISPHERE_SSAO)
     surface, rows = half_resolution_surface(scene, view)
     position = surface.position[rows]
     distance = np.where(position[..., 2] < 1e-6, -position[..., 1], position[..., 2])
     near = (distance < 0.6) & (distance > 0.03)
-    off = ours[near] - (1.0 - hidden_before_a_wall(distance[near], 0.5))
+    error = measured[near] - (1.0 - occluded_by_wall(distance[near], 0.5))
     assert near.sum() > 500
-    within(abs(float(off.mean())), 0.015)
-    within(float(np.sqrt((off**2).mean())), 0.05)
-    within(float(np.abs(ours[distance > 0.6] - 1.0).max()), 1e-3)
+    assert_within(abs(float(error.mean())), 0.015)
+    assert_within(float(np.sqrt((error**2).mean())), 0.05)
+    assert_within(float(np.abs(measured[distance > 0.6] - 1.0).max()), 1e-3)
 
 
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("ssao", [SSAO(enabled=False), SSAO()], ids=["without", "with"])
-def test_a_furnace(device, within, name, ssao):
-    """White things under a white sky cannot be told from it; ambient occlusion may only darken."""
+def test_white_furnace(device, assert_within, name, ssao):
+    """White meshes under a white world are as bright as the world; ambient occlusion may only darken."""
     scene, view = SMALL[name](96, 64)
     white = replace(
         make_scene(scene.meshes, world=1.0, base_color=(1.0, 1.0, 1.0)),
         instances=scene.instances,
     )
     picture = draw(device, white, view, replace(SMALL_SETTINGS, ssao=ssao)).color[..., :3]
-    within(float((picture - 1.0).max()), 1e-5)
+    assert_within(float((picture - 1.0).max()), 1e-5)
     if not ssao.enabled:
-        within(float((1.0 - picture).max()), 1e-5)
+        assert_within(float((1.0 - picture).max()), 1e-5)
 
 
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("samples", [1, 2, 16, 64])
-def test_shadows_add_no_light(device, within, name, samples):
-    """No pixel is brighter than without shadows, over the picture's mean, if as many samples are drawn of it."""
+def test_shadows_add_no_light(device, assert_within, name, samples):
+    """No pixel is brighter than with the same samples and no shadows; the bound is relative to the unshadowed mean."""
     scene, view = SMALL[name](96, 64)
     settings = replace(with_quality(SMALL_SETTINGS, samples=samples), shortcuts=False)
-    whole = draw(device, scene, view, replace(settings, shadow=replace(settings.shadow, enabled=False))).color
-    shaded = draw(device, scene, view, settings).color
-    within(float((shaded - whole)[..., :3].max() / whole[..., :3].mean()), 1e-5)
+    unshadowed = draw(device, scene, view, replace(settings, shadow=replace(settings.shadow, enabled=False))).color
+    shadowed = draw(device, scene, view, settings).color
+    assert_within(float((shadowed - unshadowed)[..., :3].max() / unshadowed[..., :3].mean()), 1e-5)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""As the camera or a light moves, pictures change from frame to frame by no more than a factor beyond what Cycles' do.
+"""Flicker: as the camera or a light moves, pictures change at most twice as much as those of Cycles.
 
-Ours have 16 samples, as by default, and Cycles' 1024, all with one seed.
+Ours have 16 samples, as by default; those of Cycles have 1024. All frames have the same seed.
 """
 
 from collections.abc import Callable
@@ -18,38 +18,38 @@ from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import draw, look_at
 
 SETTINGS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=16, error_threshold=0.0))
-FILTER = 1.5  # px
+FILTER_WIDTH = 1.5  # px
 SIZE = 48, 36
 
 
-def camera_moves(part: float) -> tuple[Scene, View]:
-    """About the pillars, a twentieth of a turn."""
+def camera_moves(time: float) -> tuple[Scene, View]:
+    """The camera orbits the pillars; at `time` 1 by 0.3 rad, about a twentieth of a circle."""
     scene, _ = SMALL["pillar field"](*SIZE)
-    angle = -1.0 + 0.3 * part
+    angle = -1.0 + 0.3 * time
     return scene, look_at((4.9 * np.cos(angle), 4.9 * np.sin(angle), 2.7), (0.0, 0.0, 0.4), SIZE)
 
 
-def light_moves(part: float) -> tuple[Scene, View]:
-    """A metre, over the pillars."""
+def light_moves(time: float) -> tuple[Scene, View]:
+    """The light moves over the pillars; at `time` 1 by about a metre."""
     scene, view = SMALL["pillar field"](*SIZE)
-    position = scene.lights.position + part * np.array([1.0, 0.3, 0.0])
+    position = scene.lights.position + time * np.array([1.0, 0.3, 0.0])
     return replace(scene, lights=replace(scene.lights, position=position)), view
 
 
-def changes(frames: list[np.ndarray]) -> float:
-    """Root mean square of what one frame differs from the one before, over the mean."""
-    steps = np.diff(np.array(frames)[..., :3].astype(np.float64), axis=0)
-    return float(np.sqrt((steps**2).mean()) / np.mean(np.array(frames)[..., :3]))
+def frame_change(frames: list[np.ndarray]) -> float:
+    """Root mean square of the differences between successive frames, over the mean."""
+    differences = np.diff(np.array(frames)[..., :3].astype(np.float64), axis=0)
+    return float(np.sqrt((differences**2).mean()) / np.mean(np.array(frames)[..., :3]))
 
 
 @pytest.mark.parametrize("moves", [camera_moves, light_moves])
-def test_change_from_frame_to_frame(device, within, frames, moves: Callable[[float], tuple[Scene, View]]):
-    """Steps of a hundredth of the way each, by one renderer."""
+def test_change_from_frame_to_frame(device, assert_within, frames, moves: Callable[[float], tuple[Scene, View]]):
+    """`time` grows by 0.01 a frame; one renderer draws all frames."""
     from ism_addon.gpu.renderer import Renderer
 
-    renderer, ours, theirs = Renderer(device), [], []
+    renderer, ours, cycles = Renderer(device), [], []
     for frame in range(frames):
         into_blender(*moves(0.01 * frame))
-        theirs.append(direct_light(1024, FILTER))
+        cycles.append(direct_light(1024, FILTER_WIDTH))
         ours.append(draw(device, *out_of_blender(), SETTINGS, renderer).color)
-    within(changes(ours) / changes(theirs), 2.0)
+    assert_within(frame_change(ours) / frame_change(cycles), 2.0)

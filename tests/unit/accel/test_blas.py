@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which triangles of a mesh are sorted, and which stay where they are; rays find the same through either tree."""
+"""Bottom-level BVHs: which meshes keep the order of their triangles, and shadow rays compared with a reference."""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from ism_addon.gpu.accel import blas as mesh_tree_module
+from ism_addon.gpu.accel import blas as blas_module
 from ism_addon.gpu.accel.blas import BLAS, SORT_ALL_BELOW, DeferredBLAS, build_blas
 from ism_addon.gpu.accel.bvh import quantize_boxes
 from ism_addon.gpu.accel.small_blas import build_all_blas
 from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers, TriangleOrder
 from ism_addon.gpu.buffers.small_meshes import SMALL_MESH, small_mesh_groups
-from ism_addon.gpu.buffers.small_meshes import TRIANGLES_AT_A_TIME as TOGETHER
+from ism_addon.gpu.buffers.small_meshes import TRIANGLES_AT_A_TIME as MAX_JOINED_TRIANGLES
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS
 from tests.scenes.small import grid_triangles, mesh
 from tests.support.rays import assert_agree, occluded, random_rays
 from tests.support.small_scenes import light, make_scene, random_triangles
 
 
-def bumps(side: int, order: np.ndarray | None = None):
-    """A sheet of 2 side² triangles, row after row, or in another order (side²,) of its quads."""
+def wavy_grid(side: int, order: np.ndarray | None = None):
+    """A wavy grid of 2 side² triangles, row after row, or with its quads in another order (side²,)."""
     line = np.linspace(-1.0, 1.0, side + 1)
     x, y = np.meshgrid(line, line, indexing="ij")
     points = np.stack([x, y, 0.2 * np.sin(7.0 * x) * np.sin(5.0 * y)], -1).reshape(-1, 3)
@@ -28,102 +28,107 @@ def bumps(side: int, order: np.ndarray | None = None):
     return mesh(points, (triangles if order is None else triangles[order]).reshape(-1, 3))
 
 
-#: Quads along a sheet's side, so that it is none of the few.
-MANY = 261
+#: Quads along a grid's side, so that it has more than SORT_ALL_BELOW triangles.
+LARGE_SIDE = 261
 
 
-def test_a_large_mesh_whose_neighbours_lie_together_stays_in_its_order(device):
-    sheet = bumps(MANY)
-    assert len(sheet.triangles) > SORT_ALL_BELOW
-    assert_agree(device, make_scene([sheet, random_triangles(50, seed=1)], light()), *random_rays(150))
-    tree = BuildBLAS.kept[sheet].blas
-    assert tree.order is None
-    assert tree.triangles_per_leaf * len(np.unique(tree.leaf_starts)) >= len(sheet.triangles)
+def test_a_large_coherent_mesh_keeps_its_order(device):
+    grid = wavy_grid(LARGE_SIDE)
+    assert len(grid.triangles) > SORT_ALL_BELOW
+    assert_agree(device, make_scene([grid, random_triangles(50, seed=1)], light()), *random_rays(150))
+    blas = BuildBLAS.kept[grid].blas
+    assert blas.order is None
+    assert blas.triangles_per_leaf * len(np.unique(blas.leaf_starts)) >= len(grid.triangles)
 
 
-def test_a_large_mesh_in_no_order_is_sorted(device):
-    shuffled = bumps(MANY, np.random.default_rng(0).permutation(MANY**2))
-    tree = build_blas(shuffled)
-    assert np.array_equal(np.sort(tree.order), np.arange(len(shuffled.triangles)))
+def test_a_large_shuffled_mesh_is_sorted(device):
+    shuffled = wavy_grid(LARGE_SIDE, np.random.default_rng(0).permutation(LARGE_SIDE**2))
+    blas = build_blas(shuffled)
+    assert np.array_equal(np.sort(blas.order), np.arange(len(shuffled.triangles)))
     assert_agree(device, make_scene([shuffled], light()), *random_rays(100))
 
 
-def test_runs_are_bounded_wherever_portions_of_them_end():
-    """Two meshes share a portion, and no run ends with one: each box is around its triangles."""
-    sheet = bumps(MANY)
-    meshes = (random_triangles(5), sheet)
-    trees = tuple(map(build_blas, meshes))
-    order = TriangleOrder(meshes, trees)
-    list(order.map_portions(lambda pieces: [piece.positions() for piece in pieces], with_vertices=True))
-    runs, steps = trees[1], trees[1].quantization.quantize(sheet.positions)
-    assert isinstance(runs, DeferredBLAS)
-    assert (TRIANGLES_AT_A_TIME - 5) % runs.run != 0 and len(sheet.triangles) % runs.run != 0
-    corners = steps[:, sheet.triangles]
-    for number, first in enumerate(range(0, len(sheet.triangles), runs.run)):
-        of_run = corners[:, first : first + runs.run].reshape(3, -1, 1)
-        assert np.array_equal(runs.boxes[..., [number]], quantize_boxes(np.stack([of_run.min(1), of_run.max(1)])))
+def test_boxes_of_runs_are_right_wherever_a_portion_ends():
+    """Two meshes share a portion, and no run ends where a portion does. Each box bounds the triangles of its run."""
+    grid = wavy_grid(LARGE_SIDE)
+    meshes = (random_triangles(5), grid)
+    blases = tuple(map(build_blas, meshes))
+    order = TriangleOrder(meshes, blases)
+    list(order.map_portions(lambda ranges: [range_.positions() for range_ in ranges], with_vertices=True))
+    deferred, quanta = blases[1], blases[1].quantization.quantize(grid.positions)
+    assert isinstance(deferred, DeferredBLAS)
+    assert (TRIANGLES_AT_A_TIME - 5) % deferred.run != 0 and len(grid.triangles) % deferred.run != 0
+    corners = quanta[:, grid.triangles]
+    for index, first in enumerate(range(0, len(grid.triangles), deferred.run)):
+        run_corners = corners[:, first : first + deferred.run].reshape(3, -1, 1)
+        assert np.array_equal(
+            deferred.boxes[..., [index]], quantize_boxes(np.stack([run_corners.min(1), run_corners.max(1)]))
+        )
 
 
-def test_the_tree_of_runs_is_begun_when_they_are_uploaded(device):
-    """It need not be asked for: it is made beside the pass that draws them."""
-    runs = build_blas(sheet := bumps(MANY))
-    MeshBuffers(device, (sheet,), in_blas_order=True).add((0,), {0: runs})
-    assert runs.future.result(timeout=60.0) is runs.blas
+def test_uploading_runs_starts_to_build_their_bvh(device):
+    """It is built beside the pass that draws them, before it is used."""
+    deferred = build_blas(grid := wavy_grid(LARGE_SIDE))
+    MeshBuffers(device, (grid,), in_blas_order=True).add((0,), {0: deferred})
+    assert deferred.future.result(timeout=60.0) is deferred.blas
 
 
-def test_a_tree_of_runs_that_has_failed_is_tried_again(monkeypatch, device):
-    """As where memory was short for a while: the mesh is not lost for all pictures to come."""
-    runs = build_blas(sheet := bumps(MANY))
-    with monkeypatch.context() as short:
-        short.setattr(mesh_tree_module, "blas_of_runs", no_memory)
-        MeshBuffers(device, (sheet,), in_blas_order=True).add((0,), {0: runs})
+def test_a_bvh_of_runs_that_failed_is_built_again(monkeypatch, device):
+    """For example if memory was short for a while: later pictures show the mesh."""
+    deferred = build_blas(grid := wavy_grid(LARGE_SIDE))
+    with monkeypatch.context() as patch:
+        patch.setattr(blas_module, "blas_of_runs", raise_memory_error)
+        MeshBuffers(device, (grid,), in_blas_order=True).add((0,), {0: deferred})
         with pytest.raises(MemoryError):
-            _ = runs.blas
-    assert runs.blas.leaves > 0
+            _ = deferred.blas
+    assert deferred.blas.leaves > 0
 
 
-def no_memory(*_arguments):
+def raise_memory_error(*_arguments):
     raise MemoryError
 
 
-def test_runs_that_have_their_tree_keep_no_boxes_and_are_uploaded_again(device):
-    """As when another mesh of the scene has changed."""
-    sheet = bumps(MANY)
-    scene, (starts, ends) = make_scene([sheet], light()), random_rays(150)
+def test_runs_whose_bvh_is_built_keep_no_boxes_and_can_be_uploaded_again(device):
+    """They are uploaded again when another mesh of the scene has changed."""
+    grid = wavy_grid(LARGE_SIDE)
+    scene, (starts, ends) = make_scene([grid], light()), random_rays(150)
     before = occluded(device, scene, starts, ends)
-    assert BuildBLAS.kept[sheet].boxes.size == 0
-    more = make_scene([random_triangles(3, size=1e-3), sheet], light())
+    assert BuildBLAS.kept[grid].boxes.size == 0
+    more = make_scene([random_triangles(3, size=1e-3), grid], light())
     assert np.array_equal(occluded(device, more, starts, ends), before)
 
 
-def same_tree(one: BLAS, other: BLAS) -> bool:
+def is_same(one: BLAS, other: BLAS) -> bool:
     return one.triangles_per_leaf == other.triangles_per_leaf and all(
         np.array_equal(getattr(one, name), getattr(other, name)) for name in ("bounds", "nodes", "leaf_starts", "order")
     )
 
 
-def test_the_trees_of_small_meshes_are_the_same_alone_and_together():
-    """Of all small shapes of trees, several of a shape with different counts, and large ones between them."""
+def test_blases_of_small_meshes_are_the_same_built_alone_and_together():
+    """All shapes of small BVHs, several meshes of a shape with different counts, and large meshes between them."""
     counts = [*range(1, 70), 255, 256, 257, 1000, SMALL_MESH, SMALL_MESH + 1, 5000, *range(69, 0, -1)]
-    meshes = [random_triangles(count, seed=number) for number, count in enumerate(counts)]
+    meshes = [random_triangles(count, seed=seed) for seed, count in enumerate(counts)]
     together = build_all_blas(meshes)
-    assert all(same_tree(tree, build_blas(mesh)) for tree, mesh in zip(together, meshes, strict=True))
+    assert all(is_same(blas, build_blas(mesh)) for blas, mesh in zip(together, meshes, strict=True))
 
 
 @pytest.mark.parametrize(
     "counts", [[], [1], [SMALL_MESH, SMALL_MESH + 1, 1, 2], [1, 9 * SMALL_MESH, 2], [SMALL_MESH] * 40], ids=str
 )
-def test_small_neighbours_are_in_groups_and_others_alone(counts):
+def test_consecutive_small_meshes_are_grouped_and_others_are_alone(counts):
     groups = small_mesh_groups(counts)
-    assert [number for group in groups for number in range(len(counts))[group]] == list(range(len(counts)))
+    assert [index for group in groups for index in range(len(counts))[group]] == list(range(len(counts)))
     sizes = [counts[group] for group in groups]
-    assert all(len(some) == 1 or (max(some) <= SMALL_MESH and sum(some) <= TOGETHER) for some in sizes)
-    apart = [max(one + other) <= SMALL_MESH and sum(one + other[:1]) <= TOGETHER for one, other in pairwise(sizes)]
-    assert not any(apart), "neighbours that might be in one group are not"
+    assert all(len(group) == 1 or (max(group) <= SMALL_MESH and sum(group) <= MAX_JOINED_TRIANGLES) for group in sizes)
+    joinable = [
+        max(one + other) <= SMALL_MESH and sum(one + other[:1]) <= MAX_JOINED_TRIANGLES
+        for one, other in pairwise(sizes)
+    ]
+    assert not any(joinable), "consecutive groups that could be one are not"
 
 
-def test_small_meshes_with_a_large_one_cast_their_shadows(device):
-    """Rays find all of them where the tree over the instances has boxes of meshes of several sizes."""
+def test_small_meshes_beside_a_large_one_cast_shadows(device):
+    """The top-level BVH has boxes of meshes of several sizes, and rays hit all of them."""
     counts = (1, 3, 12, 30, 100, SMALL_MESH + 500)
     meshes = [random_triangles(count, size=0.5 if count < 50 else 0.1, seed=count) for count in counts]
     assert_agree(device, make_scene(meshes, light()), *random_rays(1000))
@@ -131,7 +136,7 @@ def test_small_meshes_with_a_large_one_cast_their_shadows(device):
 
 @pytest.mark.parametrize("count", [5, 6, 17, 24, 65, 96, 1030, 4200])
 def test_leaves_are_filled(count):
-    """Also of meshes of a few triangles more than a power of four, times four: leaves would hold hardly one each."""
-    tree = build_blas(random_triangles(count))
-    assert tree.triangles_per_leaf <= 6
-    assert tree.leaves == 1 or 1.5 * tree.leaves <= count
+    """Also for counts just above four times a power of four: leaves of four or fewer would hold hardly one each."""
+    blas = build_blas(random_triangles(count))
+    assert blas.triangles_per_leaf <= 6
+    assert blas.leaves == 1 or 1.5 * blas.leaves <= count

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""More and larger images than one texture holds: the largest are drawn from smaller copies, and that is said."""
+"""Images that one texture cannot hold: the largest are drawn from smaller mip levels, and a message says so."""
 
 from dataclasses import replace
 
@@ -19,25 +19,25 @@ def noise(height: int, width: int, seed: int = 0) -> Image:
     return Image(texels)
 
 
-def painted(*images: Image):
-    """Quads side by side, each painted with one of the images, in their own light; and a view of all."""
-    whole = len(images)
-    meshes = [quad((k - whole / 2.0, -0.5, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) for k in range(whole)]
+def textured_quads(*images: Image):
+    """Quads side by side, each textured with one of the images, lit by the world; and a view of all."""
+    count = len(images)
+    meshes = [quad((k - count / 2.0, -0.5, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) for k in range(count)]
     meshes = [replace(mesh, materials=np.full(2, k, np.uint32)) for k, mesh in enumerate(meshes)]
-    materials = Materials(np.ones((whole, 3), np.float32), np.arange(whole, dtype=np.int32))
+    materials = Materials(np.ones((count, 3), np.float32), np.arange(count, dtype=np.int32))
     scene = replace(make_scene(meshes, world=1.0), images=images, materials=materials)
-    return scene, view_from_above(float(whole), (128 * whole, 128))
+    return scene, view_from_above(float(count), (128 * count, 128))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 300), (64, 64), (5, 1), (33, 1024)])
-def test_lines_are_those_of_the_halved_copies(size):
+def test_lines_hold_all_mip_levels_that_are_used(size):
     chain = mip_chain(noise(*size))
     for halved in range(len(chain)):
-        texels = sum(len(copy) for copy in chain[halved:])
+        texels = sum(len(level) for level in chain[halved:])
         assert lines_for(size, halved) == -(-texels // setting_limits.TEXTURE_WIDTH)
 
 
-def test_images_that_fit_are_drawn_as_they_are():
+def test_images_that_fit_are_drawn_at_full_size():
     images = noise(256, 256), noise(3, 5)
     assert images_within_limits(images) == [0, 0]
     assert images_beyond_limits(images) == ()
@@ -56,24 +56,25 @@ def test_the_largest_are_halved_until_all_fit(monkeypatch):
     )
 
 
-def test_a_smaller_copy_is_drawn_like_an_image_of_its_size(device, monkeypatch):
-    """Beside others that stay as they are."""
+def test_a_halved_image_is_drawn_like_an_image_of_that_size(device, monkeypatch):
+    """The other image keeps its full size."""
     large, small = noise(256, 128), noise(16, 16, seed=1)
-    scene, view = painted(small, large)
-    whole = draw(device, scene, view).color
+    scene, view = textured_quads(small, large)
+    full_size = draw(device, scene, view).color
     halved = Image(mip_chain(large)[1].reshape(128, 64, 4))
-    expected = draw(device, *painted(small, halved)).color
+    expected = draw(device, *textured_quads(small, halved)).color
     monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 2)
     assert images_within_limits(scene.images) == [0, 1]
-    found = draw(device, *painted(Image(small.texels), Image(large.texels))).color  # others, for the device knows these
-    assert np.abs(found - expected).max() < 0.01
-    assert np.abs(found - whole).max() > 0.02
-    assert np.array_equal(found[:, :128], whole[:, :128])
+    # New objects, as the device has already uploaded those at their full size.
+    color = draw(device, *textured_quads(Image(small.texels), Image(large.texels))).color
+    assert np.abs(color - expected).max() < 0.01
+    assert np.abs(color - full_size).max() > 0.02
+    assert np.array_equal(color[:, :128], full_size[:, :128])
 
 
 def test_three_images_of_4096_pixels_are_drawn_at_their_size(device):
-    """One texture of 4096 texels to a line had no room for them."""
+    """One texture with lines of 4096 texels could not hold them."""
     images = tuple(Image(np.full((4096, 4096, 4), value, np.uint8)) for value in (64, 128, 255))
     assert images_beyond_limits(images) == ()
-    color = draw(device, *painted(*images)).color
+    color = draw(device, *textured_quads(*images)).color
     assert [color[64, 64 + 128 * k, 0] for k in range(3)] == pytest.approx([0.0513, 0.2159, 1.0], abs=1e-3)

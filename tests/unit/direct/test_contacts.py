@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What almost touches: rays begin no farther off a surface than float32 makes them, a millionth of the coordinates."""
+"""Surfaces that nearly touch: rays start no farther from one than float32 requires, a millionth of the coordinates."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ SETTINGS = with_quality(SMALL_SETTINGS, samples=4)
 
 
 def picture(device, offset: float, gap: float, settings=SETTINGS):
-    """(H,W,3): a floor, `offset` m off in x and y, with a sheet `gap` m over it that the camera does not see."""
+    """(H,W,3): a floor at `offset` m in x and y, with a sheet `gap` m above it that the camera does not see."""
     floor, sheet = (
         quad((offset - size / 2.0, offset - size / 2.0, height), (size, 0.0, 0.0), (0.0, size, 0.0))
         for size, height in ((2.0, 0.0), (1.6, gap))
@@ -35,13 +35,13 @@ def picture(device, offset: float, gap: float, settings=SETTINGS):
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, 10.0])
 @pytest.mark.parametrize("gap", [5e-6, 2e-5, 1e-3])
-def test_a_sheet_right_above_the_floor_hides_all_light_from_it(device, offset, gap):
+def test_a_sheet_right_above_the_floor_occludes_all_light(device, offset, gap):
     assert not picture(device, offset, gap).any()
 
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, 10.0])
-def test_a_sheet_right_below_the_floor_hides_nothing(device, offset):
-    plain = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
-    found, whole = (picture(device, offset, -2e-5, settings) for settings in (SETTINGS, plain))
-    assert whole.min() > 0.0
-    assert found == pytest.approx(whole, rel=1e-5)
+def test_a_sheet_right_below_the_floor_occludes_no_light(device, offset):
+    without_shadows = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
+    shadowed, unshadowed = (picture(device, offset, -2e-5, settings) for settings in (SETTINGS, without_shadows))
+    assert unshadowed.min() > 0.0
+    assert shadowed == pytest.approx(unshadowed, rel=1e-5)

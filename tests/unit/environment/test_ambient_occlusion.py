@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ambient occlusion against rays, and against what its settings promise."""
+"""Ambient occlusion compared with traced rays, and what its settings do."""
 
 import math
 from dataclasses import replace
@@ -13,7 +13,7 @@ from tests.scenes.small import subdivided_box
 from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, quad, with_quality
 
-FULL = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
+HEMISPHERE_SSAO = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
 
 
 def mean_occlusion(device, scene, view, ssao: SSAO, samples: int = 24, target: str = "raw_occlusion") -> np.ndarray:
@@ -31,33 +31,39 @@ def corner():
 
 
 def half_resolution_surface(scene, view):
-    """The surfaces that the half-resolution pixels stand for, each member with rows (H/2, W/2)."""
+    """The surfaces of all pixels, and the indices (H/2,W/2) of those that half-resolution pixels stand for."""
     surface = reference.surfaces(scene, view)
     rows = np.arange(view.width * view.height).reshape(view.height, view.width)[::2, ::2]
     return surface, rows
 
 
-def test_an_open_plane_is_open(device):
+def test_a_plane_is_unoccluded(device):
     scene, view = (
         make_scene([quad((-50, -50, 0), (100, 0, 0), (0, 100, 0))], world=1.0),
         look_at((0.0, -4.0, 1.0), size=(64, 48)),
     )
-    for ssao in (FULL, SSAO(), replace(FULL, radius=5.0)):
+    for ssao in (HEMISPHERE_SSAO, SSAO(), replace(HEMISPHERE_SSAO, radius=5.0)):
         assert (mean_occlusion(device, scene, view, ssao, 4) == 1.0).all()
 
 
-def test_an_open_ball_is_open(device):
-    """A convex body has nothing above its own horizon, but for its facets' angles and the pixels' width."""
+def test_a_ball_is_unoccluded(device):
+    """A convex body does not occlude itself, except for the angles of its triangles and the width of pixels."""
     from tests.scenes.small import sphere
 
     scene, view = make_scene([sphere((0, 0, 0), 1.0, 64, 32)], world=1.0), look_at((0.0, -4.0, 1.0), size=(64, 48))
-    assert mean_occlusion(device, scene, view, FULL, 8).mean() > 0.98
+    assert mean_occlusion(device, scene, view, HEMISPHERE_SSAO, 8).mean() > 0.98
 
 
 @pytest.mark.parametrize(
-    "ssao", [FULL, SSAO(), replace(FULL, cone_angle=1.5, attenuation=4.0), replace(FULL, radius=0.9)]
+    "ssao",
+    [
+        HEMISPHERE_SSAO,
+        SSAO(),
+        replace(HEMISPHERE_SSAO, cone_angle=1.5, attenuation=4.0),
+        replace(HEMISPHERE_SSAO, radius=0.9),
+    ],
 )
-def test_a_box_on_a_floor_against_rays(device, ssao):
+def test_boxes_on_a_floor_compared_with_rays(device, ssao):
     floor = quad((-6, -6, 0), (12, 0, 0), (0, 12, 0))
     boxes = [
         subdivided_box((-0.5, -0.4, 0.0), (0.5, 0.4, 0.8), 1),
@@ -75,74 +81,76 @@ def test_a_box_on_a_floor_against_rays(device, ssao):
     triangles = reference.world_triangles(scene, scene.instances.visible)
     truth = reference.ambient_visibility(
         surface.position[chosen],
-        surface.facet[chosen],
+        surface.geometric_normal[chosen],
         triangles,
         np.array([2.5, -4.0, 3.0]),
         ssao.radius,
         ssao.cone_angle,
         ssao.attenuation,
     )
-    off = ours[inner] - truth
+    error = ours[inner] - truth
     assert truth.min() < 0.9
-    assert abs(off.mean()) < 0.002
-    assert np.sqrt((off**2).mean()) < 0.14 * np.sqrt(((1.0 - truth) ** 2).mean())  # measured: up to 0.115
+    assert abs(error.mean()) < 0.002
+    assert np.sqrt((error**2).mean()) < 0.14 * np.sqrt(((1.0 - truth) ** 2).mean())  # measured: up to 0.115
 
 
-def test_the_sliders_do_what_they_say(device):
+def test_settings_change_the_occlusion_in_their_direction(device):
     scene, view = corner()
 
     def darkening(**changes: float) -> float:
-        return 1.0 - float(mean_occlusion(device, scene, view, replace(FULL, **changes), 4).mean())
+        return 1.0 - float(mean_occlusion(device, scene, view, replace(HEMISPHERE_SSAO, **changes), 4).mean())
 
     for name, values in (
         ("radius", (0.1, 0.3, 0.9)),
         ("intensity", (0.2, 0.6, 1.5)),
         ("cone_angle", (math.radians(95), math.radians(120), math.pi)),
     ):
-        found = [darkening(**{name: value}) for value in values]
-        assert found[0] < found[1] < found[2], name
-    found = [darkening(attenuation=value) for value in (0.0, 1.0, 8.0)]
-    assert found[0] > found[1] > found[2] > 0.0
+        darkenings = [darkening(**{name: value}) for value in values]
+        assert darkenings[0] < darkenings[1] < darkenings[2], name
+    darkenings = [darkening(attenuation=value) for value in (0.0, 1.0, 8.0)]
+    assert darkenings[0] > darkenings[1] > darkenings[2] > 0.0
 
 
-def test_intensity_is_linear_until_it_is_black(device):
+def test_darkening_is_linear_in_intensity_until_black(device):
     scene, view = corner()
-    weak, strong = (mean_occlusion(device, scene, view, replace(FULL, intensity=value), 1) for value in (0.5, 1.0))
+    weak, strong = (
+        mean_occlusion(device, scene, view, replace(HEMISPHERE_SSAO, intensity=value), 1) for value in (0.5, 1.0)
+    )
     assert 1.0 - strong == pytest.approx(2.0 * (1.0 - weak), abs=2e-3)
-    assert mean_occlusion(device, scene, view, replace(FULL, intensity=10.0), 1).min() == 0.0
+    assert mean_occlusion(device, scene, view, replace(HEMISPHERE_SSAO, intensity=10.0), 1).min() == 0.0
 
 
 @pytest.mark.parametrize("off", [{"enabled": False}, {"intensity": 0.0}, {"radius": 0.0}])
-def test_switched_off_it_costs_nothing_and_changes_nothing(device, off):
+def test_switched_off_it_is_not_drawn_and_changes_nothing(device, off):
     scene, view = corner()
-    drawn = draw(device, scene, view, replace(SMALL_SETTINGS, ssao=replace(FULL, **off)))
+    drawn = draw(device, scene, view, replace(SMALL_SETTINGS, ssao=replace(HEMISPHERE_SSAO, **off)))
     assert drawn.profile.rows["AmbientOcclusion"].drawn == drawn.profile.rows["BlurOcclusion"].drawn == 0
     assert RAW_OCCLUSION not in drawn.renderer.graph.targets.textures
     assert drawn.color[..., :3] == pytest.approx(0.6, abs=1e-3)
 
 
-def test_a_black_world_needs_none(device):
+def test_with_a_black_world_it_is_not_drawn(device):
     scene, view = corner()
     dark = replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32)), lights=light())
-    drawn = draw(device, dark, view, replace(SMALL_SETTINGS, ssao=FULL))
+    drawn = draw(device, dark, view, replace(SMALL_SETTINGS, ssao=HEMISPHERE_SSAO))
     assert drawn.profile.rows["AmbientOcclusion"].drawn == 0
 
 
-def test_it_darkens_the_worlds_light_only(device):
-    """With SSAO, what the lights give is the same."""
+def test_it_darkens_only_the_light_of_the_world(device):
+    """SSAO does not change direct light."""
     scene, view = corner()
     lit = replace(scene, lights=light(position=(0.0, -1.5, 3.0)))
-    without = draw(device, lit, view)
-    blended = draw(device, lit, view, replace(SMALL_SETTINGS, ssao=FULL))
-    occlusion = (without.color - blended.color)[..., :3] / 0.6
+    without_ssao = draw(device, lit, view)
+    with_ssao = draw(device, lit, view, replace(SMALL_SETTINGS, ssao=HEMISPHERE_SSAO))
+    occlusion = (without_ssao.color - with_ssao.color)[..., :3] / 0.6
     assert (occlusion > -1e-3).all()
     assert occlusion.max() < 0.6
-    assert np.array_equal(without.target("direct_prediction"), blended.target("direct_prediction"))
+    assert np.array_equal(without_ssao.target("direct_prediction"), with_ssao.target("direct_prediction"))
 
 
 def test_far_occluders_do_not_darken(device):
-    """A plate far before the wall, farther than the radius, leaves no halo."""
+    """A plate in front of the wall, farther away than the radius, leaves no halo."""
     wall = quad((-10, 3, -10), (20, 0, 0), (0, 0, 20))
     plate = quad((-0.5, 0, -0.5), (1, 0, 0), (0, 0, 1))
     view = look_at((0.0, -4.0, 0.0), size=(64, 48))
-    assert (mean_occlusion(device, make_scene([wall, plate], world=1.0), view, FULL, 4) == 1.0).all()
+    assert (mean_occlusion(device, make_scene([wall, plate], world=1.0), view, HEMISPHERE_SSAO, 4) == 1.0).all()

@@ -16,7 +16,7 @@ SETTINGS = replace(SMALL_SETTINGS, ssao=SSAO())
 
 
 def blurred(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
-    """What the blur makes of (H/2,W/2) put in the place of the SSAO's result."""
+    """(H/2,W/2): the blur of this occlusion (H/2,W/2), which replaces the result of SSAO."""
     drawn = draw(device, scene, view, SETTINGS)
     renderer = drawn.renderer
     write_texels(renderer.graph[RAW_OCCLUSION], occlusion.astype(np.float16))
@@ -29,51 +29,51 @@ def floor():
     return quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))
 
 
-def test_noise_is_smoothed_and_the_mean_stays(device):
+def test_noise_is_smoothed_and_the_mean_stays_the_same(device):
     noise = np.random.default_rng(0).random((24, 32))
-    found = blurred(device, make_scene([floor()], world=1.0), look_at((0.0, -4.0, 3.0), size=(64, 48)), noise)
-    assert found.std() < 0.35 * noise.std()
-    assert found.mean() == pytest.approx(noise.mean(), abs=0.01)
+    result = blurred(device, make_scene([floor()], world=1.0), look_at((0.0, -4.0, 3.0), size=(64, 48)), noise)
+    assert result.std() < 0.35 * noise.std()
+    assert result.mean() == pytest.approx(noise.mean(), abs=0.01)
 
 
-def test_a_constant_stays(device):
-    found = blurred(
+def test_a_constant_stays_the_same(device):
+    result = blurred(
         device, make_scene([floor()], world=1.0), look_at((0.0, -4.0, 3.0), size=(64, 48)), np.full((24, 32), 0.25)
     )
-    assert found == pytest.approx(0.25, abs=1e-3)
+    assert result == pytest.approx(0.25, abs=1e-3)
 
 
-def test_it_is_a_triangle_of_seven_pixels_on_a_plane(device):
+def test_on_a_plane_it_is_a_tent_filter_of_seven_pixels(device):
     dot = np.zeros((24, 24))
     dot[12, 12] = 1.0
-    found = blurred(device, make_scene([floor()], world=1.0), view_from_above(4.0, (48, 48)), dot)
+    result = blurred(device, make_scene([floor()], world=1.0), view_from_above(4.0, (48, 48)), dot)
     kernel = np.array([1, 2, 3, 4, 3, 2, 1]) / 16.0
-    assert found[9:16, 9:16] == pytest.approx(np.outer(kernel, kernel), abs=1e-3)
-    assert found.sum() == pytest.approx(1.0, abs=0.01)
+    assert result[9:16, 9:16] == pytest.approx(np.outer(kernel, kernel), abs=1e-3)
+    assert result.sum() == pytest.approx(1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("height", [0.5, 2.0])
-def test_nothing_crosses_a_step(device, height):
-    """The left half of the picture is a raised plate, as black as the floor is white."""
+def test_occlusion_does_not_bleed_over_a_step(device, height):
+    """The left half of the picture is a raised plate. It is black, and the floor is white."""
     plate = quad((-10, -10, height), (10, 0, 0), (0, 20, 0))
     black = np.repeat((np.arange(24) >= 12)[None], 24, 0).astype(float)
-    found = blurred(device, make_scene([floor(), plate], world=1.0), view_from_above(4.0, (48, 48)), black)
-    assert np.array_equal(found, black)
+    result = blurred(device, make_scene([floor(), plate], world=1.0), view_from_above(4.0, (48, 48)), black)
+    assert np.array_equal(result, black)
 
 
-def test_nothing_crosses_a_fold(device):
+def test_occlusion_does_not_bleed_over_a_crease(device):
     wall = quad((-10, 0, 0), (20, 0, 0), (0, 0, 20))
     view = look_at((0.0, -4.0, 4.0), size=(48, 48))
     rows = np.repeat((np.arange(24) >= 12)[:, None], 24, 1).astype(float)
-    found = blurred(device, make_scene([floor(), wall], world=1.0), view, rows)
-    assert np.abs(found - rows).max() < 1e-3
+    result = blurred(device, make_scene([floor(), wall], world=1.0), view, rows)
+    assert np.abs(result - rows).max() < 1e-3
 
 
-def test_the_background_gives_nothing(device):
-    """A narrow plate before nothing, as black as the nothing is white, stays black."""
+def test_the_background_does_not_bleed_onto_surfaces(device):
+    """A narrow black plate before a white background stays black."""
     plate = quad((-0.5, -10, 0), (1, 0, 0), (0, 20, 0))
     view = view_from_above(4.0, (48, 48))
     white = np.ones((24, 24))
     white[:, 9:15] = 0.0
-    found = blurred(device, make_scene([plate], world=1.0), view, white)
-    assert not found[:, 9:15].any()
+    result = blurred(device, make_scene([plate], world=1.0), view, white)
+    assert not result[:, 9:15].any()

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The passes that make one picture of samples."""
+"""The passes that combine samples into an image."""

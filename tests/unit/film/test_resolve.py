@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sums as one picture: what was predicted at first, and in the end all that corrects it."""
+"""The sums resolved to an image: the mean prediction, and the mean residual, which is shrunk if it is noisy."""
 
 import numpy as np
 import pytest
@@ -14,124 +14,134 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def resolved(
-    device, means: np.ndarray, corrections: np.ndarray, squares: np.ndarray, count, doubt=1.0, sizes=None, headroom=None
+    device,
+    means: np.ndarray,
+    residuals: np.ndarray,
+    squares: np.ndarray,
+    count,
+    uncertain=1.0,
+    magnitudes=None,
+    headroom=None,
 ) -> np.ndarray:
-    """(H,W,3) of the mean prediction and correction of `count` samples (blocks or one), and their mean square (H,W).
+    """(H,W,3) from the mean prediction and residual of `count` samples, and the residuals' mean square (H,W).
 
-    `doubt`, (H,W,1) or one: the luminance that is in doubt, and may be added unless `headroom` is less. `sizes` (H,W):
-    the mean luminance of corrections without sign, if some have another one than their mean.
+    `count`: of each tile, or one number. `uncertain`, (H,W,1) or one number: the uncertain luminance, which residuals
+    may remove, and add unless `headroom` is less. `magnitudes` (H,W): the mean absolute luminance of residuals, if it
+    is not that of their mean.
     """
     drawn = draw(device, *box_over_plane(WIDTH, HEIGHT), with_quality(SMALL_SETTINGS, samples=3))  # not resolved yet
     renderer = drawn.renderer
-    blocks = np.broadcast_to(np.float32(count), (HEIGHT // TILE_SIZE, WIDTH // TILE_SIZE))
-    samples = blocks.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
-    whole = np.concatenate([means * samples, samples], 2)
-    parts = np.concatenate([corrections, squares[..., None]], 2) * (samples - 1.0)
-    write_texels(renderer.graph[SUM_COLOR], whole.astype(np.float32))
-    write_texels(renderer.graph[SUM_RESIDUAL], parts.astype(np.float32))
-    corrected = samples - 1.0  # each counts for its own pixel alone
-    sizes = np.abs(corrections @ LUMINANCE) if sizes is None else sizes
-    weights = np.concatenate([samples, samples, sizes[..., None] * corrected, doubt * corrected], 2)
+    counts = np.broadcast_to(np.float32(count), (HEIGHT // TILE_SIZE, WIDTH // TILE_SIZE))
+    samples = counts.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]
+    color_sums = np.concatenate([means * samples, samples], 2)
+    residual_sums = np.concatenate([residuals, squares[..., None]], 2) * (samples - 1.0)
+    write_texels(renderer.graph[SUM_COLOR], color_sums.astype(np.float32))
+    write_texels(renderer.graph[SUM_RESIDUAL], residual_sums.astype(np.float32))
+    residual_weights = samples - 1.0  # each counts for its own pixel alone
+    magnitudes = np.abs(residuals @ LUMINANCE) if magnitudes is None else magnitudes
+    weights = np.concatenate(
+        [samples, samples, magnitudes[..., None] * residual_weights, uncertain * residual_weights], 2
+    )
     write_texels(renderer.graph[SUM_WEIGHTS], weights.astype(np.float32))
-    room = np.broadcast_to((doubt if headroom is None else headroom) * samples, (HEIGHT, WIDTH, 1))
-    write_texels(renderer.graph[SUM_HEADROOM], room.astype(np.float32))
-    write_texels(renderer.graph[TILE_SAMPLE_COUNTS], blocks)
-    color = drawn.color  # resolved now, for the first time since two samples
+    headroom_sums = np.broadcast_to((uncertain if headroom is None else headroom) * samples, (HEIGHT, WIDTH, 1))
+    write_texels(renderer.graph[SUM_HEADROOM], headroom_sums.astype(np.float32))
+    write_texels(renderer.graph[TILE_SAMPLE_COUNTS], counts)
+    color = drawn.color  # resolved now, for the first time in two samples
     assert color[..., 3] == pytest.approx(1.0)
     return color[..., :3]
 
 
-def random_picture(seed: int = 0) -> np.ndarray:
+def random_image(seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).random((HEIGHT, WIDTH, 3))
 
 
-def test_the_first_sample_shows_what_was_predicted_alone(device):
-    means = random_picture()
-    found = resolved(device, means, random_picture(1), np.ones((HEIGHT, WIDTH)), 1)
-    assert found == pytest.approx(means, abs=1e-6)
+def test_the_first_sample_shows_only_the_prediction(device):
+    means = random_image()
+    image = resolved(device, means, random_image(1), np.ones((HEIGHT, WIDTH)), 1)
+    assert image == pytest.approx(means, abs=1e-6)
 
 
 @pytest.mark.parametrize("count", [2, 5, 300])
-def test_a_correction_without_noise_is_believed_whole(device, count):
-    """All samples found the same: the mean square is the square of the mean over their number."""
-    means, corrections = 0.1 + random_picture(), 0.2 * random_picture(1) - 0.1
-    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), count)
-    assert found == pytest.approx(means + corrections, abs=1e-5)
+def test_a_residual_without_noise_is_not_shrunk(device, count):
+    """A mean square of 0 means no noise."""
+    means, residuals = 0.1 + random_image(), 0.2 * random_image(1) - 0.1
+    image = resolved(device, means, residuals, np.zeros((HEIGHT, WIDTH)), count)
+    assert image == pytest.approx(means + residuals, abs=1e-5)
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_no_correction_is_larger_than_the_light_in_doubt(device, sign):
-    means, corrections = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5 * sign)
-    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5, doubt=0.2)
-    assert found == pytest.approx(means + 0.2 * sign, abs=1e-5)
+def test_no_residual_is_larger_than_the_uncertain_light(device, sign):
+    means, residuals = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5 * sign)
+    image = resolved(device, means, residuals, np.zeros((HEIGHT, WIDTH)), 5, uncertain=0.2)
+    assert image == pytest.approx(means + 0.2 * sign, abs=1e-5)
 
 
-def test_no_correction_adds_light_that_nothing_sends(device):
-    """Of what is in doubt, most had been predicted to arrive."""
-    means, corrections = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5)
-    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5, doubt=0.9, headroom=0.1)
-    assert found == pytest.approx(means + 0.1, abs=1e-5)
+def test_no_residual_adds_more_light_than_the_headroom(device):
+    """Most of the uncertain light is already part of the prediction."""
+    means, residuals = np.ones((HEIGHT, WIDTH, 3)), np.full((HEIGHT, WIDTH, 3), 0.5)
+    image = resolved(device, means, residuals, np.zeros((HEIGHT, WIDTH)), 5, uncertain=0.9, headroom=0.1)
+    assert image == pytest.approx(means + 0.1, abs=1e-5)
 
 
-def test_no_correction_takes_away_more_light_than_there_is(device):
-    """What negative lights have made darker than black stays so."""
-    means, corrections = 0.2 * random_picture() - 0.1, np.full((HEIGHT, WIDTH, 3), -0.5)
-    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), 5)
-    assert found == pytest.approx(means.clip(max=0.0), abs=1e-5)
+def test_no_residual_removes_more_light_than_there_is(device):
+    """Predictions below 0, by negative lights, stay the same."""
+    means, residuals = 0.2 * random_image() - 0.1, np.full((HEIGHT, WIDTH, 3), -0.5)
+    image = resolved(device, means, residuals, np.zeros((HEIGHT, WIDTH)), 5)
+    assert image == pytest.approx(means.clip(max=0.0), abs=1e-5)
 
 
-def noisy(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(H,W,3) and (H,W) twice: of `count` - 1 grey corrections, their mean, mean square and mean without sign."""
-    found = np.random.default_rng(2).normal(mean, deviation, (count - 1, HEIGHT, WIDTH))
-    return np.repeat(found.mean(0)[..., None], 3, 2), (found**2).mean(0), np.abs(found).mean(0)
+def noisy_residuals(count: int, mean: float, deviation: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(H,W,3) and (H,W) twice: mean, mean square and mean absolute value of `count` - 1 grey residuals."""
+    residuals = np.random.default_rng(2).normal(mean, deviation, (count - 1, HEIGHT, WIDTH))
+    return np.repeat(residuals.mean(0)[..., None], 3, 2), (residuals**2).mean(0), np.abs(residuals).mean(0)
 
 
-def test_noise_about_nothing_is_hardly_believed(device):
+def test_noise_around_zero_is_shrunk(device):
     for count in (2, 4, 16):
-        corrections, squares, sizes = noisy(count, 0.0)
-        left = resolved(device, random_picture(), corrections, squares, count, sizes=sizes) - random_picture()
+        residuals, squares, magnitudes = noisy_residuals(count, 0.0)
+        left = resolved(device, random_image(), residuals, squares, count, magnitudes=magnitudes) - random_image()
         shrinkage = 1.0 - count**-STRATIFICATION_EXPONENT
-        assert np.sqrt((left**2).mean()) < (shrinkage + 0.15) * np.sqrt((corrections**2).mean())
+        assert np.sqrt((left**2).mean()) < (shrinkage + 0.15) * np.sqrt((residuals**2).mean())
 
 
-def test_in_the_end_all_is_believed(device):
-    """However small it is against the noise of a sample."""
-    off = []
+def test_with_many_samples_residuals_are_not_shrunk(device):
+    """However small they are compared with the noise of a sample."""
+    errors = []
     for count in (4, 64, 4096):
-        corrections, squares, sizes = noisy(count, 0.3)
-        found = resolved(device, random_picture(), corrections, squares, count, sizes=sizes)
-        left = found - random_picture() - corrections
-        off.append(np.sqrt((left**2).mean()) / 0.3)
-    assert off[1] < 0.5 * off[0]
-    assert off[2] < 0.01
+        residuals, squares, magnitudes = noisy_residuals(count, 0.3)
+        image = resolved(device, random_image(), residuals, squares, count, magnitudes=magnitudes)
+        left = image - random_image() - residuals
+        errors.append(np.sqrt((left**2).mean()) / 0.3)
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[2] < 0.01
 
 
 @pytest.mark.parametrize("count", [4, 64])
-def test_a_single_ray_is_not_believed_however_many_samples_had_none(device, count):
-    """One pixel in a hundred has one ray that says: all of it is wrong."""
+def test_the_residual_of_a_single_ray_is_shrunk_however_many_samples_traced_none(device, count):
+    """In one pixel in a hundred, a single ray has a residual that removes all light."""
     rare = (np.random.default_rng(4).random((HEIGHT, WIDTH)) < 0.01).astype(float)
-    corrections = np.repeat(-rare[..., None], 3, 2)
-    found = resolved(device, np.ones((HEIGHT, WIDTH, 3)), corrections, (count - 1) * rare, count)
+    residuals = np.repeat(-rare[..., None], 3, 2)
+    image = resolved(device, np.ones((HEIGHT, WIDTH, 3)), residuals, (count - 1) * rare, count)
     assert rare.any()
-    assert found.min() > 0.9
+    assert image.min() > 0.9
 
 
 def test_the_neighbours_mean_keeps_the_edges_of_textures(device):
-    """A third too much of all that is in doubt, which changes from pixel to pixel; noise hides the difference."""
-    means, doubt = random_picture(), 0.2 + random_picture(1)[..., :1]
-    corrections = np.repeat(-0.3 * doubt, 3, 2)
-    found = resolved(device, means, corrections, np.full((HEIGHT, WIDTH), 0.15), 5, doubt) - means
-    assert np.median(np.abs(found / corrections - 1.0)) < 0.15  # where there are neighbours: most of the picture
+    """The prediction is too high by 0.3 of the uncertain light, which varies by pixel. Noise hides the differences."""
+    means, uncertain = random_image(), 0.2 + random_image(1)[..., :1]
+    residuals = np.repeat(-0.3 * uncertain, 3, 2)
+    change = resolved(device, means, residuals, np.full((HEIGHT, WIDTH), 0.15), 5, uncertain) - means
+    assert np.median(np.abs(change / residuals - 1.0)) < 0.15  # where there are neighbours: in most of the picture
 
 
-def test_blocks_have_counts_of_their_own(device):
+def test_each_tile_has_its_own_sample_count(device):
     counts = np.random.default_rng(3).integers(2, 60, (HEIGHT // TILE_SIZE, WIDTH // TILE_SIZE))
-    means, corrections = random_picture(), random_picture(1)
-    found = resolved(device, means, corrections, np.zeros((HEIGHT, WIDTH)), counts)
-    assert found == pytest.approx(means + corrections, abs=1e-5)
+    means, residuals = random_image(), random_image(1)
+    image = resolved(device, means, residuals, np.zeros((HEIGHT, WIDTH)), counts)
+    assert image == pytest.approx(means + residuals, abs=1e-5)
 
 
 @pytest.mark.parametrize("count", [2, 40])
 def test_black_stays_black(device, count):
-    nothing = np.zeros((HEIGHT, WIDTH, 3))
-    assert not resolved(device, nothing, nothing, nothing[..., 0], count).any()
+    black = np.zeros((HEIGHT, WIDTH, 3))
+    assert not resolved(device, black, black, black[..., 0], count).any()

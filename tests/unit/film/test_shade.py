@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Composition: linear light, the world behind everything, and occlusion brought to full resolution."""
+"""Shading: linear light, the world as background, and ambient occlusion upsampled to full resolution."""
 
 from dataclasses import replace
 
@@ -33,47 +33,47 @@ def lit_floor(**more):
 @pytest.mark.parametrize("settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS])
 def test_direct_light_and_base_color_times_the_world(device, settings):
     drawn = draw(device, lit_floor(), look_at((0.0, -4.0, 3.0)), settings)
-    seen = drawn.target("position")[..., 3] > 0.0
+    is_surface = drawn.target("position")[..., 3] > 0.0
     expected = drawn.target("direct_prediction")[..., :3] + np.array([0.8, 0.4, 0.1]) * 0.3
-    assert 0 < seen.sum() < seen.size
-    assert drawn.color[seen][:, :3] == pytest.approx(expected[seen], rel=2e-3)
-    assert (drawn.color[seen][:, 3] == 1.0).all()
-    assert np.ptp(drawn.target("direct_prediction")[seen]) > 0.1
+    assert 0 < is_surface.sum() < is_surface.size
+    assert drawn.color[is_surface][:, :3] == pytest.approx(expected[is_surface], rel=2e-3)
+    assert (drawn.color[is_surface][:, 3] == 1.0).all()
+    assert np.ptp(drawn.target("direct_prediction")[is_surface]) > 0.1
 
 
-def test_a_residual_is_handed_on_as_it_is(device):
-    """And in its alpha the luminance that is in doubt; another target has that by which it may rise."""
+def test_a_residual_is_passed_on_unchanged(device):
+    """Also its alpha, the uncertain luminance. The headroom is in another target."""
     settings = with_quality(SMALL_SETTINGS, samples=2)
     drawn = draw(device, lit_floor(), look_at((0.0, -4.0, 3.0)), settings)
-    corrections = np.random.default_rng(0).normal(size=(24, 32, 4))
-    write_texels(drawn.renderer.graph[DIRECT_RESIDUAL], corrections.astype(np.float32))
-    write_texels(drawn.renderer.graph[DIRECT_PREDICTION], np.abs(corrections).astype(np.float32))
+    residuals = np.random.default_rng(0).normal(size=(24, 32, 4))
+    write_texels(drawn.renderer.graph[DIRECT_RESIDUAL], residuals.astype(np.float32))
+    write_texels(drawn.renderer.graph[DIRECT_PREDICTION], np.abs(residuals).astype(np.float32))
     frame = drawn.renderer.frame(lit_floor(), look_at((0.0, -4.0, 3.0)), settings, 1, Profile())
     drawn.renderer.graph.instance(Shade).execute(frame)
-    seen = drawn.target("position")[..., 3] > 0.0
-    found = drawn.target("sample_residual")
-    expected = np.where(seen[..., None], corrections, 0.0)
-    assert found == pytest.approx(expected, rel=2e-3)
+    is_surface = drawn.target("position")[..., 3] > 0.0
+    residual = drawn.target("sample_residual")
+    expected = np.where(is_surface[..., None], residuals, 0.0)
+    assert residual == pytest.approx(expected, rel=2e-3)
     assert drawn.target("sample_headroom")[..., 0] == pytest.approx(np.abs(expected[..., 3]), rel=2e-3)
 
 
-def test_the_world_stands_behind(device):
+def test_the_world_is_the_background(device):
     drawn = draw(device, lit_floor(), look_at((0.0, -4.0, 3.0)))
-    behind = drawn.target("position")[..., 3] == 0.0
-    assert drawn.color[behind] == pytest.approx(np.tile([0.3, 0.3, 0.3, 1.0], (behind.sum(), 1)))
+    is_background = drawn.target("position")[..., 3] == 0.0
+    assert drawn.color[is_background] == pytest.approx(np.tile([0.3, 0.3, 0.3, 1.0], (is_background.sum(), 1)))
 
 
-def test_a_transparent_film_is_empty_behind(device):
+def test_a_transparent_film_has_an_empty_background(device):
     view = look_at((0.0, -4.0, 3.0))
     drawn = draw(device, lit_floor(), replace(view, transparent=True))
     opaque = draw(device, lit_floor(), view)
-    behind = drawn.target("position")[..., 3] == 0.0
-    assert not drawn.color[behind].any()
-    assert np.array_equal(drawn.color[~behind], opaque.color[~behind])
+    is_background = drawn.target("position")[..., 3] == 0.0
+    assert not drawn.color[is_background].any()
+    assert np.array_equal(drawn.color[~is_background], opaque.color[~is_background])
 
 
-def composed(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
-    """(H,W) red of the picture with (H/2,W/2) in the place of the smooth occlusion."""
+def red_with_occlusion(device, scene, view, occlusion: np.ndarray) -> np.ndarray:
+    """(H,W) red of the picture with this ambient occlusion (H/2,W/2)."""
     settings = replace(SMALL_SETTINGS, ssao=SSAO())
     drawn = draw(device, scene, view, settings)
     write_texels(drawn.renderer.graph[AMBIENT_OCCLUSION], occlusion.astype(np.float16))
@@ -86,18 +86,18 @@ def test_occlusion_is_interpolated_on_a_plane(device):
     """A ramp at half resolution is a ramp at full resolution."""
     scene = make_scene([quad((-10, -10, 0), (20, 0, 0), (0, 20, 0))], world=1.0, base_color=(1, 1, 1))
     ramp = np.tile(np.arange(24) / 24.0, (24, 1))
-    found = composed(device, scene, view_from_above(4.0, (48, 48)), ramp)
-    assert found[:, :46] == pytest.approx(np.tile(np.arange(46) / 48.0, (48, 1)), abs=2e-3)
+    red = red_with_occlusion(device, scene, view_from_above(4.0, (48, 48)), ramp)
+    assert red[:, :46] == pytest.approx(np.tile(np.arange(46) / 48.0, (48, 1)), abs=2e-3)
 
 
 def test_occlusion_does_not_bleed_over_edges(device):
-    """A raised plate on the left, black; the floor, white; also where a pixel's half-resolution one shows the other."""
+    """A black raised plate on a white floor, also where a half-resolution pixel shows the other surface."""
     floor, plate = quad((-10, -10, 0), (20, 0, 0), (0, 20, 0)), quad((-10, -10, 1), (10 + 1 / 24, 0, 0), (0, 20, 0))
     scene = make_scene([floor, plate], world=1.0, base_color=(1, 1, 1))
     view = view_from_above(4.0, (48, 48))
     on_plate = draw(device, scene, view).target("position")[..., 2] > 0.5
-    found = composed(device, scene, view, np.where(on_plate[::2, ::2], 0.0, 1.0))
-    assert found == pytest.approx(np.where(on_plate, 0.0, 1.0), abs=2e-3)
+    red = red_with_occlusion(device, scene, view, np.where(on_plate[::2, ::2], 0.0, 1.0))
+    assert red == pytest.approx(np.where(on_plate, 0.0, 1.0), abs=2e-3)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 1), (1, 5), (7, 3)])

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands on OpenGL directly."""
+"""Tests of ism_addon/gpu/gl: the layer directly above OpenGL."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays on the GPU: what is written anywhere is fetched by number; what nobody has any more is freed."""
+"""Buffer textures: rows written at any offset are fetched by index; unreferenced textures are freed."""
 
 import ctypes
 from threading import Thread
@@ -15,14 +15,14 @@ SAMPLERS = {"f": "samplerBuffer", "u": "usamplerBuffer", "i": "isamplerBuffer"}
 
 
 def fetched(device, array, dtype: str, count: int) -> np.ndarray:
-    """(count,4) as a shader finds it, in another unit than it was made in."""
+    """(count,4) rows as a shader fetches them, in another texture unit than the one they were created in."""
     program = device.gl.program(
-        vertex_shader=f"#version 410 core\nuniform {SAMPLERS[dtype[0]]} table;\nout vec4 told;\n"
-        "void main() { told = vec4(texelFetch(table, gl_VertexID)); }",
-        varyings=["told"],
+        vertex_shader=f"#version 410 core\nuniform {SAMPLERS[dtype[0]]} table;\nout vec4 result;\n"
+        "void main() { result = vec4(texelFetch(table, gl_VertexID)); }",
+        varyings=["result"],
     )
     bind(program, table=array)
-    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
+    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL neither draws nor captures
     buffer = device.gl.buffer(reserve=16 * count)
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)
     return np.frombuffer(buffer.read(), "f4").reshape(count, 4)
@@ -44,8 +44,8 @@ def test_rows_are_written_anywhere(device):
 
 
 @pytest.mark.parametrize("row", [4, 16])
-def test_arrays_are_of_one_kind(device, row):
-    """Else scenes of other sizes are other shaders to Mesa's software driver."""
+def test_buffer_sizes_are_of_one_shader_variant(device, row):
+    """Otherwise Mesa's software driver compiles shaders again for scenes of other sizes."""
     for count in (*range(20), 255, 256, 257, 4096):
         size = device.new_buffer(count, row // 4, "f4").bytes
         assert row * count <= size <= row * (count + 1) + 256
@@ -53,13 +53,13 @@ def test_arrays_are_of_one_kind(device, row):
         assert size >> 8 & 255
 
 
-def test_more_rows_than_can_be_fetched_are_refused_with_a_sentence(device):
-    most = device.buffer_textures.max_rows
-    with pytest.raises(ValueError, match=f"{most + 1:,} rows are more than the {most:,} that this OpenGL can fetch"):
-        device.new_buffer(most + 1, 1, "f4")
+def test_more_rows_than_can_be_fetched_are_refused_with_a_clear_error(device):
+    limit = device.buffer_textures.max_rows
+    with pytest.raises(ValueError, match=f"{limit + 1:,} rows are more than the {limit:,} that this OpenGL can fetch"):
+        device.new_buffer(limit + 1, 1, "f4")
 
 
-def test_rows_that_come_by_and_by_may_fill_all_the_room_there_is(device, monkeypatch):
+def test_a_growing_buffer_may_be_filled_to_the_row_limit(device, monkeypatch):
     monkeypatch.setattr(device.buffer_textures, "max_rows", 100)
     rows, growing = np.arange(100, dtype=np.float32).reshape(100, 1), device.growing_buffer(1, "f4")
     for part in (rows[:80], rows[80:90], rows[90:]):
@@ -68,20 +68,20 @@ def test_rows_that_come_by_and_by_may_fill_all_the_room_there_is(device, monkeyp
     assert np.array_equal(fetched(device, growing.texture, "f4", 100)[:, :1], rows)
 
 
-def test_what_is_let_go_of_in_another_thread_is_freed_in_this_one(device):
+def test_a_texture_released_in_another_thread_is_freed_in_this_one(device):
     is_texture = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(device.gl.mglo._context.load("glIsTexture"))
-    kept = [device.new_buffer(10, 4, "f4")]
-    number = kept[0]._texture
-    thread = Thread(target=kept.clear)
+    references = [device.new_buffer(10, 4, "f4")]
+    name = references[0]._texture
+    thread = Thread(target=references.clear)
     thread.start()
     thread.join()
-    assert is_texture(number)
+    assert is_texture(name)
     device.free_released()
-    assert not is_texture(number)
+    assert not is_texture(name)
 
 
-def test_rows_that_come_by_and_by(device):
-    """In one array while there is room; then in a larger one, and the one before still has what it had."""
+def test_a_growing_buffer(device):
+    """Rows are appended in place while they fit, then in a larger buffer; the previous buffer keeps its rows."""
     rows, growing, arrays = np.arange(4 * 100, dtype=np.float32).reshape(100, 4), device.growing_buffer(4, "f4"), []
     for first, end in ((0, 40), (40, 41), (41, 60), (60, 60), (60, 100)):
         growing.reserve(end - first)

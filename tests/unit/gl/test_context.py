@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The OpenGL context, and what goes on beside it."""
+"""The OpenGL context: draws do not block other Python threads."""
 
 import sys
 from threading import Event, Thread
@@ -8,25 +8,25 @@ from ism_addon.gpu.gl.shader_compiler import compile_program
 from ism_addon.gpu.gl.shader_records import INSTANCE
 
 
-def test_other_threads_go_on_while_triangles_are_drawn(device):
-    """Software drivers are at it until the call returns: the interpreter's lock is not held for so long."""
+def test_other_threads_run_while_triangles_are_drawn(device):
+    """Software drivers draw before the call returns. The GIL must not be held for so long."""
     names = "passes/surfaces/visibility_buffer.vert", "passes/surfaces/visibility_buffer.frag"
     program = compile_program(device, *names, records=(INSTANCE,), reversed_depth=1)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()
-    turns, done = [], Event()
+    ticks, done = [], Event()
 
-    def take_turns() -> None:
+    def count_ticks() -> None:
         while not done.wait(1e-4):
-            turns.append(1)
+            ticks.append(1)
 
-    other, interval = Thread(target=take_turns), sys.getswitchinterval()
-    sys.setswitchinterval(100.0)  # nobody is made to let go of the lock
+    other, interval = Thread(target=count_ticks), sys.getswitchinterval()
+    sys.setswitchinterval(100.0)  # so that no thread is forced to release the GIL
     try:
         other.start()
-        before = len(turns)
+        before = len(ticks)
         device.draw(triangles, 0, 2_000_000, 1)
-        after = len(turns)
+        after = len(ticks)
     finally:
         sys.setswitchinterval(interval)
         done.set()

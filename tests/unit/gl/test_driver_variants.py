@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nothing that a scene has more or less of makes Mesa's software driver compile a shader again."""
+"""Mesa's software driver does not compile a shader again when sizes and counts of a scene change."""
 
 import os
 import subprocess
@@ -28,8 +28,8 @@ from tests.support.small_scenes import (
 )
 from tests.tools import project
 
-#: Draws pictures one after the other, each for a client of its own, and prints how many files the driver's cache has
-#: after each. In a viewport there is a coarse one before.
+#: Draws pictures one after the other, each for a client of its own. Prints how many files the driver's cache has after
+#: each. With `pixel` a coarse preview is drawn first, as in a viewport.
 DRAW = """
 import os, sys, time
 from dataclasses import replace
@@ -46,13 +46,13 @@ FLOOR, FOLDER = quad((-3, -3, 0), (6, 0, 0), (0, 6, 0)), Path(os.environ["MESA_S
 CHECKS = Image(np.random.default_rng(0).integers(0, 255, (8, 8, 4), np.uint8), True)
 MAPS = with_quality(SMALL_SHADOW_MAPS, samples=2)
 SETTINGS = with_quality(SMALL_SETTINGS, samples=6) if sys.argv[1] == "rays" else MAPS
-BURIED = light(position=(0.0, 0.0, -1.0), axis_v=(0.0, 1.0, 0.0))  # under the floor, where all looks hidden
+BURIED = light(position=(0.0, 0.0, -1.0), axis_v=(0.0, 1.0, 0.0))  # under the floor, where it is occluded everywhere
 
 def files():
     return sum(path.is_file() for path in FOLDER.rglob("*"))
 
 def settled():
-    "The driver writes them in a thread of its own."
+    "The number of files once it stays the same: the driver writes them in a thread of its own."
     before, now = -1, files()
     while now != before:
         time.sleep(0.1)
@@ -60,22 +60,22 @@ def settled():
     return now
 
 def draw(lights, triangles, size, pixel=0, faint=False, image=None, ssao=False):
-    lamps = BURIED if lights else no_lights()
+    table = BURIED if lights else no_lights()
     for k in range(lights):
-        lamps = both(lamps, light(position=(0.4 * k - 0.8, 0.3 * k - 0.5, 2.0 + 0.1 * k)))
+        table = join_lights(table, light(position=(0.4 * k - 0.8, 0.3 * k - 0.5, 2.0 + 0.1 * k)))
     if faint:
-        lamps = both(lamps, light(position=(0.2, 0.2, 1.5), radiance=0.002))
-    rubbles = [rubble(triangles)] if triangles else []
-    scene = make_scene([FLOOR, *rubbles], lamps, world=0.3, image=image)
+        table = join_lights(table, light(position=(0.2, 0.2, 1.5), radiance=0.002))
+    meshes = [random_triangles(triangles)] if triangles else []
+    scene = make_scene([FLOOR, *meshes], table, world=0.3, image=image)
     settings = replace(SETTINGS, ssao=SSAO(enabled=ssao))
-    view = look((3.0, -3.0, 3.0), size=size, filter_width=1.5)
-    job = worker.start(Request(scene, view, settings, preview_pixel_size=pixel), len(said))
+    view = look_at((3.0, -3.0, 3.0), size=size, filter_width=1.5)
+    job = worker.start(Request(scene, view, settings, preview_pixel_size=pixel), len(counts))
     while not job.finished:
         job.wait(1.0)
     assert not job.error and job.picture().color.any(), job.error
-    said.append(settled())
+    counts.append(settled())
 
-worker, said = RenderThread(), []
+worker, counts = RenderThread(), []
 PLAIN = [
     (2, 300, (90, 60)), (2, 300, (90, 60)), (3, 5000, (64, 32)), (1, 1, (33, 17), 2), (1, 20, (1, 1)),
     (3, 5000, (4, 300), 8), (0, 20, (128, 64)), (2, 1, (128, 128), 4), (1, 0, (90, 60)), (3, 5000, (33, 17)),
@@ -88,19 +88,19 @@ draw(2, 300, (90, 60), ssao=True)
 draw(3, 5000, (32, 8), 2, image=CHECKS, ssao=True)
 draw(6, 1, (50, 64), faint=True, ssao=True)
 worker.stop()
-print(*said)
+print(*counts)
 """
 
 
 @pytest.mark.parametrize(("method", "order"), [("rays", "forwards"), ("maps", "backwards")])
 def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order):
-    """The same scene again; meshes and tables small and large, other numbers of lights, other sizes of pictures.
+    """The same scene again; small and large meshes and tables, other light counts, other picture sizes.
 
-    Whatever a scene is the first to have has programs of its own, and adds no more than those.
+    A feature that no earlier scene had adds the programs of its own and no others.
     """
     if "llvmpipe" not in opened_device.name:
         pytest.skip("only Mesa's cache is counted")
-    asked = subprocess.run(
+    run = subprocess.run(
         [sys.executable, "-c", DRAW, method, order],
         cwd=project.ROOT,
         env=os.environ | {"MESA_SHADER_CACHE_DIR": str(tmp_path)},
@@ -108,8 +108,8 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
         text=True,
         timeout=240,
     )
-    assert asked.returncode == 0, asked.stderr
-    first, *added = np.diff([0, *map(int, asked.stdout.split())]).tolist()
+    assert run.returncode == 0, run.stderr
+    first, *added = np.diff([0, *map(int, run.stdout.split())]).tolist()
     assert first > 20
     *plain, faint, image, ssao, both, all_but_images = added
     assert plain == [0] * len(plain)
@@ -121,23 +121,23 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
 @pytest.mark.parametrize("settings", [SMALL_SETTINGS, SMALL_SHADOW_MAPS], ids=["rays", "maps"])
 @pytest.mark.parametrize("filter_width", [0.01, 1.5, 9.0])
 def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, monkeypatch, settings, filter_width):
-    """Nobody looks at what is in the rest of them."""
+    """No pass reads their unused texels."""
     scene = make_scene([quad((-30, -30, 0), (60, 0, 0), (0, 60, 0)), random_triangles(300)], light(), world=0.5)
     view = look_at((1.0, -1.0, 1.0), size=(62, 40), filter_width=filter_width)
     settings = replace(with_quality(settings, samples=6), ssao=SSAO())
     expected = draw(device, scene, view, settings)
     monkeypatch.setattr(driver_variants, "side", lambda texels: texels + 9)
-    found = draw(device, scene, view, settings)
-    assert found.renderer.graph[SUM_COLOR].size == (71, 49)
-    assert np.array_equal(found.color, expected.color)
-    assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
-    mine, theirs = (drawn.renderer.images(RENDER_PASSES) for drawn in (found, expected))
-    for name in mine:
-        assert np.array_equal(mine[name], theirs[name])
+    enlarged = draw(device, scene, view, settings)
+    assert enlarged.renderer.graph[SUM_COLOR].size == (71, 49)
+    assert np.array_equal(enlarged.color, expected.color)
+    assert np.array_equal(enlarged.renderer.error.variance, expected.renderer.error.variance)
+    images, expected_images = (drawn.renderer.images(RENDER_PASSES) for drawn in (enlarged, expected))
+    for name in images:
+        assert np.array_equal(images[name], expected_images[name])
 
 
 @given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))
-def test_buffers_are_hardly_larger_than_asked_for(count, each):
+def test_buffers_are_hardly_larger_than_requested(count, each):
     rows = driver_variants.rows(count, each)
     size = rows * each
     assert count <= rows <= max(count + 1 + 256 // each, 256 // each + 1)
@@ -146,7 +146,7 @@ def test_buffers_are_hardly_larger_than_asked_for(count, each):
 
 
 @given(texels=st.integers(1, driver_variants.MAX_SIDE))
-def test_sides_are_hardly_longer_than_asked_for(texels):
+def test_sides_are_hardly_longer_than_requested(texels):
     side = driver_variants.side(texels)
     assert texels <= side <= min(max(texels + 1, 3), driver_variants.MAX_SIDE)
     assert side & (side - 1) or side == driver_variants.MAX_SIDE

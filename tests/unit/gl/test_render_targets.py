@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Targets with a texel for each block, in strips."""
+"""Targets with one texel per tile, laid out in strips."""
 
 import numpy as np
 import pytest
@@ -16,36 +16,36 @@ from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
 IN_STRIPS = Target("in_strips", "", divisor=TILE_SIZE, strips=True)
 
-#: Of the largest picture that any OpenGL of this engine's can draw.
-LARGEST = 32768
+#: Side of the largest picture that any supported OpenGL can draw.
+MAX_PICTURE_SIDE = 32768
 
-SIDES = st.integers(1, LARGEST)
+SIDES = st.integers(1, MAX_PICTURE_SIDE)
 
 
 @given(width=SIDES, height=SIDES)
-def test_strips_hold_all_blocks_and_are_no_longer_than_textures_may_be(width, height):
+def test_strips_hold_all_tiles_and_fit_the_texture_limit(width, height):
     across, along = size_of(IN_STRIPS, width, height)
     columns, rows = size_of(Target("in_rows", "", divisor=TILE_SIZE), width, height)
     assert max(across, along) <= MAX_STRIP_HEIGHT
     assert 0 <= across * along - columns * rows < max(2 * across, 3 * TILE_STRIP_WIDTH), (
-        "a row more where that is no power of two"
+        "one more row avoids a power of two"
     )
-    assert all(side & (side - 1) for side in (across, along)), "drivers would compile once more"
+    assert all(side & (side - 1) for side in (across, along)), "drivers would compile shaders again"
 
 
-def test_blocks_lie_in_strips_row_by_row():
-    blocks = 5, 7
-    across, along = size_of(IN_STRIPS, *(TILE_SIZE * count for count in blocks))
+def test_tiles_lie_in_strips_row_by_row():
+    tiles = 5, 7
+    across, along = size_of(IN_STRIPS, *(TILE_SIZE * count for count in tiles))
     texels = np.arange(across * along).reshape(along, across, 1)
-    assert np.array_equal(from_strips(texels, blocks)[..., 0], np.arange(35).reshape(7, 5))
+    assert np.array_equal(from_strips(texels, tiles)[..., 0], np.arange(35).reshape(7, 5))
 
 
-@pytest.mark.parametrize("longest", [1, 3])
-def test_the_picture_does_not_depend_on_how_long_strips_are(device, monkeypatch, longest):
+@pytest.mark.parametrize("max_height", [1, 3])
+def test_the_picture_does_not_depend_on_how_long_strips_are(device, monkeypatch, max_height):
     scene, view = box_over_plane(100, 60)
     settings = with_quality(SMALL_SETTINGS, samples=6)
     expected = draw(device, scene, view, settings)
-    monkeypatch.setattr(render_targets, "MAX_STRIP_HEIGHT", longest)
-    found = draw(device, scene, view, settings)
-    assert np.array_equal(found.color, expected.color)
-    assert np.array_equal(found.renderer.error.variance, expected.renderer.error.variance)
+    monkeypatch.setattr(render_targets, "MAX_STRIP_HEIGHT", max_height)
+    short = draw(device, scene, view, settings)
+    assert np.array_equal(short.color, expected.color)
+    assert np.array_equal(short.renderer.error.variance, expected.renderer.error.variance)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What numpy writes, GLSL reads: records, arrays and directions through a shader and back."""
+"""Records, arrays and directions that numpy writes are read by GLSL: through a shader and back."""
 
 import moderngl
 import numpy as np
@@ -17,7 +17,7 @@ from ism_addon.gpu.gl.shader_records import (
 ODD = Record("Odd", one="float", two="vec2", three="vec3", count="int", four="vec4", mask="uint")
 
 
-#: Integers that a float32 cannot hold, and bits that are those of float32's infinities, NaNs and denormal numbers.
+#: Integers that a float32 cannot represent, and bit patterns of float32's infinities, NaNs and denormal numbers.
 ODD_BITS = np.array(
     [*(0, 1, 2**24 + 1, 2**31 - 1, 2**31, 2**31 + 1, 2**32 - 1), *(0x7F800000, 0x7F800001, 0xFFC00001, 0x7FA00000, 5)],
     np.uint32,
@@ -25,15 +25,15 @@ ODD_BITS = np.array(
 
 
 def run(device, declarations: str, expression: str, count: int, uniforms: dict) -> np.ndarray:
-    """(count,4) of an expression in `row`, by transform feedback."""
+    """(count,4) values of a GLSL expression in `row`, by transform feedback."""
     program = device.gl.program(
-        vertex_shader=f"{head((), {})}{declarations}\nout vec4 told;\n"
-        f"void main() {{ int row = gl_VertexID; told = {expression}; }}",
-        varyings=["told"],
+        vertex_shader=f"{head((), {})}{declarations}\nout vec4 result;\n"
+        f"void main() {{ int row = gl_VertexID; result = {expression}; }}",
+        varyings=["result"],
     )
     bind(program, **uniforms)
-    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL draws nothing, nor feeds back
-    device.gl.simple_framebuffer((1, 1)).use()  # whatever an earlier test drew into may be gone
+    device.gl.simple_framebuffer((1, 1)).use()  # without one, OpenGL neither draws nor captures
+    device.gl.simple_framebuffer((1, 1)).use()  # an earlier test's framebuffer may have been freed
     buffer = device.gl.buffer(reserve=16 * count)
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=count)
     return np.frombuffer(buffer.read(), "f4").reshape(count, 4)
@@ -47,20 +47,20 @@ def test_every_member_of_every_row_arrives(device, record):
     for name in record.members:
         table[name] = random.integers(0 if record.members[name] == "uint" else -1000, 1000, table[name].shape)
     texture = record.upload(device, table)
-    for name, kind in record.members.items():
-        told = run(
+    for name, type_ in record.members.items():
+        fetched = run(
             device,
             f"{record.glsl()}\nuniform usamplerBuffer table;",
-            f"vec4(fetch_{record.name}(table, row).{name}{', 0' * (4 - KINDS[kind].words)})",
+            f"vec4(fetch_{record.name}(table, row).{name}{', 0' * (4 - KINDS[type_].words)})",
             rows,
             {"table": texture},
         )
         expected = table[name].reshape(rows, -1)
-        assert np.array_equal(told[:, : expected.shape[1]], expected)
+        assert np.array_equal(fetched[:, : expected.shape[1]], expected)
 
 
 def test_integers_arrive_bit_for_bit(device):
-    """Through a draw: where they were floats, they were exact to 2^24, and NaNs might be others."""
+    """In a fragment shader. As floats they would be exact up to 2^24 only, and NaN bits could change."""
     record = Record("Whole", before="float", signed="int", mask="uint", after="vec2")
     table = np.zeros(len(ODD_BITS), record.dtype)
     table["signed"], table["mask"] = ODD_BITS.view(np.int32), ODD_BITS
@@ -79,10 +79,10 @@ def test_integers_arrive_bit_for_bit(device):
     gl.enable_only(moderngl.NOTHING)
     gl.framebuffer([integers, floats]).use()
     gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
-    found = np.frombuffer(integers.read(), np.uint32).reshape(-1, 4)
-    assert np.array_equal(found[:, 0].view(np.int32), table["signed"])
-    assert np.array_equal(found[:, 1], table["mask"])
-    assert np.array_equal(found[:, 2:], np.stack([table["mask"] >> 31, table["signed"] < 0], 1))
+    fetched = np.frombuffer(integers.read(), np.uint32).reshape(-1, 4)
+    assert np.array_equal(fetched[:, 0].view(np.int32), table["signed"])
+    assert np.array_equal(fetched[:, 1], table["mask"])
+    assert np.array_equal(fetched[:, 2:], np.stack([table["mask"] >> 31, table["signed"] < 0], 1))
     assert np.array_equal(np.frombuffer(floats.read(), "f4").reshape(-1, 4)[0, :3], np.float32([-1.5, 2.5, 1e-38]))
 
 
@@ -90,7 +90,7 @@ def test_a_table_may_be_empty(device):
     assert LIGHT.upload(device, np.zeros(0, LIGHT.dtype)).bytes > 0
 
 
-def test_directions_survive_the_octahedron():
+def test_octahedral_encoding_is_invertible():
     random = np.random.default_rng(0).normal(size=(10_000, 3))
     directions = np.concatenate([random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3)])
     points = octahedron_from_directions(directions)
@@ -98,15 +98,15 @@ def test_directions_survive_the_octahedron():
     assert directions_from_octahedron(points) == pytest.approx(directions, abs=1e-12)
 
 
-def test_python_and_glsl_fold_directions_alike(device):
+def test_python_and_glsl_encode_directions_alike(device):
     random = np.random.default_rng(1).normal(size=(1000, 3)).astype("f4")
     directions = random / np.linalg.norm(random, axis=1)[:, None]
     library = (FOLDER / "glsl/maths/octahedron.glsl").read_text()
-    told = run(
+    encoded = run(
         device,
         f"{library}\nuniform samplerBuffer table;",
         "vec4(octahedron_from_direction(texelFetch(table, row).xyz), 0, 0)",
         1000,
         {"table": device.buffer_from(np.pad(directions, ((0, 0), (0, 1))))},
     )
-    assert told[:, :2] == pytest.approx(octahedron_from_directions(directions.astype(float)), abs=1e-6)
+    assert encoded[:, :2] == pytest.approx(octahedron_from_directions(directions.astype(float)), abs=1e-6)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render thread, and pictures that are cancelled."""
+"""Tests of ism_addon/gpu/jobs: the render thread, and cancellation."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The status says which shader is being compiled, which takes some drivers a second each."""
+"""The status tells how many shaders have been compiled: some drivers take a second for each."""
 
 import threading
 import time
@@ -16,26 +16,26 @@ def new_job() -> Job:
 
 
 def test_the_status_counts_shaders_while_they_are_compiled(device, monkeypatch):
-    """Each is begun with its number in the status, which says how far the samples are again when its pass is drawn."""
-    loop, real, said = RenderLoop(device, 0), shader_compiler.compile_stages, []
+    """The status shows the count when a program's compilation begins, and the samples again once its pass is drawn."""
+    loop, original, statuses = RenderLoop(device, 0), shader_compiler.compile_stages, []
     device.forget_programs()
     for _ in range(2):
         job = new_job()
 
-        def compile_stages(*what, job=job):
-            said.append(job.status)
-            return real(*what)
+        def compile_stages(*args, job=job):
+            statuses.append(job.status)
+            return original(*args)
 
         monkeypatch.setattr(shader_compiler, "compile_stages", compile_stages)
         while not job.finished:
             loop.step("client", job)
             assert job.status.startswith("Sample")
         assert job.error == ""
-    assert said == [f"Compiling shaders ({number})" for number in range(1, len(device.programs) + 1)]
+    assert statuses == [f"Compiling shaders ({number})" for number in range(1, len(device.programs) + 1)]
     loop.forget("client")
 
 
-def test_viewports_say_so_no_more_often_than_twice_a_second():
+def test_viewports_show_it_at_most_twice_a_second():
     job = new_job()
     for _ in range(3):
         job.begin_program()

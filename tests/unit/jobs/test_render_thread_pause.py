@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The worker at rest, and stopped: nothing is drawn, and nothing is kept."""
+"""The render thread paused and stopped: nothing is drawn, and no memory is kept."""
 
 import threading
 import time
@@ -15,7 +15,7 @@ from tests.tools.memory import resident
 pytestmark = pytest.mark.alone
 
 
-def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
+def test_no_pass_begins_during_a_pause(worker):
     job = worker.start(request(LONG), "client")
     assert wait_for_picture(job)
     worker.pause(60.0)
@@ -32,7 +32,7 @@ def test_a_rest_lets_no_pass_begin_until_it_ends(worker):
     assert not job.finished
 
 
-def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
+def test_a_pause_ends_after_its_time_and_when_the_worker_stops(worker):
     assert worker.is_idle
     worker.pause(0.2)
     assert wait_for_end(worker.start(request(), "client"), 5.0)
@@ -45,19 +45,19 @@ def test_a_rest_ends_by_itself_and_at_once_when_the_worker_stops(worker):
     assert worker.is_idle
 
 
-def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
-    """A driver may hang, and Blender's window with it. Meanwhile, and afterwards, others draw."""
+def test_stop_does_not_wait_for_a_pass_that_hangs(worker, monkeypatch):
+    """A driver may hang, and would block Blender's window. Other jobs are drawn meanwhile and afterwards."""
     stuck, released = threading.Event(), threading.Event()
-    shade, caught = Shade.execute, []
+    execute, hanging = Shade.execute, []
 
-    def draw(step, frame):
-        if not caught:
-            caught.append(threading.current_thread())
+    def hang_once(own, frame):
+        if not hanging:
+            hanging.append(threading.current_thread())
             stuck.set()
             released.wait(60.0)
-        shade(step, frame)
+        execute(own, frame)
 
-    monkeypatch.setattr(Shade, "execute", draw)
+    monkeypatch.setattr(Shade, "execute", hang_once)
     job = worker.start(request(), "client")
     assert stuck.wait(30.0)
     began = time.monotonic()
@@ -68,19 +68,19 @@ def test_stop_does_not_wait_for_a_pass_without_end(worker, monkeypatch):
     assert wait_for_end(later)
     assert later.error == ""
     released.set()
-    caught[0].join(10.0)
-    assert not caught[0].is_alive()
+    hanging[0].join(10.0)
+    assert not hanging[0].is_alive()
     assert wait_for_end(again := worker.start(request(), "client"))
     assert np.array_equal(again.picture().color, later.picture().color)
 
 
 @pytest.mark.skipif(not resident(), reason="this system does not say how much memory a process has")
-def test_stop_gives_all_memory_back(worker):
-    """Also what drivers keep in main memory: with software OpenGL that is all of it."""
+def test_stop_frees_all_memory(worker):
+    """Also what drivers hold in main memory: with software OpenGL that is all of it."""
     sizes = []
-    for _ in range(16):
+    for _ in range(24):
         assert wait_for_end(worker.start(request(size=(640, 480)), "client"))
         worker.stop()
         sizes.append(resident())
-    # The allocator keeps some of it, not always as much; a context that is left behind is 60 MB a round.
-    assert min(sizes[10:]) - min(sizes[4:10]) < 60e6
+    # The allocator keeps a varying amount, more over the first repetitions; a leaked context would be 60 MB in each.
+    assert min(sizes[16:]) - min(sizes[8:16]) < 60e6

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The passes that find which lights matter where."""
+"""The passes that select the lights that contribute to each tile."""

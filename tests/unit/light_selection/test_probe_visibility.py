@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first look: one ray from every fourth pixel to each light that casts shadows."""
+"""Visibility probes: one ray from every fourth pixel (one of 2×2) to each light that casts shadows."""
 
 from dataclasses import replace
 
@@ -22,71 +22,72 @@ from tests.support.small_scenes import (
     with_quality,
 )
 
-#: Pixels whose ray passes an edge more closely than float32 and a light of a millimetre can tell.
+#: Fraction of pixels whose ray passes an edge too closely for float32 and for a light of a millimetre.
 EDGE = 0.02
 
 
-def scouted(drawn) -> dict[int, np.ndarray]:
-    """Of each light, (H/2,W/2,2): rays that arrived, and rays."""
+def probes(drawn) -> dict[int, np.ndarray]:
+    """For each light (H/2,W/2,2): unoccluded rays, and traced rays."""
     size = size_of(PROBE, *drawn.renderer.graph.targets.sizes[POSITION])
     return {int(index): read_texels(texture, size) / 255 for index, texture in drawn.renderer.graph[PROBES].items()}
 
 
-def shrunk(scene, part: float = 1e-3):
-    """The lights so small that all of one is seen, or nothing."""
+def with_small_lights(scene, scale: float = 1e-3):
+    """The lights so small that each is fully visible or fully occluded."""
     lights = scene.lights
-    return replace(scene, lights=replace(lights, axis_u=part * lights.axis_u, axis_v=part * lights.axis_v))
+    return replace(scene, lights=replace(lights, axis_u=scale * lights.axis_u, axis_v=scale * lights.axis_v))
 
 
 @pytest.mark.parametrize("make", [box_over_plane, pillar_field])
 @pytest.mark.parametrize("size", [(48, 32), (37, 23), (1, 1)])
 def test_a_ray_from_every_fourth_pixel(device, make, size):
     scene, view = make(*size)
-    scene = shrunk(scene)
-    (found,) = scouted(draw(device, scene, view)).values()
+    scene = with_small_lights(scene)
+    (probed,) = probes(draw(device, scene, view)).values()
     surface = reference.surfaces(scene, view)
     normals = reference.shading_normals(scene, surface)
-    blockers = reference.world_triangles(scene, scene.instances.casts_shadow)
-    reached = reference.irradiance_per_area(surface.position, normals, scene.lights.position[0], scene.lights, 0) > 0.0
-    asked = surface.seen & reached
-    seen = asked & reference.visible(surface.position + 1e-4 * surface.facet, scene.lights.position, blockers)[0]
-    rows = [grid.reshape(size[::-1])[::2, ::2] for grid in (seen, asked)]
-    assert found.shape == (*rows[0].shape, 2)
-    for channel, expected in enumerate(rows):
-        assert (found[..., channel] != expected).mean() <= EDGE
+    occluders = reference.world_triangles(scene, scene.instances.casts_shadow)
+    irradiance = reference.irradiance_per_area(surface.position, normals, scene.lights.position[0], scene.lights, 0)
+    traced = surface.exists & (irradiance > 0.0)
+    starts = surface.position + 1e-4 * surface.geometric_normal
+    unoccluded = traced & reference.visible(starts, scene.lights.position, occluders)[0]
+    expected = [grid.reshape(size[::-1])[::2, ::2] for grid in (unoccluded, traced)]
+    assert probed.shape == (*expected[0].shape, 2)
+    for channel, grid in enumerate(expected):
+        assert (probed[..., channel] != grid).mean() <= EDGE
     if size != (1, 1):
-        assert 0.02 < rows[0].mean() < rows[1].mean() < 1.0
+        assert 0.02 < expected[0].mean() < expected[1].mean() < 1.0
 
 
-def test_all_rays_together_find_all_of_the_light(device):
-    """A screen's edge hides a third of the light from everywhere on a small floor: so for a third of the rays."""
+def test_all_rays_together_cover_the_light(device):
+    """A screen's edge hides a third of the light from all of a small floor, so a third of the rays is occluded."""
     floor = quad((-1e-3, -1e-3, 0), (2e-3, 0, 0), (0, 2e-3, 0))
     screen = quad((-3.0, -3.0, 1.0), (3.0 - 1.0 / 12.0, 0, 0), (0, 6, 0))
-    lamp = light(position=(0, 0, 2.0), axis_u=(1, 0, 0), axis_v=(0, -1, 0))
-    (found,) = scouted(
-        draw(device, make_scene([floor, screen], lamp), view_from_above(1e-3, (64, 64), height=0.5))
+    lights = light(position=(0, 0, 2.0), axis_u=(1, 0, 0), axis_v=(0, -1, 0))
+    (probed,) = probes(
+        draw(device, make_scene([floor, screen], lights), view_from_above(1e-3, (64, 64), height=0.5))
     ).values()
-    assert (found[..., 1] == 1.0).all()
-    assert found[..., 0].mean() == pytest.approx(2.0 / 3.0, abs=0.02)
-    blocks = found[..., 0].reshape(8, 4, 8, 4).mean((1, 3))
-    assert np.abs(blocks - 2.0 / 3.0).max() < 0.2, "each neighbourhood's rays find it, too: random ones miss it by 0.35"
+    assert (probed[..., 1] == 1.0).all()
+    assert probed[..., 0].mean() == pytest.approx(2.0 / 3.0, abs=0.02)
+    neighbourhoods = probed[..., 0].reshape(8, 4, 8, 4).mean((1, 3))
+    assert np.abs(neighbourhoods - 2.0 / 3.0).max() < 0.2, "random rays of a neighbourhood are off by up to 0.35"
 
 
-def test_lights_without_shadows_are_not_scouted_and_two_have_places_of_their_own(device):
+def test_lights_without_shadows_are_not_probed_and_each_light_has_its_own_sample_positions(device):
     scene, view = box_over_plane(64, 48)
-    lamps = replace(
+    lights = replace(
         join_lights(join_lights(scene.lights, light()), scene.lights), casts_shadow=np.array([True, False, True])
     )
-    found = scouted(draw(device, replace(scene, lights=lamps), view))
-    assert set(found) == {0, 2}
-    asked = (found[0][..., 1] == 1.0) & (found[2][..., 1] == 1.0)
-    assert asked.mean() > 0.5
-    assert (found[0][..., 0] != found[2][..., 0])[asked].any()
+    probed = probes(draw(device, replace(scene, lights=lights), view))
+    assert set(probed) == {0, 2}
+    traced = (probed[0][..., 1] == 1.0) & (probed[2][..., 1] == 1.0)
+    assert traced.mean() > 0.5
+    assert (probed[0][..., 0] != probed[2][..., 0])[traced].any()
 
 
-def test_only_the_first_sample_scouts(device):
+def test_only_the_first_sample_probes(device):
     scene, view = box_over_plane(32, 24)
     drawn = draw(device, scene, view, with_quality(SETTINGS, samples=5))
     assert drawn.profile.rows["ProbeVisibility"].drawn == 1
-    off = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
-    assert draw(device, scene, view, off).profile.rows["ProbeVisibility"].drawn == 0
+    unshadowed = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
+    assert draw(device, scene, view, unshadowed).profile.rows["ProbeVisibility"].drawn == 0

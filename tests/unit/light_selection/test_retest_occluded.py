@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Retests find the lights that arrive where all rays had said that they do not, each of them, and no others."""
+"""Retests find exactly those lights that are visible in a tile although all its rays were occluded before."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ from tests.support.small_scenes import (
 )
 
 FLOOR = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))
-#: Below the second light, and all that it can light.
+#: Below the second light, so that it occludes all that this light could reach.
 PLATE = quad((-9, -9, 3.9), (18, 0, 0), (0, 18, 0))
 
 
@@ -35,21 +35,21 @@ def all_believed_occluded(monkeypatch):
 
 
 @pytest.mark.parametrize("size", [(32, 32), (20, 44)])
-def test_of_lights_in_one_tile_each_is_told(device, all_believed_occluded, size):
+def test_every_visible_light_of_a_tile_is_rediscovered(device, all_believed_occluded, size):
     lights = join_lights(light(), join_lights(light(position=(0, 0, 4)), light(LightShape.ELLIPSE, (0.5, 0.2, 2.0))))
     view, settings = view_from_above(2.0, size, 3.0), with_quality(SMALL_SETTINGS, samples=5)
     drawn = draw(device, make_scene([FLOOR, PLATE], lights), view, settings)
-    found = drawn.renderer.graph[REDISCOVERED]
-    assert set(found) == {0, 2}, "the plate hides the second"
-    assert all(tiles.all() for tiles in found.values())
+    rediscovered = drawn.renderer.graph[REDISCOVERED]
+    assert set(rediscovered) == {0, 2}, "the plate occludes the second"
+    assert all(tiles.all() for tiles in rediscovered.values())
 
 
-def test_a_light_is_found_in_the_tiles_that_it_reaches(device, all_believed_occluded):
-    """A wall between the light, to the left, and what is right of it."""
+def test_a_light_is_rediscovered_in_the_tiles_that_it_reaches(device, all_believed_occluded):
+    """A wall stands between the light, on the left, and the right half of the floor."""
     wall = quad((0.0, -3, 0), (0, 6, 0), (0, 0, 9))
     lights = light(position=(-0.5, 0, 2), axis_u=(0.2, 0, 0), axis_v=(0, -0.2, 0))
     view = view_from_above(2.0, (64, 32))
     drawn = draw(device, make_scene([FLOOR, wall], lights), view, with_quality(SMALL_SETTINGS, samples=5))
-    (found,) = drawn.renderer.graph[REDISCOVERED].values()
-    assert found[:, :4].all() and not found[:, 4:].any()
-    assert drawn.profile.counts["retests"] == 4 * found.size * 16, "in four samples, 16 rays a tile"
+    (tiles,) = drawn.renderer.graph[REDISCOVERED].values()
+    assert tiles[:, :4].all() and not tiles[:, 4:].any()
+    assert drawn.profile.counts["retests"] == 4 * tiles.size * 16, "in four samples, 16 rays a tile"

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a light sends where nothing hides it."""
+"""Tests of ism_addon/gpu/lights: irradiance and radiometry of lights, without occluders in most of them."""

@@ -1,4 +1,4 @@
-// A point that sends the same intensity everywhere.
+// A point light that sends the same intensity in all directions.
 float bulb_irradiance(Light light, vec3 p, vec3 n) {
     vec3 to = light.position - p;
     return max(dot(n, to), 0.0) * pow(dot(to, to), -1.5);

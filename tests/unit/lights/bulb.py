@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A type of light of the tests' own, by the interface of ism_addon/gpu/lights: a point of an intensity in W/sr."""
+"""A light type for tests only, by the interface of ism_addon/gpu/lights: a point light with an intensity in W/sr."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +12,13 @@ from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.gl.shader_records import LIGHT
 from ism_addon.scene import Lights
 
-#: Of Lights.shape.
+#: Its value in Lights.shape.
 BULB = 2
 
 
 @dataclass
 class BulbBounds:
-    """By the nearest point of a box."""
+    """See LightBounds. The bound is the irradiance at the point of a box nearest to the bulb."""
 
     position: np.ndarray  # (K,3) m
     intensity: np.ndarray  # (K,) luminance
@@ -27,19 +27,19 @@ class BulbBounds:
         nearest = np.clip(self.position[:, :, None], surfaces.low, surfaces.high) - self.position[:, :, None]
         centre = (surfaces.low + surfaces.high) / 2.0 - self.position[:, :, None]
         with np.errstate(divide="ignore"):
-            found = [self.intensity[:, None] * surfaces.exists / (to * to).sum(1) for to in (nearest, centre)]
-        return tuple(np.minimum(each, 1e30).astype(np.float32) for each in found)
+            bounds = [self.intensity[:, None] * surfaces.exists / (to * to).sum(1) for to in (nearest, centre)]
+        return tuple(np.minimum(each, 1e30).astype(np.float32) for each in bounds)
 
     @property
     def peak(self) -> np.ndarray:
         return np.pi * self.intensity[:, None]
 
-    def __getitem__(self, some: slice) -> Self:
-        return type(self)(self.position[some], self.intensity[some])
+    def __getitem__(self, rows: slice) -> Self:
+        return type(self)(self.position[rows], self.intensity[rows])
 
 
 class Bulb:
-    """See LightType. Its radiance is an intensity."""
+    """See LightType. Lights.radiance holds its intensity."""
 
     name = "bulb"
     shapes = (BULB,)
@@ -70,7 +70,7 @@ class Bulb:
         return np.zeros((len(squares), 3))
 
     def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
-        """Its shadow map looks down."""
+        """Its shadow map faces down."""
         return tuple(np.tile(axis, (len(lights.shape), 1)) for axis in np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]))
 
     def solid_angles(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader's unshadowed irradiance against float64, from touching the light to a million light sizes away."""
+"""The shader's unshadowed irradiance against float64, from close to the light to a million light sizes away."""
 
 from dataclasses import replace
 
@@ -45,17 +45,17 @@ def shader(opened_device):
 
     def run(lights: Lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
         count = len(points)
-        places = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
+        padded = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
         with opened_device.gl as gl:
-            points, normals = map(opened_device.buffer_from, places)
+            points, normals = map(opened_device.buffer_from, padded)
             table = LIGHT.upload(opened_device, light_table(lights, np.zeros(3)))
             gl.enable_only(moderngl.NOTHING)
             frame.use()
             bind(program, points=points, normals=normals, lights=table)
             triangle.render(moderngl.TRIANGLES, vertices=3)
-            found = np.frombuffer(target.read(), "f4").reshape(-1, 4)[:count, 0].astype(float)
-        assert np.isfinite(found).all() and (found >= 0.0).all()
-        return found
+            irradiances = np.frombuffer(target.read(), "f4").reshape(-1, 4)[:count, 0].astype(float)
+        assert np.isfinite(irradiances).all() and (irradiances >= 0.0).all()
+        return irradiances
 
     return run
 
@@ -65,15 +65,15 @@ def unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def single(array: np.ndarray) -> np.ndarray:
-    """What is left of it in single precision."""
+    """The values rounded to single precision."""
     return np.asarray(array, np.float32).astype(np.float64)
 
 
 def some_light(random: np.random.Generator, shape: LightShape, aspect: float, offset: float, spread: float) -> Lights:
-    """Sheared, mirrored or not, of any size and direction, `offset` m away from the origin."""
-    turned, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    """A light of random size and direction, sheared, mirrored or not, `offset` m away from the origin."""
+    rotation, _ = np.linalg.qr(random.normal(size=(3, 3)))
     size = 10.0 ** random.uniform(-2.0, 1.0)
-    u, v = size * turned[0], size * aspect * (random.choice([-1.0, 1.0]) * turned[1])
+    u, v = size * rotation[0], size * aspect * (random.choice([-1.0, 1.0]) * rotation[1])
     lights = light(
         shape, single(offset * unit(random.normal(size=3))), single(u), single(v + 0.3 * aspect * u), spread=spread
     )
@@ -81,25 +81,25 @@ def some_light(random: np.random.Generator, shape: LightShape, aspect: float, of
 
 
 def some_points(random: np.random.Generator, lights: Lights, distance: float) -> np.ndarray:
-    """(N,3) receivers on the side that shines: close ones over the light or its rim, the others anywhere."""
+    """(N,3) receivers on the emitting side: close ones in front of the light or its rim, the others anywhere."""
     u, v, normal = lights.axis_u[0], lights.axis_v[0], lights.normal[0]
     if distance < 0.3:
         angle = random.uniform(0.0, 2.0 * np.pi, RECEIVERS)
         at = np.stack([np.cos(angle), np.sin(angle)], 1) * random.choice(
             [0.2, 0.5, 0.5 - distance, 0.7], (RECEIVERS, 1)
         )
-        ways = at @ np.stack([u, v]) + distance * np.linalg.norm(v) * normal
+        offsets = at @ np.stack([u, v]) + distance * np.linalg.norm(v) * normal
     else:
-        ways = unit(random.normal(size=(RECEIVERS, 3)))
-        ways *= np.sign(ways @ normal)[:, None] * distance * np.linalg.norm(u)
-    return single(lights.position[0] + ways)
+        offsets = unit(random.normal(size=(RECEIVERS, 3)))
+        offsets *= np.sign(offsets @ normal)[:, None] * distance * np.linalg.norm(u)
+    return single(lights.position[0] + offsets)
 
 
 def conditioned(lights: Lights, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) truths, and by how much they differ a few roundings of the receiver's place from there."""
+    """(N,) true irradiance, and by how much it changes when a receiver moves by a few float32 roundings."""
     truth = np.array([irradiance(p, n, lights) for p, n in zip(points, normals, strict=True)])
-    way = lights.position[0] - points
-    step = 2e-7 * (np.linalg.norm(way, axis=1) + np.linalg.norm(lights.axis_u[0]))
+    to_light = lights.position[0] - points
+    step = 2e-7 * (np.linalg.norm(to_light, axis=1) + np.linalg.norm(lights.axis_u[0]))
     moved = [
         [irradiance(p + s * d, n, lights) for p, n, s in zip(points, normals, step, strict=True)]
         for d in np.concatenate([np.eye(3), -np.eye(3)])
@@ -108,7 +108,7 @@ def conditioned(lights: Lights, points: np.ndarray, normals: np.ndarray) -> tupl
 
 
 def rounding(lights: Lights, points: np.ndarray) -> np.ndarray:
-    """(N,) some roundings of what a single edge can send."""
+    """(N,) error of a few float32 roundings of the term of one edge."""
     return 1e-6 * np.minimum(
         1.0, np.linalg.norm(lights.axis_u[0]) / np.linalg.norm(lights.position[0] - points, axis=1)
     )
@@ -160,9 +160,9 @@ def test_a_small_light_cut_by_the_horizon(shader, shape, distance):
     """Within 3e-4 of what a receiver that faces it gets."""
     lights = light(shape, (0.0, 0.0, 0.0))
     points = np.tile(single(distance * unit(np.array([0.3, 0.5, -0.8]))), (RECEIVERS, 1))
-    towards, turn = unit(-points), np.linspace(0.0, np.pi, RECEIVERS)[:, None]
+    towards, angle = unit(-points), np.linspace(0.0, np.pi, RECEIVERS)[:, None]
     along = unit(np.cross(towards, [0.0, 0.0, 1.0]))
-    across = np.cos(turn) * along + np.sin(turn) * np.cross(towards, along)
+    across = np.cos(angle) * along + np.sin(angle) * np.cross(towards, along)
     normals = single(unit(across + np.linspace(-0.3, 0.3, RECEIVERS)[:, None] / distance * towards))
     truth = [irradiance(p, n, lights) for p, n in zip(points, normals, strict=True)]
     facing = irradiance(points[0], towards[0], lights)
@@ -171,8 +171,8 @@ def test_a_small_light_cut_by_the_horizon(shader, shape, distance):
 
 @BOTH_SHAPES
 @pytest.mark.parametrize("distance", [0.01, 0.1, 1.0])
-def test_a_sliver_is_right(shader, shape, distance):
-    """1 : 1000, seen from before its middle, its ends and its side."""
+def test_a_thin_light_is_correct(shader, shape, distance):
+    """Aspect 1 : 1000, from receivers in front of its middle, its end and its side."""
     lights = light(shape, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, -1e-3, 0.0))
     points = single(np.array([(x, y, -distance) for x in (0.0, 0.45, 1.0) for y in (0.0, distance)]))
     normals = single(unit(-points))
@@ -208,25 +208,25 @@ def test_a_spread_is_integrated(shader, shape, seed, degrees, exponent, aspect):
 @pytest.mark.parametrize("degrees", [10.0, 40.0, 90.0])
 @pytest.mark.parametrize("size", [0.04, 0.06, 0.1, 0.2, 0.3])
 def test_lights_that_are_almost_small_have_their_spread_integrated(shader, shape, degrees, size):
-    """Of `size` times the cone's radius at the receivers' height: below its middle, edge and corner, and at its rim.
+    """Lights of `size` times the cone's radius at the receivers: below middle, edge and corner, and at the cone's rim.
 
-    To take a light for a few points is right for small ones only: by 0.3 % of the brightest receiver.
+    The approximation by a few points is for small lights only. The error is below 0.3 % of the brightest receiver.
     """
-    height, reach = 2.0, np.tan(np.radians(degrees) / 2.0)
-    across = size * min(reach, 1.0) * height
+    height, tangent = 2.0, np.tan(np.radians(degrees) / 2.0)
+    across = size * min(tangent, 1.0) * height
     lights = light(shape, (0.0, 0.0, 0.0), (across, 0.0, 0.0), (0.0, -across, 0.0), spread=np.radians(degrees))
     around = np.array([(0.0, 0.0), (0.5, 0.0), (0.0, -0.5), (0.5, 0.5), (1.0, 0.5)]) * across
-    rim = np.array([(0.9, 0.0), (1.0, 0.0), (0.6, 0.8)]) * reach * height
+    rim = np.array([(0.9, 0.0), (1.0, 0.0), (0.6, 0.8)]) * tangent * height
     points = np.pad(np.concatenate([around, rim]), ((0, 0), (0, 1)), constant_values=-height)
     normals = np.tile((0.0, 0.0, 1.0), (len(points), 1))
     truth = np.array([spread_integral(p, n, lights) for p, n in zip(points, normals, strict=True)])
-    off = np.abs(shader(lights, points, normals) - truth) / truth.max()
-    assert off.max() < 3e-3
+    error = np.abs(shader(lights, points, normals) - truth) / truth.max()
+    assert error.max() < 3e-3
 
 
 @BOTH_SHAPES
 @pytest.mark.parametrize("spread", [np.pi, np.radians(60.0), 0.0])
-def test_it_is_dark_behind_on_the_plane_facing_away_and_outside_the_cone(shader, shape, spread):
+def test_irradiance_is_zero_behind_in_the_plane_facing_away_and_outside_the_cone(shader, shape, spread):
     lights = light(shape, (0.0, 0.0, 0.0), spread=spread)
     points = np.array([(0.1, 0.0, 1.0), (0.1, 0.1, 0.0), (0.1, 0.0, -1.0), (9.0, 0.0, -1.0)])
     normals = np.array([(0.0, 0.0, -1.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light's functions in GLSL agree: samples, their density, what rays meet, and the irradiance; for every type."""
+"""The GLSL functions of every light type agree: samples, their pdf, emitted radiance, and irradiance."""
 
 import moderngl
 import numpy as np
@@ -20,8 +20,8 @@ SIDE = 256
 MAIN = """
 uniform usamplerBuffer lights;
 uniform vec3 point, normal;
-layout(location = 0) out vec4 of_sample;    // radiance, cosine, pdf; irradiance of all of the light
-layout(location = 1) out vec4 of_direction; // of that sample: pdf, emitted; of a direction of the hemisphere: the same
+layout(location = 0) out vec4 of_sample;    // radiance, cosine, pdf; irradiance of the whole light
+layout(location = 1) out vec4 of_direction; // pdf, emitted of that sample's direction; of a direction of the hemisphere
 layout(location = 2) out vec2 hemisphere;   // pdf of this direction, cosine
 
 void main() {
@@ -38,7 +38,7 @@ void main() {
 }
 """
 
-#: Lights over the origin, by the name of their type: large ones, so that a grid of directions tells their outlines.
+#: Lights above the origin, by the name of their type: large, so that a grid of directions resolves their outlines.
 EXAMPLES: dict[str, list[Lights]] = {
     "area": [
         light(shape, (0.3, -0.2, 1.0), (2.5, 0.4, 0.2), (0.3, -1.7, 0.1), spread=spread)
@@ -47,9 +47,9 @@ EXAMPLES: dict[str, list[Lights]] = {
     ],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
-#: Of the receiver at the origin: all of a light is above the horizon of the first.
+#: Normals of the receiver at the origin. All lights are above the horizon of the first.
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.8, 0.0, 0.6], [0.6, 0.7, -0.3872983]])
-CASES = [(name, number, k) for name, own in EXAMPLES.items() for number in range(len(own)) for k in range(len(NORMALS))]
+CASES = [(name, index, k) for name, own in EXAMPLES.items() for index in range(len(own)) for k in range(len(NORMALS))]
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +79,12 @@ def evaluate():
         device.close()
 
 
-@pytest.fixture(params=CASES, ids=[f"{name} {number}, normal {k}" for name, number, k in CASES])
+@pytest.fixture(params=CASES, ids=[f"{name} {index}, normal {k}" for name, index, k in CASES])
 def evaluated(request, evaluate):
-    """One case, with names; and whether all light comes from one direction."""
-    name, number, k = request.param
-    found = evaluate(EXAMPLES[name][number], NORMALS[k]).T
-    radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = found
+    """The values of one case by name, and whether all light comes from one direction."""
+    name, index, k = request.param
+    columns = evaluate(EXAMPLES[name][index], NORMALS[k]).T
+    radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = columns
     return {
         "arrives": (radiance > 0.0) & (cosine > 0.0),
         "radiance": radiance,
@@ -97,28 +97,28 @@ def evaluated(request, evaluate):
     }
 
 
-def test_all_types_are_tried():
+def test_every_light_type_has_an_example():
     assert {each.name for each in lights.LIGHT_TYPES} < set(EXAMPLES)
 
 
 def test_samples_are_unbiased(evaluated):
-    """An ellipse's spread is integrated at a few points."""
+    """Within 0.5 %, because an ellipse's spread is integrated at a few points only."""
     estimates = np.where(evaluated["arrives"], evaluated["radiance"] * evaluated["cosine"] / evaluated["pdf"], 0.0)
     assert (evaluated["irradiance"] > 0.0) == evaluated["arrives"].any()
     assert estimates.mean() == pytest.approx(evaluated["irradiance"], rel=5e-3)
 
 
-def test_the_density_of_a_sample_is_that_of_its_direction(evaluated):
+def test_the_pdf_of_a_sample_is_that_of_its_direction(evaluated):
     arrives, (pdf, emitted) = evaluated["arrives"], evaluated["own"]
     if evaluated["one direction"]:
-        assert not pdf.any() and not emitted.any(), "no ray finds it by chance"
+        assert not pdf.any() and not emitted.any(), "a random ray has probability 0 of hitting it"
         return
     assert np.allclose(pdf[arrives], evaluated["pdf"][arrives], rtol=2e-3, atol=0.0)
     assert np.abs(emitted - evaluated["radiance"])[arrives].max() <= 2e-3 * emitted.max()
 
 
-def test_densities_sum_to_one_and_what_rays_meet_to_the_irradiance(evaluated):
-    pdf, light_met = evaluated["hemisphere"]
+def test_the_pdf_integrates_to_one_and_emitted_radiance_to_the_irradiance(evaluated):
+    pdf, emitted = evaluated["hemisphere"]
     if not evaluated["one direction"]:
-        assert pdf.mean() == pytest.approx(1.0, rel=0.03), "it has no bound where chords end"
-        assert light_met.mean() == pytest.approx(evaluated["irradiance"], rel=0.01)
+        assert pdf.mean() == pytest.approx(1.0, rel=0.03), "the pdf is unbounded where chords end"
+        assert emitted.mean() == pytest.approx(evaluated["irradiance"], rel=0.01)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadows of lights with a spread, of which a receiver sees a part only: by both methods, against dense sums."""
+"""Shadows of lights with a spread, which light a receiver with part of their area: both methods against dense sums."""
 
 import math
 from dataclasses import replace
@@ -20,15 +20,15 @@ from tests.support.small_scenes import (
     with_quality,
 )
 
-#: By method: settings, and how far off pictures may be, as RMSE over the mean and as a ratio of the means.
+#: By method: settings, and the largest error, as RMSE over the mean and as a ratio of the means.
 METHODS = {
     "rays": (with_quality(SMALL_SETTINGS, samples=256), 0.06, 0.01),
     "maps": (with_quality(SMALL_SHADOW_MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
 }
 
 
-def half_open(degrees: float):
-    """Scene and view of a floor, half of it below a plate that the camera does not see.
+def half_covered(degrees: float):
+    """Scene and view of a floor, half of it below a plate that is invisible to the camera.
 
     The light is 2 m wide and 1 m above the floor.
     """
@@ -44,8 +44,8 @@ def half_open(degrees: float):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("degrees", [40.0, 90.0])
-def test_half_of_what_a_receiver_sees_is_hidden(device, method, degrees):
-    scene, view = half_open(degrees)
+def test_half_of_the_light_is_occluded(device, method, degrees):
+    scene, view = half_covered(degrees)
     truth, (settings, error, ratio) = reference.picture(scene, view, 24)[0], METHODS[method]
     color = draw(device, scene, view, settings).color[..., :3].reshape(-1, 3)
     assert reference.nrmse(color, truth) < error
@@ -54,14 +54,14 @@ def test_half_of_what_a_receiver_sees_is_hidden(device, method, degrees):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("degrees", [0.5, 10.0])
-def test_the_shadow_below_a_narrow_spread_is_there(device, method, degrees):
-    """By maps too, none of whose points most receivers see: they are shadowed like their neighbours."""
-    scene, view = half_open(degrees)
+def test_a_narrow_spread_casts_a_shadow(device, method, degrees):
+    """With maps, most receivers are lit by none of the virtual lights: they take their neighbours' visibility."""
+    scene, view = half_covered(degrees)
     settings = with_quality(METHODS[method][0], samples=4)
     pictures = [draw(device, scene, view, each).color[..., 0] for each in (settings, without_shadows(settings))]
-    part = (pictures[0] / pictures[1]).mean(0)
-    assert part[:8].max() < 0.1
-    assert part[16:].min() > 0.9
+    visibility = (pictures[0] / pictures[1]).mean(0)
+    assert visibility[:8].max() < 0.1
+    assert visibility[16:].min() > 0.9
 
 
 def without_shadows(settings: Settings) -> Settings:

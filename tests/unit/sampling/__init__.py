@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random numbers, points and pixel grids."""
+"""Tests of ism_addon/sampling: random numbers, points and pixel grids."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers are evenly spread, and no decision follows another."""
+"""Sampling dimensions: numbers are evenly distributed, and no two decisions are correlated."""
 
 import ast
 import re
@@ -15,32 +15,35 @@ from tests.tools import project
 ADDON = project.ROOT / "ism_addon"
 OTHERS = [path for path in sorted(ADDON.rglob("*.py")) if path.parent.name != "sampling"]
 SHADERS = [path for path in sorted(ADDON.rglob("*")) if path.suffix in {".frag", ".vert", ".glsl"}]
-#: What the rest of the package may know of random numbers: they all come from a dimension.
+#: All that the rest of the package may import for random numbers: they all come from a dimension.
 PUBLIC = {"Dimension", "draw", "fixed_increments", "fixed_point", "white_noise"}
 
 #: (dimension, index, component) of each increment.
 INCREMENTS = {
-    (each, index, k): step for each in Dimension for index, steps in each.value.items() for k, step in enumerate(steps)
+    (each, index, k): increment
+    for each in Dimension
+    for index, increments in each.value.items()
+    for k, increment in enumerate(increments)
 }
-#: Small multiples of two increments are this far from each other, at least: over a thousand numbers they part.
-APART = 2e-4
+#: Small multiples of two increments differ by at least this much, so that two sequences diverge in a thousand numbers.
+MIN_DIFFERENCE = 2e-4
 
 
-def from_whole(values: np.ndarray) -> np.ndarray:
-    """How far numbers are from whole ones."""
+def distance_to_integer(values: np.ndarray) -> np.ndarray:
+    """Distance of each number to the nearest integer."""
     return np.abs((values + 0.5) % 1.0 - 0.5)
 
 
 def test_no_increment_is_a_simple_combination_of_another():
-    """Two decisions whose indices are the same, or a few times the other's, would follow each other."""
+    """Otherwise two decisions would be correlated where one index is equal to the other or a small multiple of it."""
     multiples = np.array([(a, b) for a in (1, 2, 3) for b in (-3, -2, -1, 1, 2, 3)])
     for (one, x), (other, y) in combinations(INCREMENTS.items(), 2):
-        assert from_whole(multiples @ (x, y)).min() > APART, (one, other)
+        assert distance_to_integer(multiples @ (x, y)).min() > MIN_DIFFERENCE, (one, other)
 
 
 @pytest.mark.parametrize("first", [0, 3000])
-def test_no_two_decisions_follow_each_other(first):
-    """Of each two of one index, all pairs of numbers come up, evenly: neither tells anything of the other."""
+def test_no_two_decisions_are_correlated(first):
+    """For any two decisions of one index, pairs of their numbers fill the unit square evenly."""
     members = np.arange(first + 1, first + 1025)
     for (one, x), (other, y) in combinations(INCREMENTS.items(), 2):
         if one[1] == other[1]:
@@ -48,21 +51,21 @@ def test_no_two_decisions_follow_each_other(first):
             assert counts.min() >= 4 and counts.max() <= 32, (one, other)  # 16 on average
 
 
-def test_no_sequence_comes_back_to_where_it_was():
-    """In thousands of members: evenly spread, the N-th would be no nearer to the start than about 1 / N."""
+def test_no_sequence_returns_close_to_its_start():
+    """Within thousands of members: if evenly distributed, the N-th is no closer to the start than about 1 / N."""
     members = np.arange(1, 4097)
-    for decision, step in INCREMENTS.items():
-        assert (members * from_whole(members * step)).min() > 1e-3, decision
+    for decision, increment in INCREMENTS.items():
+        assert (members * distance_to_integer(members * increment)).min() > 1e-3, decision
 
 
-def test_increments_of_a_decision_are_as_many_for_each_index():
-    assert len(Dimension) == len(Dimension.__members__), "of equal increments Python makes one member"
+def test_a_decision_has_equally_many_increments_for_each_index():
+    assert len(Dimension) == len(Dimension.__members__), "members with equal increments are aliases of one"
     for each in Dimension:
-        assert len({len(steps) for steps in each.value.values()}) == 1, each
+        assert len({len(increments) for increments in each.value.values()}) == 1, each
 
 
 def test_every_decision_is_made_in_one_module():
-    """Two modules that took the same dimension would follow each other."""
+    """Numbers of two modules that used the same dimension would be correlated."""
     texts = [path.read_text("utf-8") for path in ADDON.rglob("*.py")]
     for each in Dimension:
         assert sum(bool(re.search(rf"Dimension\.{each.name}\b", text)) for text in texts) == 1, each
@@ -70,7 +73,7 @@ def test_every_decision_is_made_in_one_module():
 
 @pytest.mark.parametrize("path", OTHERS, ids=lambda path: path.relative_to(ADDON).as_posix())
 def test_every_random_number_has_a_dimension(path):
-    """Nothing outside `sampling` makes a sequence, or asks another source."""
+    """Nothing outside `sampling` makes a sequence or uses another source of random numbers."""
     text = path.read_text("utf-8")
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom):
@@ -87,29 +90,29 @@ def test_every_random_number_has_a_dimension(path):
 
 @pytest.mark.parametrize("path", SHADERS, ids=lambda path: path.name)
 def test_no_shader_has_increments_of_its_own(path):
-    """They come as uniforms."""
+    """Shaders get them as uniforms."""
     assert not re.search(r"fract\([^;]*\d*\.\d{3,}", path.read_text("utf-8"))
 
 
 def test_numbers_of_several_indices_are_those_of_their_sum():
-    """What Python draws for some indices, and what a shader adds for the others in fixed point."""
+    """Python draws the number for some indices; a shader adds the increments of the others in fixed point."""
     light, probing = np.arange(5)[:, None], np.arange(3)
-    found = draw(Dimension.CULLING_POINT, light=light, probing=probing)
-    assert found.shape == (5, 3, 2)
-    assert (found >= 0.0).all() and (found < 1.0).all()
-    begin = fixed_point(draw(Dimension.CULLING_POINT, light=3, probing=0))
-    added = np.array(begin) + 2 * np.array(fixed_increments(Dimension.CULLING_POINT, "probing"))
-    assert added % 2**32 / 2**32 == pytest.approx(found[3, 2], abs=1e-8)
+    numbers = draw(Dimension.CULLING_POINT, light=light, probing=probing)
+    assert numbers.shape == (5, 3, 2)
+    assert (numbers >= 0.0).all() and (numbers < 1.0).all()
+    start = fixed_point(draw(Dimension.CULLING_POINT, light=3, probing=0))
+    added = np.array(start) + 2 * np.array(fixed_increments(Dimension.CULLING_POINT, "probing"))
+    assert added % 2**32 / 2**32 == pytest.approx(numbers[3, 2], abs=1e-8)
 
 
-def test_an_index_that_a_decision_has_not_is_an_error():
+def test_an_index_that_a_decision_lacks_is_an_error():
     with pytest.raises(KeyError):
         draw(Dimension.PIXEL, light=0)
     with pytest.raises(KeyError):
         fixed_increments(Dimension.PIXEL, "light")
 
 
-def test_white_noise_is_a_decisions_own():
+def test_white_noise_of_two_decisions_is_uncorrelated():
     one, other = (white_noise(each, (64, 64, 2)) for each in (Dimension.OCCLUSION, Dimension.PIXEL))
     assert np.array_equal(one, white_noise(Dimension.OCCLUSION, (64, 64, 2)))
     assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.05
@@ -117,14 +120,14 @@ def test_white_noise_is_a_decisions_own():
 
 
 @pytest.mark.parametrize("first", [0, 17, 100_000])
-def test_every_run_of_a_sequence_is_evenly_spread(first):
+def test_every_part_of_a_sequence_is_evenly_distributed(first):
     values = draw(Dimension.PIXEL, sample=np.arange(first, first + 64))
     for column in np.sort(values, axis=0).T:
-        assert np.diff(column, append=column[0] + 1.0).max() < 4.0 / 64  # random ones leave gaps of 5
+        assert np.diff(column, append=column[0] + 1.0).max() < 4.0 / 64  # gaps of random numbers are up to 5
 
 
 @pytest.mark.parametrize("coefficients", [(1, -1), (1, 0, -1), (-1, 2, 0, 1)])
-def test_powers_of_a_root_are_of_the_polynomials(coefficients):
+def test_powers_of_a_root_satisfy_the_polynomial(coefficients):
     first, *_ = powers = powers_of_root(*coefficients)
     assert len(powers) == len(coefficients) - 1
     assert 0.0 < first < 1.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subpixel offsets are distributed as they should be."""
+"""Pixel grids: the distribution of subpixel offsets, and the mapping of samples to texels."""
 
 import numpy as np
 import pytest
@@ -8,8 +8,8 @@ from ism_addon.sampling.pixel_grid import PIXEL_GRIDS, narrow_pixel_grid, pixel_
 
 
 def offsets_of(samples: int, count: int) -> np.ndarray:
-    """(samples,2) px off the pixel's centre."""
-    return np.concatenate([pixel_grid(number, count).subpixel_offsets for number in range(samples // count)])
+    """(samples,2) px from the pixel's centre."""
+    return np.concatenate([pixel_grid(index, count).subpixel_offsets for index in range(samples // count)])
 
 
 @pytest.mark.parametrize("count", PIXEL_GRIDS)
@@ -30,7 +30,7 @@ def test_the_first_sample_is_at_the_centre(count):
 @pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_the_samples_of_a_grid_are_its_texels(count):
     """Each texel belongs to one sample of one pixel."""
-    grids = [pixel_grid(number, count) for number in (0, 1, 5, 77)]
+    grids = [pixel_grid(index, count) for index in (0, 1, 5, 77)]
     for one in grids:
         assert np.linalg.det(one.fine_from_pixel) == pytest.approx(count)
         assert one.texels == pytest.approx((one.subpixel_offsets - one.offset) @ one.fine_from_pixel.T, abs=1e-9)
@@ -43,9 +43,9 @@ def test_the_samples_of_a_grid_are_its_texels(count):
 
 
 @pytest.mark.parametrize("count", PIXEL_GRIDS)
-def test_grids_of_as_many_samples_have_one_maximum_size(count):
-    """And nearly reach it, so that an image allocates memory for its texels once."""
-    grids = [pixel_grid(number, count) for number in range(500)]
+def test_grids_of_equally_many_samples_have_one_maximum_size(count):
+    """They nearly reach it. So an image allocates memory for its texels once."""
+    grids = [pixel_grid(index, count) for index in range(500)]
     sizes = np.array([one.bounds(9, 7)[1] for one in grids])
     limits = np.array([one.max_size(9, 7) for one in grids])
     assert (limits == limits[0]).all()
@@ -55,7 +55,7 @@ def test_grids_of_as_many_samples_have_one_maximum_size(count):
 
 @pytest.mark.parametrize("count", PIXEL_GRIDS)
 def test_clip_coordinates_of_the_grid(count):
-    """They take a sample's position to the centre of its texel."""
+    """They map a sample's position to the centre of its texel."""
     one, size = pixel_grid(3, count), np.array([9, 7])
     matrix, shift = one.fine_from_clip(*size)
     first, grid_size = one.bounds(*size)
@@ -72,7 +72,7 @@ def test_all_x_and_all_y_of_a_grid_differ():
 
 
 def test_the_first_few_offsets_are_stratified():
-    """Of four one in each quarter along either side, of eight one in each eighth."""
+    """In x and in y the first four lie in different quarters, and the first eight in different eighths."""
     for few in (4, 8):
         for column in pixel_grid(0, 16).subpixel_offsets[:few].T:
             assert len(set(np.floor((column + 0.5) * few + 1e-9))) == few
@@ -80,7 +80,7 @@ def test_the_first_few_offsets_are_stratified():
 
 @pytest.mark.parametrize("width", [0.01, 0.5])
 def test_a_narrow_filter_is_importance_sampled(width):
-    offsets = np.concatenate([narrow_pixel_grid(number, width).subpixel_offsets for number in range(4096)])
+    offsets = np.concatenate([narrow_pixel_grid(index, width).subpixel_offsets for index in range(4096)])
     assert np.abs(offsets[0]).max() < 1e-12
     assert np.abs(offsets).max() <= width
     t = np.linspace(-1.0, 1.0, 4001)

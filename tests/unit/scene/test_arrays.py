@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A field of the scene says once what its arrays are: all who make, write, check or read them go by that."""
+"""A field of the scene declares its array once: reading, checking, saving and loading all follow from that."""
 
 from dataclasses import dataclass, fields
 
@@ -13,21 +13,21 @@ from tests.unit.test_snapshot import SETTINGS, VIEW, a_scene, assert_same, rewri
 
 
 @pytest.mark.parametrize("record", [Mesh, Instances, Materials, Image, Lights, World, View])
-def test_every_array_says_what_it_is(record):
+def test_every_array_has_a_declaration(record):
     arrays = {member.name for member in fields(record) if member.type is np.ndarray}
     assert set(array_facts(record)) == arrays
 
 
 @dataclass(frozen=True, eq=False)
 class Beams(Lights):
-    """Lights with two fields more."""
+    """Lights with two more fields."""
 
     width: np.ndarray = array("float32 L 2", "m", most=5.0)
     image: np.ndarray = index("int32 L", into="images", first=-1)
 
 
 @dataclass(frozen=True, eq=False)
-class Stage(Scene):
+class BeamScene(Scene):
     """A scene with such lights."""
 
     lights: Beams
@@ -45,22 +45,22 @@ class Stage(Scene):
     ],
 )
 def test_a_new_field_is_one_line(tmp_path, monkeypatch, arrays, sentence):
-    """Of lists such as readers make, its array is made, written, checked and read by what stands at the field."""
-    monkeypatch.setattr(snapshot, "Scene", Stage)
+    """Its array is made from a list, saved, checked and loaded by the field's declaration alone."""
+    monkeypatch.setattr(snapshot, "Scene", BeamScene)
     scene, path = a_scene(), tmp_path / "stage.npz"
     columns = {member.name: getattr(scene.lights, member.name).tolist() for member in fields(Lights)}
     beams = Beams.of(**columns, width=[(1, 2), (3, 4)], image=[-1, 0])
-    parts = {member.name: getattr(scene, member.name) for member in fields(Scene)} | {"lights": beams}
-    snapshot.save(path, Stage(**parts), VIEW, SETTINGS)
+    members = {member.name: getattr(scene, member.name) for member in fields(Scene)} | {"lights": beams}
+    snapshot.save(path, BeamScene(**members), VIEW, SETTINGS)
     rewritten(path, arrays={f"scene/lights/{name}": array for name, array in arrays.items()})
     if sentence is None:
-        assert_same(snapshot.load(path), (Stage(**parts), VIEW, SETTINGS))
+        assert_same(snapshot.load(path), (BeamScene(**members), VIEW, SETTINGS))
     else:
         with pytest.raises(snapshot.SnapshotError, match=sentence):
             snapshot.load(path)
 
 
-def test_rows_become_a_record():
+def test_rows_are_converted_to_a_record():
     scene = a_scene()
     rows = [
         {member.name: getattr(scene.lights, member.name)[k].tolist() for member in fields(Lights)} for k in range(2)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imperfect shadow maps."""
+"""Tests of the passes of imperfect shadow maps."""

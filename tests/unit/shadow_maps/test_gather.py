@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light at receivers anywhere against closed forms and dense sums over the light; visibility against one occluder."""
+"""Gathered light at any receiver against closed forms and dense sums over the light, and self-shadowing."""
 
 from dataclasses import replace
 
@@ -37,13 +37,13 @@ DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
 
 
 def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(N,3) irradiance of receivers (N,3) that nothing hides: radiance by a base color of pi."""
+    """(N,3) irradiance of unoccluded receivers (N,3): radiance with a base color of pi."""
     points, normals = np.atleast_2d(points), np.atleast_2d(normals)
     size = (len(points), 1)
     renderer, frame = first_frame(device, make_scene([], lights), with_shadow(enabled=False), size)
     frame[CONTRIBUTING_LIGHTS] = tuple(range(len(lights.shape)))
-    for kind in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
-        renderer.graph.step(kind, frame, Profile())
+    for pass_type in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
+        renderer.graph.step(pass_type, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
     packed = np.tile(octahedron_from_directions(normals), 2)
     color = np.tile([np.pi, np.pi, np.pi, 0.0], (len(points), 1))
@@ -51,8 +51,8 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
         frame.graph.targets.allocate(target, size)
         write_texels(frame[target], rows[None].astype(np.float32))
     (frame[ATLAS_BATCH],) = batches(0, 8, device.texture_size)
-    for kind in (SplatMaps, FillHoles, GatherLight):
-        renderer.graph.step(kind, frame, Profile())
+    for pass_type in (SplatMaps, FillHoles, GatherLight):
+        renderer.graph.step(pass_type, frame, Profile())
     return frame.graph.targets.read(DIRECT_PREDICTION)[0, :, :3].astype(float)
 
 
@@ -65,23 +65,23 @@ def tilted_light(shape, **more):
     return light(shape, (0.3, -0.2, 0.5), (0.9, 0.2, 0.1), (-0.1, 0.3, 0.3), **more)
 
 
-def agree(device, lights, points, normals, floor: float = 1e-9) -> None:
-    """Both within a thousandth, where the truth is above `floor`."""
+def assert_agrees(device, lights, points, normals, floor: float = 1e-9) -> None:
+    """Compare with the closed form: the error is at most a thousandth of the truth, or of `floor` if that is more."""
     ours = gathered(device, lights, points, normals)[:, 0]
     truth = np.array([reference_irradiance.irradiance(p, n, lights) for p, n in zip(points, normals, strict=True)])
-    off = np.abs(ours - truth) / np.maximum(truth, floor)
-    assert off.max() <= 1e-3, (off.argmax(), ours[off.argmax()], truth[off.argmax()])
+    error = np.abs(ours - truth) / np.maximum(truth, floor)
+    assert error.max() <= 1e-3, (error.argmax(), ours[error.argmax()], truth[error.argmax()])
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_all_distances(device, shape):
-    """Before the light's middle and at its side, facing it: 1/1000 to 1000 light sizes away."""
+    """Receivers in front of the light and to its sides, facing it, 1/1000 to 1000 light sizes away."""
     lights = tilted_light(shape)
     normal = lights.normal[0]
     size = np.linalg.norm(lights.axis_u[0])
-    ways = unit([normal, normal + 0.5 * unit(lights.axis_u[0]), normal - 0.7 * unit(lights.axis_v[0])])
-    points = np.array([lights.position[0] + distance * size * way for distance in DISTANCES for way in ways])
-    agree(device, lights, points, unit(lights.position[0] - points))
+    directions = unit([normal, normal + 0.5 * unit(lights.axis_u[0]), normal - 0.7 * unit(lights.axis_v[0])])
+    points = np.array([lights.position[0] + distance * size * each for distance in DISTANCES for each in directions])
+    assert_agrees(device, lights, points, unit(lights.position[0] - points))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -93,7 +93,7 @@ def test_receivers_whose_horizon_cuts_the_light(device, shape):
         for tilt in (60.0, 80.0, 90.0, 100.0):
             points.append(lights.position[0] + distance * lights.normal[0])
             normals.append(np.sin(np.radians(tilt)) * across - np.cos(np.radians(tilt)) * lights.normal[0])
-    agree(device, lights, np.array(points), np.array(normals), floor=0.02)
+    assert_agrees(device, lights, np.array(points), np.array(normals), floor=0.02)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -102,10 +102,10 @@ def test_receivers_anywhere(device, shape):
     lights = tilted_light(shape)
     points = lights.position[0] + random.normal(size=(40, 3)) + lights.normal[0]
     normals = unit(random.normal(size=(40, 3)))
-    agree(device, lights, points, normals, floor=0.02)
+    assert_agrees(device, lights, points, normals, floor=0.02)
 
 
-def test_behind_the_light_and_facing_away_it_is_dark(device):
+def test_irradiance_is_zero_behind_the_light_and_facing_away(device):
     lights = tilted_light(LightShape.RECTANGLE)
     normal = lights.normal[0]
     points = lights.position[0] + np.outer([-1.0, -1e-3, 1.0], normal)
@@ -114,7 +114,7 @@ def test_behind_the_light_and_facing_away_it_is_dark(device):
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("spread", np.radians([150.0, 90.0, 30.0]))
-def test_a_spread_narrows_the_light(device, shape, spread):
+def test_a_spread_limits_the_light_to_a_cone(device, shape, spread):
     """Within 2 % of the brightest receiver."""
     lights = tilted_light(shape, spread=spread)
     normal, across = lights.normal[0], unit(lights.axis_u[0])
@@ -128,8 +128,8 @@ def test_a_spread_narrows_the_light(device, shape, spread):
         assert ours[rows] == pytest.approx(truth[rows], abs=0.02 * truth[rows].max())
 
 
-def test_an_open_floor_is_not_in_its_own_shadow(device):
-    """Its distances in the maps are its own: the bias takes it towards the light."""
+def test_an_unoccluded_floor_does_not_shadow_itself(device):
+    """The maps hold the floor's own distances. The bias moves receivers towards the light."""
     plate, view = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)), view_from_above(3.0, (24, 24))
     scene = make_scene([plate], light(position=(0.0, 0.0, 1.0)))
     pictures = [draw(device, scene, view, with_shadow(enabled=enabled)).color[..., :3] for enabled in (True, False)]
@@ -141,5 +141,5 @@ def test_lights_add_up_with_their_colours(device):
     one, two = tilted_light(LightShape.RECTANGLE), light(LightShape.ELLIPSE, (-1.0, 0.0, 1.0), radiance=3.0)
     colored = replace(two, radiance=np.array([[3.0, 1.0, 0.5]], np.float32))
     point, normal = np.array([[0.1, 0.2, -0.5]]), np.array([[0.0, 0.0, 1.0]])
-    apart = gathered(device, one, point, normal) + gathered(device, colored, point, normal)
-    assert gathered(device, join_lights(one, colored), point, normal) == pytest.approx(apart, rel=1e-5)
+    expected = gathered(device, one, point, normal) + gathered(device, colored, point, normal)
+    assert gathered(device, join_lights(one, colored), point, normal) == pytest.approx(expected, rel=1e-5)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Virtual lights: as many as each light is given, on it, others each sample."""
+"""Virtual lights: each light has the requested count, on its surface, at other positions in each sample."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from tests.support.small_scenes import (
 ORIGIN = np.zeros(3)
 
 
-def lamps():
+def three_lights():
     """Three lights, a disk among them."""
     large = light(LightShape.ELLIPSE, (1.0, 0.0, 3.0), (2.0, 0.0, 0.0), (0.0, -2.0, 0.0), radiance=1.0)
     bright = light(
@@ -30,7 +30,7 @@ def lamps():
 
 
 def test_the_range_of_a_light_holds_its_virtual_lights():
-    lights = lamps()
+    lights = three_lights()
     counts = {0: 7, 2: 93}
     table, _, points = virtual_light_tables(lights, counts, 3, ORIGIN)
     assert dict(zip(table["light"], table["count"], strict=True)) == counts
@@ -38,23 +38,23 @@ def test_the_range_of_a_light_holds_its_virtual_lights():
     for row, index in enumerate(counts):
         rows = slice(int(table["first"][row]), int(table["first"][row] + table["count"][row]))
         assert (points["light"][rows] == index).all()
-        off = points["position"][rows] - lights.position[index]
+        offsets = points["position"][rows] - lights.position[index]
         axes = np.stack([lights.axis_u[index], lights.axis_v[index]])
-        across = off @ axes.T / (axes**2).sum(1)
-        assert np.abs(off @ lights.normal[index]).max() < 1e-6
+        across = offsets @ axes.T / (axes**2).sum(1)
+        assert np.abs(offsets @ lights.normal[index]).max() < 1e-6
         assert np.abs(across).max() <= 0.5 + 1e-6
-        assert points["map_from_anchor"][rows, 2] == pytest.approx(np.tile(lights.normal[index], (len(off), 1)))
+        assert points["map_from_anchor"][rows, 2] == pytest.approx(np.tile(lights.normal[index], (len(offsets), 1)))
 
 
 def test_each_map_has_a_rotation_of_its_own():
-    _, _, points = virtual_light_tables(lamps(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
+    _, _, points = virtual_light_tables(three_lights(), {0: 10, 1: 20, 2: 30}, 0, ORIGIN)
     rotations = points["map_from_anchor"].astype(float)
     assert rotations @ rotations.swapaxes(1, 2) == pytest.approx(np.tile(np.eye(3), (60, 1, 1)), abs=1e-6)
     assert (np.linalg.det(rotations) > 0.0).all()
     assert len(np.unique(np.round(rotations[:, 0], 4), axis=0)) == 60
 
 
-def test_each_sample_has_other_points_and_together_they_fill_the_light():
+def test_each_sample_has_other_points_and_together_they_cover_the_light():
     lights = light()
     samples = [virtual_light_tables(lights, {0: 16}, sample, ORIGIN)[2]["position"] for sample in range(64)]
     assert len(np.unique(np.round(np.concatenate(samples), 6), axis=0)) > 1000
@@ -68,7 +68,7 @@ def test_two_equal_lights_have_different_points():
     assert not np.allclose(points["position"][points["light"] == 0], points["position"][points["light"] == 1])
 
 
-def test_virtual_lights_are_exact_far_away():
+def test_virtual_lights_are_exact_far_from_the_worlds_origin():
     far = np.array([1e7, 0.0, -1e7])
     here = virtual_light_tables(light(), {0: 10}, 0, ORIGIN)
     there = virtual_light_tables(light(position=far + (0.0, 0.0, 2.0)), {0: 10}, 0, far)

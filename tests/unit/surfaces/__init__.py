@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The passes that find what the camera sees."""
+"""Tests of the passes that determine the visible surfaces."""

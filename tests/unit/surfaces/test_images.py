@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images on surfaces: filtered in linear light, however their texels are encoded."""
+"""Image textures: filtered in linear light, whatever the encoding of their texels."""
 
 import math
 from dataclasses import replace
@@ -17,37 +17,37 @@ from .test_gbuffer import gbuffer
 
 
 def pattern(width: int = 8, height: int = 4, repeat: bool = True) -> Image:
-    """Random texels."""
+    """An sRGB image of random texels."""
     return encoded(np.random.default_rng(8).integers(0, 256, (height, width, 4), np.uint8), Encoding.SRGB, repeat)
 
 
 def encoded(bytes_: np.ndarray, encoding: Encoding, repeat: bool = True) -> Image:
-    """An image of bytes (H,W,4), or of three times as much light as floats."""
+    """An image of bytes (H,W,4). As floats, values are three times as large, so that some exceed 1."""
     texels = (bytes_ / 85.0).astype(np.float16) if encoding is Encoding.FLOAT else bytes_
     return Image(texels, repeat, encoding)
 
 
 def linear(image: Image) -> np.ndarray:
-    """(H,W,3) the light of its texels."""
+    """(H,W,3) linear values of its texels."""
     color = image.texels[..., :3].astype(float)
     if image.encoding is Encoding.FLOAT:
         return color
     return linear_from_srgb(color / 255.0) if image.encoding is Encoding.SRGB else color / 255.0
 
 
-def looked_up(image: Image, uv: np.ndarray) -> np.ndarray:
-    """(N,3) bilinear between the texels' centres, in linear light."""
+def bilinear(image: Image, uv: np.ndarray) -> np.ndarray:
+    """(N,3) bilinear interpolation between the texels' centres, in linear light."""
     texels = linear(image)
     height, width = texels.shape[:2]
     at = (uv - np.floor(uv) if image.repeat else np.clip(uv, 0.0, 1.0)) * (width, height) - 0.5
     low = np.floor(at).astype(int)
-    part = at - low
+    fraction = at - low
     color = np.zeros((len(uv), 3))
     for j in (0, 1):
         for i in (0, 1):
             x, y = low[:, 0] + i, low[:, 1] + j
             x, y = (x % width, y % height) if image.repeat else (x.clip(0, width - 1), y.clip(0, height - 1))
-            weight = np.abs(1 - i - part[:, 0]) * np.abs(1 - j - part[:, 1])
+            weight = np.abs(1 - i - fraction[:, 0]) * np.abs(1 - j - fraction[:, 1])
             color += weight[:, None] * texels[y, x]
     return color
 
@@ -64,8 +64,8 @@ def test_images_are_filtered_bilinearly_in_linear_light(device, encoding, uv, re
     truth = reference.surfaces(scene, view)
     at = (truth.position[:, :2] + 1.0) / 2.0 * uv - 0.4 * (uv > 1.0)
     ours = gbuffer(device, scene, view)
-    off = np.abs(ours["base_color"][:, :3] - looked_up(image, at))
-    assert off.max() <= 6e-3  # 8-bit sRGB, 16-bit floats
+    error = np.abs(ours["base_color"][:, :3] - bilinear(image, at))
+    assert error.max() <= 6e-3  # 8-bit sRGB, 16-bit floats
 
 
 @pytest.mark.parametrize("encoding", Encoding)
@@ -80,7 +80,7 @@ def test_images_far_away_have_the_mean_colour(device, encoding):
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (5, 1), (16, 16), (7, 13)])
 @pytest.mark.parametrize("encoding", Encoding)
-def test_halved_images_keep_the_mean(encoding, shape):
+def test_mip_levels_keep_the_mean(encoding, shape):
     image = encoded(np.random.default_rng(1).integers(0, 256, (*shape, 4), np.uint8), encoding)
     chain = mip_chain(image)
     assert len(chain[0]) == shape[0] * shape[1]
@@ -91,7 +91,7 @@ def test_halved_images_keep_the_mean(encoding, shape):
 
 
 def test_images_of_all_encodings_side_by_side(device):
-    """Each in a texture of its own; a variant of the shader knows those that there are."""
+    """Each encoding has a texture of its own, and the shader's variant declares those that exist."""
     color = np.full((2, 2, 4), (60, 30, 90, 255), np.uint8)
     images = tuple(encoded(color, encoding) for encoding in Encoding)
     meshes = [
@@ -100,10 +100,10 @@ def test_images_of_all_encodings_side_by_side(device):
     ]
     materials = Materials(np.zeros((3, 3), np.float32), np.arange(3, dtype=np.int32))
     scene = replace(make_scene(meshes), materials=materials, images=images)
-    albedo = gbuffer(device, scene, view_from_above(3.0, (30, 10)))["base_color"][:, :3].reshape(10, 30, 3)
+    base_color = gbuffer(device, scene, view_from_above(3.0, (30, 10)))["base_color"][:, :3].reshape(10, 30, 3)
     for k, image in enumerate(images):
         expected = np.broadcast_to(linear(image)[0, 0], (10, 8, 3))
-        assert albedo[:, 10 * k + 1 : 10 * k + 9] == pytest.approx(expected, abs=2e-3)
+        assert base_color[:, 10 * k + 1 : 10 * k + 9] == pytest.approx(expected, abs=2e-3)
 
 
 def test_several_images_and_plain_colours_side_by_side(device):
@@ -120,9 +120,9 @@ def test_several_images_and_plain_colours_side_by_side(device):
         image=np.array([0, -1, 1], np.int32),
     )
     ours = gbuffer(device, replace(scene, materials=materials, images=images), view_from_above(3.0, (30, 10)))
-    albedo = ours["base_color"][:, :3].reshape(10, 30, 3)
-    assert albedo[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
-    assert albedo[:, 21:] == pytest.approx(
+    base_color = ours["base_color"][:, :3].reshape(10, 30, 3)
+    assert base_color[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
+    assert base_color[:, 21:] == pytest.approx(
         np.broadcast_to(linear_from_srgb(np.array([200, 30, 90]) / 255.0), (10, 9, 3)), abs=2e-3
     )
-    assert albedo[:, :9].std() > 0.01
+    assert base_color[:, :9].std() > 0.01

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which blocks of pixels take part in a sample: all at first, then those that samples still change."""
+"""Which tiles a sample draws: all at first, then mostly those that have a high variance."""
 
 import numpy as np
 import pytest
@@ -22,12 +22,12 @@ from tests.support.small_scenes import (
 FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
 
-def counted(drawn) -> np.ndarray:
-    """(rows,columns): the samples that each block took part in."""
+def sample_counts(drawn) -> np.ndarray:
+    """(rows,columns): the samples of each tile."""
     return read_texels(drawn.renderer.graph[TILE_SAMPLE_COUNTS], drawn.renderer.last[0].tiles)[..., 0]
 
 
-def test_every_block_takes_part_in_the_first_samples_and_then_not_every_one(device):
+def test_the_first_samples_draw_all_tiles_and_later_ones_do_not(device):
     scene, view = box_over_plane(64, 48)
     settings = with_quality(SMALL_SETTINGS, samples=16)
     for sample in range(UNIFORM_SAMPLES):
@@ -35,33 +35,33 @@ def test_every_block_takes_part_in_the_first_samples_and_then_not_every_one(devi
     assert not draw(device, scene, view, settings, last=UNIFORM_SAMPLES).drawn_tiles.all()
 
 
-def test_counts_are_those_of_the_samples_taken_part_in(device):
+def test_counts_are_those_of_the_samples_drawn(device):
     scene, view = box_over_plane(64, 48)
     settings, total = with_quality(SMALL_SETTINGS, samples=16), np.zeros((6, 8))
     for sample in range(16):
         drawn = draw(device, scene, view, settings, last=sample)
         total += drawn.drawn_tiles
-        assert np.array_equal(counted(drawn), total)
+        assert np.array_equal(sample_counts(drawn), total)
     assert total.min() < 16
 
 
-def test_shadow_maps_are_gathered_by_all_blocks(device):
+def test_all_tiles_gather_shadow_maps_in_all_samples(device):
     scene, view = box_over_plane(32, 16)
     drawn = draw(device, scene, view, with_quality(SMALL_SHADOW_MAPS, samples=12))
-    assert (counted(drawn) == 12).all()
+    assert (sample_counts(drawn) == 12).all()
 
 
-def test_a_still_and_plain_picture_takes_few_blocks(device):
-    """A floor under the sky: no two samples differ."""
+def test_a_picture_without_variance_draws_few_tiles(device):
+    """A floor lit by the world only: no two samples differ."""
     view, settings = view_from_above(4.0, (160, 160)), with_quality(SMALL_SETTINGS, samples=64)
     drawn = draw(device, make_scene([FLOOR], world=0.5), view, settings)
     expected = UNIFORM_SAMPLES + MIN_TILE_PROBABILITY * (64 - UNIFORM_SAMPLES)
-    assert counted(drawn) == pytest.approx(expected, abs=3.0)
-    assert counted(drawn).mean() == pytest.approx(expected, abs=0.5)
+    assert sample_counts(drawn) == pytest.approx(expected, abs=3.0)
+    assert sample_counts(drawn).mean() == pytest.approx(expected, abs=0.5)
 
 
-def test_the_blocks_that_vary_take_part_most(device):
-    """Those with a penumbra, under a plate, against those without; and all of them sometimes."""
+def test_tiles_with_variance_are_drawn_most(device):
+    """Tiles with a penumbra, below a plate, against those without. All of them are drawn sometimes."""
     plate = quad((-0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0))
     scene, view = (
         make_scene([FLOOR, plate], light(axis_u=(0.5, 0, 0), axis_v=(0, -0.5, 0))),
@@ -70,24 +70,26 @@ def test_the_blocks_that_vary_take_part_most(device):
     drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=64))
     varies = drawn.target("sum_residual")[..., 3].reshape(12, TILE_SIZE, 12, TILE_SIZE).max((1, 3)) > 0.0
     assert 4 <= varies.sum() < 72
-    assert counted(drawn)[varies].mean() > 1.5 * counted(drawn)[~varies].mean()
-    assert counted(drawn)[varies].max() == 64
-    assert counted(drawn).min() > UNIFORM_SAMPLES
+    assert sample_counts(drawn)[varies].mean() > 1.5 * sample_counts(drawn)[~varies].mean()
+    assert sample_counts(drawn)[varies].max() == 64
+    assert sample_counts(drawn).min() > UNIFORM_SAMPLES
 
 
-def test_blocks_beside_busy_ones_are_not_rare(device):
-    """An edge in one column of blocks: those beside it have nothing to find, but count for its pixels."""
+def test_neighbours_of_tiles_with_variance_are_drawn_often(device):
+    """An edge in one column of tiles. Its neighbours have no variance, but their samples count for its pixels."""
     plate = quad((-50.0, -50.0, 0.0), (50.0, 0.0, 0.0), (0.0, 100.0, 0.0))
     view = view_from_above(2.0, (56, 8), filter_width=1.5, transparent=True)
-    counts = counted(draw(device, make_scene([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64)))[0]
+    counts = sample_counts(
+        draw(device, make_scene([plate], world=1.0), view, with_quality(SMALL_SETTINGS, samples=64))
+    )[0]
     assert counts[3] == 64
     assert (counts[[2, 4]] > 0.9 * MIN_NEIGHBOUR_RATIO * 64).all()
     assert (counts[[0, 1, 5, 6]] < 0.5 * MIN_NEIGHBOUR_RATIO * 64).all()
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 9), (8, 16), (17, 3), (1, 30)])
-def test_pictures_whose_sides_are_no_whole_blocks(device, size):
-    """No pixel is left out, none is drawn twice: a plain floor has one colour, in each number of samples."""
+def test_pictures_whose_sides_are_no_multiples_of_a_tile(device, size):
+    """No pixel is left out or drawn twice: a plain floor has one colour, for each sample count."""
     for samples in (1, 16):
         drawn = draw(
             device,
@@ -95,5 +97,5 @@ def test_pictures_whose_sides_are_no_whole_blocks(device, size):
             view_from_above(4.0, size),
             with_quality(SMALL_SETTINGS, samples=samples),
         )
-        assert counted(drawn).shape == (-(-size[1] // TILE_SIZE), -(-size[0] // TILE_SIZE))
+        assert sample_counts(drawn).shape == (-(-size[1] // TILE_SIZE), -(-size[0] // TILE_SIZE))
         assert drawn.color == pytest.approx(np.broadcast_to([0.3, 0.3, 0.3, 1.0], (*size[::-1], 4)), abs=1e-3)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The passes that bring a scene to the GPU."""
+"""Tests of the passes that upload a scene to the GPU."""

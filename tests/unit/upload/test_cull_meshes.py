@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes a picture needs: those in it and in the way of its light; no others are uploaded."""
+"""Mesh culling: only meshes that are in the picture or may occlude its lights are uploaded."""
 
 from dataclasses import replace
 
@@ -23,17 +23,18 @@ from tests.support.small_scenes import (
     view_from_above,
 )
 
-#: Looked at from above, lit from 2 m above its middle.
+#: Viewed from above, lit from 2 m above its centre.
 FLOOR = quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
 
 
-def wanted(drawn) -> tuple[int, ...]:
+def resident_meshes(drawn) -> tuple[int, ...]:
+    """Indices of the meshes that the picture needed."""
     return drawn.renderer.graph[RESIDENT_MESHES].indices
 
 
-def with_one_at(place, lights=None, size: float = 0.2):
-    """The floor, and rubble somewhere: its triangles are so many that to look is worth while."""
-    matrices = np.stack([transform(), transform(size * np.eye(3), place)])
+def with_mesh_at(position, lights=None, size: float = 0.2):
+    """The floor, and random triangles at a position: enough of them that culling is worth its cost."""
+    matrices = np.stack([transform(), transform(size * np.eye(3), position)])
     return make_scene([FLOOR, random_triangles(200)], light() if lights is None else lights, matrices)
 
 
@@ -42,12 +43,12 @@ ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
 
 
 @pytest.mark.parametrize(
-    "place, lights, needed",
+    "position, lights, needed",
     [
         (ABOVE, light(), True),
         (BESIDE, light(), False),
         (BESIDE, light(position=(4.0, 0.0, 1.0)), True),
-        ((0.0, 0.0, -2.0), light(), True),  # in the picture, as far as boxes can tell
+        ((0.0, 0.0, -2.0), light(), True),  # its bounding box is in the picture
         ((3.0, 0.0, 5.0), light(), False),  # beyond the light
         ((3.0, 0.0, 5.0), light(position=(6.0, 0.0, 9.0)), True),
         ((2.0, 0.0, 1.0), light(position=(4.0, 0.0, 1.9), axis_v=(0.0, 1.0, 0.0)), False),  # the light shines upwards
@@ -57,82 +58,85 @@ ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
         (BESIDE, join_lights(light(), light(position=(4.0, 0.0, 1.0))), True),
     ],
 )
-def test_off_screen_a_mesh_is_wanted_if_it_is_in_a_lights_way(device, place, lights, needed):
-    assert wanted(draw(device, with_one_at(place, lights), VIEW)) == ((0, 1) if needed else (0,))
+def test_an_off_screen_mesh_is_needed_if_it_may_occlude_a_light(device, position, lights, needed):
+    assert resident_meshes(draw(device, with_mesh_at(position, lights), VIEW)) == ((0, 1) if needed else (0,))
 
 
-def test_what_casts_no_shadow_is_wanted_in_the_picture_alone(device):
+def test_a_mesh_that_casts_no_shadow_is_needed_in_the_picture_only(device):
     lights = light(position=(4.0, 0.0, 1.0))
-    for place, expected in ((BESIDE, (0,)), (ABOVE, (0, 1))):
-        scene = with_one_at(place, lights)
+    for position, expected in ((BESIDE, (0,)), (ABOVE, (0, 1))):
+        scene = with_mesh_at(position, lights)
         scene = replace(scene, instances=replace(scene.instances, casts_shadow=np.array([True, False])))
-        assert wanted(draw(device, scene, VIEW)) == expected
+        assert resident_meshes(draw(device, scene, VIEW)) == expected
 
 
-def test_what_the_camera_does_not_see_may_be_in_the_way(device):
-    for place, expected in ((BESIDE, (0,)), (ABOVE, (0, 1))):
-        scene = with_one_at(place)
+def test_a_mesh_that_is_invisible_to_the_camera_may_occlude(device):
+    for position, expected in ((BESIDE, (0,)), (ABOVE, (0, 1))):
+        scene = with_mesh_at(position)
         scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-        assert wanted(draw(device, scene, VIEW)) == expected
+        assert resident_meshes(draw(device, scene, VIEW)) == expected
 
 
-def test_shadow_maps_want_only_what_is_in_the_picture(device):
-    """They see points, which need no upload of meshes."""
-    scene = with_one_at(BESIDE, light(position=(4.0, 0.0, 1.0)))
-    assert wanted(draw(device, scene, VIEW, SMALL_SHADOW_MAPS)) == (0,)
+def test_shadow_maps_need_only_meshes_in_the_picture(device):
+    """They are made from points, for which no mesh is uploaded."""
+    scene = with_mesh_at(BESIDE, light(position=(4.0, 0.0, 1.0)))
+    assert resident_meshes(draw(device, scene, VIEW, SMALL_SHADOW_MAPS)) == (0,)
     assert SMALL_SHADOW_MAPS.shadow.method == Method.SHADOW_MAPS
 
 
-def test_without_skipping_all_are_wanted(device):
-    assert wanted(draw(device, with_one_at(BESIDE), VIEW, replace(SMALL_SETTINGS, shortcuts=False))) == (0, 1)
+def test_without_shortcuts_all_meshes_are_needed(device):
+    assert resident_meshes(draw(device, with_mesh_at(BESIDE), VIEW, replace(SMALL_SETTINGS, shortcuts=False))) == (0, 1)
 
 
-def test_a_picture_of_nothing_wants_nothing(device):
+def test_a_picture_of_the_background_needs_no_mesh(device):
     away = look_at((0.0, 0.0, 50.0), (1.0, 0.0, 90.0))
-    drawn = draw(device, with_one_at(ABOVE), away)
-    assert wanted(drawn) == ()
+    drawn = draw(device, with_mesh_at(ABOVE), away)
+    assert resident_meshes(drawn) == ()
     assert not drawn.color[..., :3].any()
 
 
-def test_few_triangles_are_uploaded_sooner_than_looked_at(device):
-    scene = with_one_at(BESIDE)
+def test_meshes_with_few_triangles_are_not_culled(device):
+    scene = with_mesh_at(BESIDE)
     few = replace(scene, meshes=(FLOOR, random_triangles(3)))
-    assert wanted(draw(device, few, VIEW)) == (0, 1)
+    assert resident_meshes(draw(device, few, VIEW)) == (0, 1)
 
 
-def test_what_comes_into_the_picture_is_uploaded_then_and_stays(device):
-    scene, elsewhere = with_one_at((1.3, 0.0, 0.3)), replace(VIEW, view_from_world=transform(offset=(-1.3, 0.0, -10.0)))
+def test_a_mesh_is_uploaded_when_it_comes_into_the_picture_and_stays(device):
+    scene, elsewhere = (
+        with_mesh_at((1.3, 0.0, 0.3)),
+        replace(VIEW, view_from_world=transform(offset=(-1.3, 0.0, -10.0))),
+    )
     first = draw(device, scene, VIEW)
     assert first.profile.counts["bytes_uploaded"] < 44 * 200
     second = draw(device, scene, elsewhere, renderer=first.renderer)
-    assert wanted(second) == (0, 1)
+    assert resident_meshes(second) == (0, 1)
     assert second.profile.counts["bytes_uploaded"] >= 44 * 200
     assert np.array_equal(second.color, draw(device, scene, elsewhere).color)
     third = draw(device, scene, VIEW, renderer=first.renderer)
-    assert wanted(third) == (0, 1)
+    assert resident_meshes(third) == (0, 1)
     assert third.profile.counts["bytes_uploaded"] == 0
     assert not third.profile.rows["BuildBLAS"].drawn
     assert np.array_equal(third.color, first.color)
 
 
-def test_renderers_that_share_meshes_want_their_own(device):
-    """What one has uploaded, in its order, the other finds."""
-    scene = with_one_at((1.3, 0.0, 0.3))
+def test_renderers_that_share_meshes_need_different_ones(device):
+    """Each finds the meshes that the other has uploaded, in the order in which it did."""
+    scene = with_mesh_at((1.3, 0.0, 0.3))
     elsewhere = replace(VIEW, view_from_world=transform(offset=(-1.3, 0.0, -10.0)))
     one = draw(device, scene, VIEW)
     other = draw(device, scene, elsewhere)
     assert one.renderer.graph[MESH_BUFFERS] is other.renderer.graph[MESH_BUFFERS]
-    assert wanted(one) == (0,)
+    assert resident_meshes(one) == (0,)
     again = draw(device, scene, elsewhere, renderer=one.renderer)
     assert np.array_equal(again.color, other.color)
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_nothing_that_is_left_out_hides_any_light_of_what_is_seen(device, seed):
-    """Rays from what a picture shows to its lights, through the meshes that it does not want, in float64."""
+def test_culled_meshes_occlude_no_light_of_visible_surfaces(device, seed):
+    """Rays from visible surfaces to the lights hit no culled mesh, in float64."""
     random = np.random.default_rng(seed)
     count = 60
-    places = np.stack(
+    matrices = np.stack(
         [transform(), *(transform(0.3 * random.normal(size=(3, 3)), 5.0 * random.normal(size=3)) for _ in range(count))]
     )
     lights = join_lights(
@@ -141,17 +145,17 @@ def test_nothing_that_is_left_out_hides_any_light_of_what_is_seen(device, seed):
             for _ in range(2)
         )
     )
-    scene = make_scene([FLOOR, *(random_triangles(100, seed=k) for k in range(count))], lights, places)
+    scene = make_scene([FLOOR, *(random_triangles(100, seed=k) for k in range(count))], lights, matrices)
     view = look_at(3.0 * random.normal(size=3) + (0.0, 0.0, 4.0)) if seed % 2 else view_from_above(2.0)
     drawn = draw(device, scene, view)
-    left_out = np.setdiff1d(np.arange(count + 1), wanted(drawn))
-    assert len(left_out) > 5
+    culled = np.setdiff1d(np.arange(count + 1), resident_meshes(drawn))
+    assert len(culled) > 5
     position = drawn.target("position")
-    seen = position[position[..., 3] > 0.0][:, :3] + drawn.renderer.last[0].anchor
-    starts = seen[random.integers(len(seen), size=400)]
-    which, at = random.integers(2, size=400), random.uniform(-0.5, 0.5, (2, 400, 1))
-    ends = lights.position[which] + at[0] * lights.axis_u[which] + at[1] * lights.axis_v[which]
-    ahead = ((starts - lights.position[which]) * np.cross(lights.axis_u, lights.axis_v)[which]).sum(1) > 0.0
-    others = replace(scene.instances, casts_shadow=np.isin(scene.instances.mesh, left_out))
-    hidden, _ = reference_occlusion(replace(scene, instances=others), starts[ahead], ends[ahead])
-    assert not hidden.any()
+    visible = position[position[..., 3] > 0.0][:, :3] + drawn.renderer.last[0].anchor
+    starts = visible[random.integers(len(visible), size=400)]
+    index, uv = random.integers(2, size=400), random.uniform(-0.5, 0.5, (2, 400, 1))
+    ends = lights.position[index] + uv[0] * lights.axis_u[index] + uv[1] * lights.axis_v[index]
+    lit = ((starts - lights.position[index]) * np.cross(lights.axis_u, lights.axis_v)[index]).sum(1) > 0.0
+    instances = replace(scene.instances, casts_shadow=np.isin(scene.instances.mesh, culled))
+    occluded, _ = reference_occlusion(replace(scene, instances=instances), starts[lit], ends[lit])
+    assert not occluded.any()
