@@ -70,7 +70,7 @@ def draw(device: Device, depsgraph: bpy.types.Depsgraph, picture: Picture) -> di
     rows, first = sample(renderer, scene, view, settings, 0)
     result |= {
         "first sync s": reading + sum(rows.get(name, 0.0) for name in UPLOADS) / 1e3,
-        "trees ms": sum(rows.get(name, 0.0) for name in BVH_PASSES),
+        "BVH ms": sum(rows.get(name, 0.0) for name in BVH_PASSES),
         "shadows ms": sum(rows.get(name, 0.0) for name in (*BVH_PASSES, *SHADOWS)),
         "first sample s": first,
         "passes ms": rows,

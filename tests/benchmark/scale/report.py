@@ -14,7 +14,7 @@ Results = Mapping[int, Mapping]
 COLUMNS = {
     "reading s": lambda point: point["reading s"],
     "first sync s": lambda point: point["first sync s"],
-    "BVH ms": lambda point: point["trees ms"],
+    "BVH ms": lambda point: point["BVH ms"],
     "shadows ms": lambda point: point["shadows ms"],
     "shadows with BVH kept ms": lambda point: point["shadows again ms"],
     "first sample s": lambda point: point["first sample s"],
