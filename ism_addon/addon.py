@@ -9,14 +9,14 @@ import bpy
 from .blender import engine, old_files, operators
 from .ui import compatible_panels, developer, panels, presets, properties, shading, statistics
 
-#: Modules in the order of registration. The engine is last, because it needs the others.
+#: Modules in the order of registration. The engine is last, because it uses the others.
 MODULES = (properties, old_files, presets, operators, panels, developer, statistics, shading, compatible_panels, engine)
 
 _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    """Register all modules, unless they are. If one fails, all are unregistered again."""
+    """Register all modules, unless they are registered. If one fails, all are unregistered again."""
     if _registered:
         return
     try:
@@ -40,7 +40,7 @@ def _unregister_classes(module: ModuleType) -> None:
 def unregister() -> None:
     """Unregister all modules. Blender may call it again at exit, which does nothing.
 
-    Raises RuntimeError while a render is running: then all stays registered.
+    Raises RuntimeError while a render is running; then nothing is unregistered.
     """
     if engine.is_rendering():
         raise RuntimeError("ISM is rendering: it can be disabled when the render has ended")
@@ -50,7 +50,7 @@ def unregister() -> None:
 
 
 def _at_exit() -> None:
-    """Python exits and the add-on is still registered.
+    """Called when Python exits and the add-on is still registered.
 
     The bpy module would crash or hang with a registered render engine. Blender itself would crash if it were
     unregistered now, because its types are freed: there, only the render thread is stopped.

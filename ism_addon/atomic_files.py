@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Atomic writing of files: as a whole or not at all, if their folder allows it."""
+"""Atomic writing of files: completely or not at all, if their folder allows it."""
 
 import os
 import secrets
@@ -33,10 +33,10 @@ def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def _temporary_beside(target: Path) -> Iterator[BinaryIO]:
-    """Likewise for a plain file, or one that does not exist."""
+    """A temporary file in the target's folder, which replaces the target. The target is a plain file or missing."""
     if target.exists() and not os.access(target, os.W_OK):
         raise OSError(EACCES, os.strerror(EACCES))
-    # Random, not by process id: that is always the same in a container, and threads share it.
+    # Random, not the process id: that is always the same in a container, and threads share it.
     temporary = target.with_name(f".{secrets.token_hex(8)}.temporary")
     try:
         file = open(temporary, "xb")  # noqa: SIM115 (it is removed whatever fails)

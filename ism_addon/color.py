@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear light, its primaries, and how screens and image files encode it (sRGB, IEC 61966-2-1)."""
+"""Linear light, its primaries, and its encoding in screens and image files (sRGB, IEC 61966-2-1)."""
 
 import numpy as np
 
-#: The working space of nearly all files, by Blender's name.
+#: Blender's name of the working space of nearly all files.
 REC709 = "Linear Rec.709"
 
 
@@ -36,12 +36,12 @@ def xyz_from(space: str) -> np.ndarray:
 
 
 def between_spaces(to: str, source: str) -> np.ndarray:
-    """(3,3): linear light in one space of PRIMARIES from that in another, adapted from white to white."""
+    """(3,3): linear light in space `to` from that in `source`, both of PRIMARIES, with chromatic adaptation."""
     cones = [BRADFORD @ xyz_from(space) @ np.ones(3) for space in (to, source)]
     adapted = np.linalg.solve(BRADFORD, np.diag(cones[0] / cones[1]) @ BRADFORD)
     return np.linalg.solve(xyz_from(to), adapted @ xyz_from(source))
 
 
 def luminance(space: str) -> np.ndarray:
-    """(3,): luminance of the primaries of a space, to four digits; luminance = color @ this."""
+    """(3,): luminances of a space's primaries, rounded to four digits; a color's luminance is color @ these."""
     return xyz_from(space)[1].round(4)

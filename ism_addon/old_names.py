@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings as version 0.1.0 named them. Files and presets that it saved keep their values."""
+"""Names of settings in version 0.1.0. Files and presets saved by it keep their values."""
 
 import re
 from typing import Any
 
-#: Old and new names by section of settings. The empty section has the settings outside of all.
+#: Old and new names by section of settings; "" is for settings outside of sections.
 SETTINGS: dict[str, dict[str, str]] = {
     "": {"skip": "shortcuts", "show": "debug_view"},
     "quality": {"light_points": "virtual_lights", "surface_points": "map_points"},
@@ -42,7 +42,7 @@ DEBUG_VIEWS = {
 
 
 def current(settings: Any) -> Any:
-    """The settings of an old snapshot as JSON, with today's names. JSON of another structure is returned as it is."""
+    """The settings of an old snapshot as JSON, with current names. JSON of another structure is returned unchanged."""
     if not isinstance(settings, dict):
         return settings
     converted = renamed(settings, "")
@@ -57,11 +57,11 @@ def current(settings: Any) -> Any:
 
 
 def current_preset(script: str) -> str:
-    """A preset's script with today's names."""
+    """A preset's script with current names."""
     script = QUALITY_LINE.sub(lambda line: line[1] + SETTINGS["quality"].get(line[2], line[2]), script)
     return METHOD_LINE.sub(lambda line: line[1] + METHODS.get(line[2], line[2]), script)
 
 
 def renamed(values: dict[str, Any], section: str) -> dict[str, Any]:
-    """Values of a section with today's names."""
+    """Values of a section with current names."""
     return {SETTINGS[section].get(name, name): value for name, value in values.items()}

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parallel work on all processor cores: numpy releases the interpreter's lock.
+"""Parallel work on all processor cores, for numpy functions, which release the GIL.
 
-Constants …_AT_A_TIME are sizes of portions of such work. Their arrays fit in a core's cache.
+Constants …_AT_A_TIME are sizes of portions of such work, chosen so that their arrays fit in a core's cache.
 """
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-#: Work on fewer items takes less time than starting threads. See `dev.py bench constants` in docs/benchmarks.md.
+#: Work on so few items takes less time than starting threads. See `dev.py bench constants` in docs/benchmarks.md.
 MIN_PARALLEL_SIZE = 1 << 14
 
 Portion = TypeVar("Portion")
@@ -16,7 +16,7 @@ Result = TypeVar("Result")
 
 
 def parallel_map(work: Callable[[Portion], Result], portions: Iterable[Portion], size: int) -> list[Result]:
-    """The results of `work` on each portion, in order. `size`: items of all portions."""
+    """The results of `work` on each portion, in order. `size`: number of items in all portions."""
     if size <= MIN_PARALLEL_SIZE:
         return [work(portion) for portion in portions]
     with ThreadPoolExecutor() as cores:

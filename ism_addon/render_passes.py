@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of render passes. The engine, the view layer's panel, reading back, final renders and the command line loop
-over it.
+"""The table of render passes, used by the engine, the view layer's panel, reading back, final renders and the command
+line.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from .resources import DEPTH, IMAGE, NORMAL
 class RenderPass:
     """A render pass."""
 
-    name: str  # Blender's, as the compositor and files have it
-    switch: str  # the property of a ViewLayer that enables it; "": it is always made
-    channels: str  # a letter each, as files name them
+    name: str  # Blender's name, in the compositor and in files
+    switch: str  # the property of a ViewLayer that enables it; "": it is always rendered
+    channels: str  # a letter for each, as in files
     kind: str  # COLOR, VALUE or VECTOR
     resource: Target  # its source; gpu/read_back.py converts it to world space
     filtered: bool = False  # the filtered mean of all samples; else of the first sample

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Types of resources: their name, content type and lifetime; of render targets, the texture format."""
+"""Types of resources: name, content type and lifetime; for render targets, also the texture format."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ class Target(Resource[Texture]):
     """A render target. Its size is that of the image over `divisor`; 0: the pass allocates it.
 
     If no pass makes it, readers get a texture of `neutral` texels, so shaders need no variant without it. None: no pass
-    reads it in that case. `strips`: layout of targets with a texel a tile, see gl/render_targets.py.
+    reads it in that case. `strips`: layout of targets with a texel per tile, see gl/render_targets.py.
     """
 
     format: str = "rgba32f"
     divisor: int = 1
     strips: bool = False
     neutral: tuple[float, ...] | None = (0.0, 0.0, 0.0, 0.0)
-    label: str = ""  # of the debug view, if it is one
+    label: str = ""  # of the debug view; "": it is none
 
     @property
     def components(self) -> int:
@@ -75,6 +75,6 @@ class Target(Resource[Texture]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Channel(Resource[Texture]):
-    """A channel of a target with an identity of its own: it may be unchanged when the others have changed."""
+    """A channel of a target that is tracked separately: it may be unchanged when the other channels have changed."""
 
     of: Target = field(kw_only=True)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .gpu.passes.surfaces.select_tiles import TileSelection
     from .gpu.passes.upload.cull_meshes import ResidentMeshes
 
-#: Pixels along each side of a tile. A tile takes part in a sample as a whole.
+#: Pixels along each side of a tile. All pixels of a tile take part in the same samples.
 TILE_SIZE = 8
 
 #: Pixels between probe rays, in x and in y.
@@ -46,7 +46,7 @@ NO_OCCLUDER = 1e30
 
 _SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
 
-# The scene, on the GPU.
+# The scene on the GPU.
 RESIDENT_MESHES: Resource[ResidentMeshes] = Resource(
     "resident_meshes", "Meshes that have been needed so far", _SCENE, by_value=True
 )
@@ -290,11 +290,11 @@ DOUBLING_DIFFERENCE = Target(
 )
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
-#: By name.
+#: Resources by name.
 _ALL = (*globals().values(), *MATERIAL_VALUES)
 RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in _ALL if isinstance(each, Resource)}
 
-#: Targets that are debug views, the render first.
+#: Targets that are debug views; the render is first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [
     each for each in RESOURCES.values() if isinstance(each, Target) and each.label and each is not SAMPLE_COLOR
 ]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values out of their range: the nearest allowed value is used, with a warning.
+"""Limits of settings: for a value out of its range the nearest allowed one is used, with a warning.
 
-Blender limits its properties itself. Scripts, snapshots and the command line can set any value, which might take all
-memory or never finish.
+Blender limits its properties itself. Scripts, snapshots and the command line can set any value, with which a render
+might take all memory or never finish.
 """
 
 import heapq
@@ -16,11 +16,11 @@ from .scene import Image, View
 from .scene.quoting import shortened
 from .settings import SECTIONS, Control, Settings, setting_fields
 
-#: px. Wider filters are slow and show only a blur; Blender allows 500.
+#: Maximum filter width, px. Wider filters are slow and only blur; Blender allows 500.
 WIDEST_FILTER = 50.0
 
-#: Width and largest height of the texture that holds all images and their mip levels: every OpenGL 4.1 allows it. The
-#: height is no power of two, see material_buffers.py.
+#: Width and maximum height of a texture with all images and their mip levels, which every OpenGL 4.1 supports. The
+#: height is not a power of two, see material_buffers.py.
 TEXTURE_WIDTH, MAX_TEXTURE_LINES = 1 << 14, (1 << 14) - 1
 
 
@@ -56,7 +56,7 @@ def view_beyond_limits(view: View) -> tuple[str, ...]:
 
 
 def images_within_limits(images: Sequence[Image]) -> list[int]:
-    """How often each image is halved so that all fit, the largest first; 0: full size."""
+    """Number of times that each image is halved so that all fit, the largest first; 0: full size."""
     sizes = [image.texels.shape[:2] for image in images]
     halved, excess = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - MAX_TEXTURE_LINES
     largest = [(-height * width, index) for index, (height, width) in enumerate(sizes)]
@@ -82,7 +82,7 @@ def images_beyond_limits(images: Sequence[Image]) -> tuple[str, ...]:
 
 
 def level(size: tuple[int, ...], halved: int) -> tuple[int, int]:
-    """Size of an image (H,W) after it is halved so often."""
+    """Size of an image (H,W) after it is halved `halved` times."""
     return max(size[0] >> halved, 1), max(size[1] >> halved, 1)
 
 

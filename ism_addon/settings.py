@@ -2,7 +2,7 @@
 """All settings: label, meaning, unit, range and default, declared once.
 
 Blender's property groups, the panels' tooltips, the command line's flags and docs/settings.md
-are made from these fields. A section is a frozen dataclass, so two settings compare by value.
+are made from these fields. Sections are frozen dataclasses, so settings compare by value.
 """
 
 import math
@@ -27,7 +27,7 @@ class Control:
 
 
 def setting(default: Any, label: str, meaning: str, method: Method | None = None, **control: Any) -> Any:
-    """A dataclass field that carries its Control."""
+    """A dataclass field with its Control as metadata."""
     if method:
         meaning += f". For the method {method.label} only"
     return field(default=default, metadata={"control": Control(label, meaning, method=method, **control)})
@@ -217,8 +217,8 @@ class Settings:
     shadow: Shadow = Shadow()
     ssao: SSAO = SSAO()
     quality: Quality = FINAL
-    #: Off: work that does not change the image is done all the same, and nothing is reused from the image before. To
-    #: measure what shortcuts save.
+    #: False: work that does not change the image is not skipped, and nothing is reused from the previous image. For
+    #: measurements of the time that shortcuts save.
     shortcuts: bool = True
     debug_view: DebugView = setting(  # noqa: RUF009 (what it returns is a field)
         DebugView.SAMPLE_COLOR,

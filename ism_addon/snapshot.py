@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snapshots: scene, view and settings in one .npz file, from which an image can be rendered again.
 
-Every array is a member, named by its path ("scene/meshes/0/positions"). All else is JSON in the member "snapshot". It
-is read by the dataclasses' type hints and ArrayFacts. Members are not compressed, so no array can be larger than the
-file.
+Every array is a member, named by its path ("scene/meshes/0/positions"). All other values are JSON in the member
+"snapshot". It is read according to the dataclasses' type hints and ArraySpecs. Members are not compressed, so no
+array can be larger than the file.
 """
 
 import json
@@ -22,13 +22,13 @@ import numpy as np
 from . import old_names
 from .atomic_files import atomic_write
 from .scene import Scene, View
-from .scene.arrays import ArrayFacts, Arrays, array_facts
+from .scene.arrays import Arrays, ArraySpec, array_specs
 from .scene.limits import MAX_DISTANCE, is_invertible, spans_plane
 from .scene.quoting import shortened
 from .settings import Settings
 
 VERSION = 3
-#: Is read too. Its settings have other names.
+#: The oldest version that can be read. Its settings have other names.
 PREVIOUS_VERSION = 2
 
 
@@ -37,7 +37,7 @@ class SnapshotError(ValueError):
 
 
 def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None:
-    """Write a snapshot. `load` gives the same arrays bit for bit. Raises OSError; then `path` keeps its contents."""
+    """Write a snapshot. `load` returns identical arrays. Raises OSError; then `path` keeps its contents."""
     arrays: dict[str, np.ndarray] = {}
     values = {"scene": scene, "view": view, "settings": settings}
     encoded = {"version": VERSION, **{name: _to_json(value, name, arrays) for name, value in values.items()}}
@@ -52,7 +52,7 @@ def save(path: str | Path, scene: Scene, view: View, settings: Settings) -> None
 def load(path: str | Path) -> tuple[Scene, View, Settings]:
     """Read and validate a snapshot. Raises SnapshotError, or OSError if the file cannot be opened."""
     state = os.stat(path)
-    if not stat.S_ISREG(state.st_mode):  # such as /dev/zero, which is endless
+    if not stat.S_ISREG(state.st_mode):  # such as /dev/zero, which has no end
         raise SnapshotError(f"{path} is not a snapshot: it is no plain file.")
     with open(path, "rb") as file:
         try:
@@ -144,13 +144,13 @@ def _built_object(type_: type, encoded: Any, path: str, arrays: dict[str, np.nda
         raise SnapshotError(
             f"The snapshot's {path} has {shortened(', '.join(sorted(unknown)))}, unknown to this version."
         )
-    hints, facts = get_type_hints(type_), array_facts(type_)
+    hints, specs = get_type_hints(type_), array_specs(type_)
     lengths: dict[str, int] = {}
     values = {}
     for member in fields(type_):
         member_path = f"{path}/{member.name}"
-        if member.name in facts:
-            values[member.name] = _array(facts[member.name], member_path, lengths, arrays)
+        if member.name in specs:
+            values[member.name] = _array(specs[member.name], member_path, lengths, arrays)
         elif member.name in encoded:
             values[member.name] = _from_json(hints[member.name], encoded[member.name], member_path, arrays)
         elif member.default is MISSING:
@@ -161,11 +161,11 @@ def _built_object(type_: type, encoded: Any, path: str, arrays: dict[str, np.nda
         raise SnapshotError(f"The snapshot's {path} cannot be used: {shortened(str(error))}.") from error
 
 
-def _array(facts: ArrayFacts, path: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """The array of a field, validated; `lengths` keeps the lengths of the layout's letters."""
+def _array(spec: ArraySpec, path: str, lengths: dict[str, int], arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The array of a field, validated; `lengths` collects the lengths of the layouts' letters."""
     if path not in arrays:
         raise SnapshotError(f"The snapshot has no {path}.")
-    if (fault := facts.fault(arrays[path], lengths)) is not None:
+    if (fault := spec.fault(arrays[path], lengths)) is not None:
         raise SnapshotError(f"The snapshot's {path} {fault}.")
     return np.ascontiguousarray(arrays[path])
 
@@ -203,13 +203,13 @@ def _check_indices(scene: Scene) -> None:
         if len(mesh.uvs) not in (0, len(mesh.triangles)):
             raise SnapshotError(f"The snapshot's {path}/uvs has another length than its triangles.")
     for path, record in _records(scene, "scene"):
-        for name, facts in array_facts(type(record)).items():
+        for name, spec in array_specs(type(record)).items():
             indices = getattr(record, name)
-            if facts.into == "" or not indices.size:
+            if spec.into == "" or not indices.size:
                 continue
-            end = facts.into if isinstance(facts.into, int) else _length(facts.into, record, scene)
-            if not (facts.first <= int(indices.min()) and int(indices.max()) < end):
-                raise SnapshotError(f"The snapshot's {path}/{name} leads outside {facts.first} to {end - 1}.")
+            end = spec.into if isinstance(spec.into, int) else _length(spec.into, record, scene)
+            if not (spec.first <= int(indices.min()) and int(indices.max()) < end):
+                raise SnapshotError(f"The snapshot's {path}/{name} leads outside {spec.first} to {end - 1}.")
     for index, image in enumerate(scene.images):
         if image.texels.size == 0:
             raise SnapshotError(f"The snapshot's scene/images/{index} has no texels.")
@@ -229,5 +229,5 @@ def _records(value: Any, path: str) -> Iterator[tuple[str, Arrays]]:
 
 def _length(name: str, record: Arrays, scene: Scene) -> int:
     """Length of the target of a record's indices: one of its arrays, or a tuple or record of the scene."""
-    target = getattr(record if name in array_facts(type(record)) else scene, name)
+    target = getattr(record if name in array_specs(type(record)) else scene, name)
     return target.row_count if isinstance(target, Arrays) else len(target)

@@ -16,20 +16,20 @@ import numpy as np
 def anchor_of(camera: np.ndarray, extent: float) -> np.ndarray:
     """Origin (3,) of anchor space, float64 world.
 
-    The camera's position (3,), rounded to a grid whose cells are as large as the scene's extent (m). So it rarely
-    changes when the camera moves, and data in anchor space stays valid.
+    The camera's position (3,), rounded to a grid whose cells are as large as the scene's extent (m). So the anchor
+    rarely changes when the camera moves, and data in anchor space stays valid.
     """
     cell = 2.0 ** np.ceil(np.log2(np.clip(extent, 1e-6, 1e12)))
     return np.round(camera / cell) * cell
 
 
 def camera_position(view_from_world: np.ndarray) -> np.ndarray:
-    """Position of the camera of a rigid view (4,4), (3,) world."""
+    """(3,) world: position of the camera of a rigid view (4,4)."""
     return -view_from_world[:3, :3].T @ view_from_world[:3, 3]
 
 
 def view_from_anchor(view_from_world: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-    """(4,4) float64. Translations are subtracted before the rotation, which avoids cancellation."""
+    """(4,4) float64. Positions are subtracted before they are rotated, which avoids cancellation."""
     matrix = view_from_world.copy()
     matrix[:3, 3] = view_from_world[:3, :3] @ (anchor - camera_position(view_from_world))
     return matrix

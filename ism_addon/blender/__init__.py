@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's side: reads its data, runs the engine, shows the image."""
+"""The part that uses Blender: reads its data, runs the render engine, shows the image."""

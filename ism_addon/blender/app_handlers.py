@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lists of handlers, which other scripts change too."""
+"""Removes handlers from Blender's lists, which other scripts change too."""
 
 from collections.abc import Callable
 
 
-def remove(handlers: list[Callable], ours: Callable) -> None:
+def remove(handlers: list[Callable], handler: Callable) -> None:
     """Remove our handler, if it is still in the list."""
-    if ours in handlers:
-        handlers.remove(ours)
+    if handler in handlers:
+        handlers.remove(handler)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine, as Blender calls it. `final_render` and `viewport` do the work.
 
-They are imported when they are first needed: Blender starts faster, and most files are for other engines.
+They are imported when they are first needed, so that Blender starts faster: most files use other engines.
 """
 
 from importlib.machinery import ExtensionFileLoader
@@ -25,7 +25,7 @@ __all__ = ["IS_BPY_MODULE", "ISMRenderEngine", "is_rendering", "register", "stat
 IS_BPY_MODULE = isinstance(bpy.__spec__.loader, ExtensionFileLoader)
 
 
-#: One entry for each running render: a handler may begin another.
+#: One entry for each running render: a handler can start another one.
 _rendering: list[str] = []
 
 
@@ -38,7 +38,7 @@ class ISMRenderEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True  # for Material Preview, which would be empty
     bl_use_shading_nodes_custom = False  # True would hide Blender's own material nodes
 
-    _viewport: Any = None  # a Viewport; Blender would resolve the annotation at once
+    _viewport: Any = None  # a Viewport; Blender would resolve that annotation immediately
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -62,18 +62,18 @@ class ISMRenderEngine(bpy.types.RenderEngine):
             _rendering.pop()
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        self._own_viewport().update(context, depsgraph)
+        self._get_viewport().update(context, depsgraph)
         self.tag_redraw()  # after a script's edit, Blender may not redraw by itself
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        self._own_viewport().draw(self, context, depsgraph)
+        self._get_viewport().draw(self, context, depsgraph)
 
     @staticmethod
     def latest_statistics() -> tuple[str, dict]:
         """See render_statistics.latest. For the panels, which find the engine by its name."""
         return render_statistics.latest()
 
-    def _own_viewport(self) -> "Viewport":
+    def _get_viewport(self) -> "Viewport":
         if self._viewport is None:
             from .viewport.viewport import Viewport
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes saved by version 0.1.0: moves values, keyframes and drivers of renamed settings to today's names."""
+"""Converts scenes saved by version 0.1.0: values, keyframes and drivers of renamed settings get the new names."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +11,7 @@ from .. import old_names
 from ..settings import DebugView
 from . import app_handlers
 
-#: Property groups below `scene.ism`, by section of settings.
+#: Property groups of `scene.ism` by section of the settings.
 GROUPS = {"": ("",), "quality": ("render", "viewport")}
 
 
@@ -38,13 +38,13 @@ def convert(*_file: Any) -> None:
 
 
 def current_debug_view(view: int) -> int:
-    """Today's index of a debug view, by its index in 0.1.0."""
+    """The current index of a debug view, by its index in 0.1.0."""
     names = list(old_names.DEBUG_VIEWS.values())
     return list(DebugView).index(DebugView(names[view])) if 0 <= view < len(names) else 0  # type: ignore[call-arg]
 
 
 def move(values: Any, old: str, new: str) -> None:
-    """Move a stored value to another name, unless that has one already."""
+    """Move a stored value to another name, unless that already has one."""
     if new not in values:
         values[new] = values[old]
     del values[old]

@@ -23,7 +23,7 @@ def draw_tiles(
     side: int = TILE_SIZE,
     rays: float = 1.0,
 ) -> None:
-    """Draw the pixels of `tiles`, rows of TILE, or of all that take part in this sample, and `margin` px around each.
+    """Draw `tiles`, rows of TILE, or all tiles that take part in this sample, with `margin` px around each.
 
     In this target, a tile has `side`×`side` pixels. A pixel takes the time of `rays` rays, see draw_limit.
     """
@@ -31,11 +31,11 @@ def draw_tiles(
     if not len(tiles):
         return
     columns, rows = frame.tiles
-    whole = 0, 0, columns * side, rows * side
+    tile_viewport = 0, 0, columns * side, rows * side
     draw_into(target)
-    own = target.viewport
-    if own != whole:
-        target.viewport = whole
+    viewport = target.viewport
+    if viewport != tile_viewport:
+        target.viewport = tile_viewport
     frame.device.gl.enable(moderngl.PROGRAM_POINT_SIZE)
     size = side + 2 * margin
     bind(program, tile_counts=(columns, rows), size=float(size))
@@ -44,15 +44,15 @@ def draw_tiles(
             frame.submission.before_draw(rays * size * size * (portion.stop - portion.start))
             frame.device.points.draw(program, tiles[portion], TILE_LAYOUT)
     finally:
-        if own != whole:
-            target.viewport = own
+        if viewport != tile_viewport:
+            target.viewport = viewport
 
 
 def draw_per_tile(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any) -> None:
     """Draw a target with a texel for each tile, in strips, by a shader that includes tile_index.glsl."""
     frame.device.gl.enable_only(moderngl.NOTHING)
     bind(shader.program, columns=frame.tiles[0], strip=target.viewport[2], **uniforms)
-    draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # of two images, about
+    draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # about the time to fetch from two images
 
 
 def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of the light, and the passes that estimate each: direct light by one of two methods, and the world's light.
+"""Estimators of components of the light: direct light by one of two methods, and the world's light.
 
-An estimator says which passes a sample needs. All that compute one part of the light write the same targets.
+An estimator says which passes a sample needs. Estimators of the same component write the same targets.
 """
 
 from collections.abc import Iterator
@@ -28,17 +28,17 @@ from .passes.shadow_maps.virtual_lights import PlaceVirtualLights
 
 
 class Estimator(Protocol):
-    """One part of the light."""
+    """Estimates one component of the light."""
 
     #: Whether its passes trace rays, which need acceleration structures.
     traces_rays: bool
-    #: Whether a sample takes less time the fewer tiles take part in it.
+    #: Whether a sample with fewer tiles takes less time.
     adaptive: bool
     #: All passes that a sample may need.
     pass_types: tuple[type[Pass], ...]
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Those of this sample, in order; some more than once. Each is executed before the next is asked for."""
+        """The passes of this sample, in order; some more than once. Each is executed before the next is requested."""
 
 
 class RayTracedDirect:
@@ -51,7 +51,7 @@ class RayTracedDirect:
     )
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Prediction first, then the rays that correct it."""
+        """The prediction, then the rays that correct it."""
         yield from self.pass_types
 
 
@@ -64,7 +64,7 @@ class ShadowMappedDirect:
     pass_types: tuple[type[Pass], ...] = (*PREPARE, *FOR_EACH_ATLAS)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """For as many virtual lights as an atlas holds, their maps and the light that they let through."""
+        """For each batch of virtual lights that fits in an atlas: their shadow maps, and the light that these pass."""
         yield from self.PREPARE
         count = sum((frame.get(VIRTUAL_LIGHT_COUNTS) or {}).values())
         for batch in batches(count, frame.settings.quality.map_size, frame.device.texture_size):
@@ -73,13 +73,13 @@ class ShadowMappedDirect:
 
 
 class WorldLight:
-    """The world's light, as far as ambient occlusion leaves it."""
+    """The world's light, reduced by ambient occlusion."""
 
     traces_rays, adaptive = False, True
     pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Occlusion, then its noise is blurred."""
+        """Occlusion, then the blur of its noise."""
         yield from self.pass_types
 
 
@@ -91,5 +91,5 @@ WORLD_LIGHT: Estimator = WorldLight()
 
 
 def estimators(settings: Settings) -> tuple[Estimator, ...]:
-    """Those that draw a picture of these settings."""
+    """The estimators of a picture with these settings."""
     return DIRECT[settings.shadow.method], WORLD_LIGHT

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Base class of passes, and Frame: one sample of an image, as passes see it."""
+"""Base class of passes, and Frame: the input of passes for one sample of an image."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-#: An input of a pass: a resource, a part of the scene or the view, or a setting by its path, like "shadow.bias".
+#: An input of a pass: a resource, a component of the scene or view, or a setting by its path, like "shadow.bias".
 Input: TypeAlias = Resource[Any] | Change | str
 
 
@@ -42,11 +42,11 @@ class Schedule(Enum):
 
     EVERY = "each sample"
     FIRST = "the first sample"
-    #: From 4 on: with fewer samples, shadow rays predict visibility worse than probe rays.
+    #: Not at 2: with so few samples, shadow rays predict visibility worse than probe rays.
     DOUBLING = "the first sample, and whenever 4, 8, 16, … samples are done"
 
     def is_due(self, sample: int) -> bool:
-        """In the sample of this index, counted from 0."""
+        """Whether the pass is due in the sample of this index, from 0."""
         return (
             self is Schedule.EVERY or sample == 0 or (self is Schedule.DOUBLING and sample > 2 and has_doubled(sample))
         )
@@ -58,7 +58,7 @@ class UndeclaredResourceError(RuntimeError):
 
 @dataclass
 class Frame:
-    """One sample of one image, as the passes see it. `frame[X]` is a resource that the current pass has declared."""
+    """The input of passes for one sample of an image. `frame[X]` is a resource that the current pass has declared."""
 
     device: Device
     scene: Scene
@@ -72,7 +72,7 @@ class Frame:
     grid: PixelGrid  # positions of samples in pixels
     submission: Submission
     uniforms: moderngl.Buffer
-    step: Pass | None = None  # the current pass, whose declared resources alone are accessible; None: all are
+    step: Pass | None = None  # the current pass: only its declared resources are accessible; None: all resources are
 
     def __getitem__(self, resource: Resource[T]) -> T:
         """Raises UndeclaredResourceError, and KeyError if no pass has made the resource."""
@@ -80,7 +80,7 @@ class Frame:
         return self.graph[resource]
 
     def get(self, resource: Resource[T]) -> T | None:
-        """Likewise, or None if no pass has made the resource."""
+        """As frame[resource], or None if no pass has made the resource."""
         self._check(resource, self.step is None or resource in self.step.readable)
         return self.graph.get(resource)
 
@@ -112,22 +112,22 @@ class Frame:
         return self.graph.targets.read(target)
 
     def allocate(self, target: Target, size: tuple[int, int]) -> None:
-        """Allocate an output that has its own size."""
+        """Allocate an output whose size is not a fraction of the image's."""
         self._check(target, self.step is None or target in self.step.outputs)
         self.graph.targets.allocate(target, size)
 
     def reserve(self, target: Target, size: tuple[int, int]) -> None:
-        """Likewise, but keep a larger texture: new memory pages are slow."""
+        """As `allocate`, but keep a texture that is larger: new memory pages are slow."""
         self._check(target, self.step is None or target in self.step.outputs)
         self.graph.targets.reserve(target, size)
 
     def is_neutral(self, target: Target) -> bool:
-        """Whether no pass has made a target, so that its texture is the neutral one."""
+        """Whether no pass has made a target, so its texture is neutral."""
         return target not in self.graph.targets.sizes
 
     @property
     def size(self) -> tuple[int, int]:
-        """Of the image. px"""
+        """Size of the image, px."""
         return self.view.width, self.view.height
 
     @property
@@ -149,18 +149,18 @@ class Frame:
         """Whether shadow rays are traced that can hit anything."""
         return self.casts_shadows and any(estimator.traces_rays for estimator in self.estimators)
 
-    def shared_resource(self, make: Callable[..., T], *parts: Any) -> T:
-        """`make(device, *parts)`, shared by all renderers that use it with the same parts of the scene."""
-        key = make, *parts
+    def shared_resource(self, make: Callable[..., T], *arguments: Any) -> T:
+        """`make(device, *arguments)`, shared by all renderers that use it with the same components of the scene."""
+        key = make, *arguments
         resource: Any = self.device.shared.get(key)
         if resource is None:
-            resource = self.device.shared[key] = make(self.device, *parts)
+            resource = self.device.shared[key] = make(self.device, *arguments)
             self.counts["bytes_uploaded"] += resource.bytes
         return resource
 
     @cached_property
     def states(self) -> Mapping[Change, object]:
-        """Values that identify the current state of parts of the scene and view: equal while these are unchanged."""
+        """Values that identify the states of components of scene and view: equal while these are unchanged."""
         view = self.view
         return {
             Change.MESHES: self.scene.meshes,
@@ -182,8 +182,8 @@ class Frame:
 class Pass:
     """A pass. Its row in the profile has the name of its class; its shaders lie beside its module.
 
-    It is executed when its schedule says so and any of its inputs has changed. Feedback is what the sample before has
-    made; it exists from the second sample on. `outputs` lists with each output the inputs that only it depends on.
+    It is executed if its schedule is due and any of its inputs has changed. `feedback` are resources that the previous
+    sample made; they exist from the second sample on. `outputs` maps each output to the inputs that only it depends on.
     """
 
     schedule: ClassVar[Schedule] = Schedule.EVERY
@@ -191,7 +191,7 @@ class Pass:
     feedback: ClassVar[tuple[Resource[Any], ...]] = ()
     outputs: ClassVar[Mapping[Resource[Any], tuple[Input, ...]]] = {}
     readable: ClassVar[frozenset[Resource[Any]]] = frozenset()
-    #: Outputs that are allocated before the pass is executed, and targets that it reads, by whether as feedback.
+    #: Targets that are allocated before the pass is executed, targets among its inputs, and targets among its feedback.
     sized_outputs: ClassVar[tuple[Target, ...]] = ()
     read_targets: ClassVar[tuple[Target, ...]] = ()
     feedback_targets: ClassVar[tuple[Target, ...]] = ()
@@ -205,8 +205,8 @@ class Pass:
         cls.read_targets, cls.feedback_targets = targets_of(cls.inputs), targets_of(cls.feedback)
         exclusive = {each for inputs in cls.outputs.values() for each in inputs}
         cls.unrelated = {
-            output: frozenset(index for index, each in enumerate(cls.inputs) if each in exclusive - set(own))
-            for output, own in cls.outputs.items()
+            output: frozenset(index for index, each in enumerate(cls.inputs) if each in exclusive - set(own_inputs))
+            for output, own_inputs in cls.outputs.items()
         }
 
     def __init__(self, device: Device):
@@ -220,7 +220,7 @@ class Pass:
         return True
 
     def execute(self, frame: Frame) -> None:
-        """Make the outputs. Those that are no targets are stored last, because it may raise Cancelled."""
+        """Make the outputs. Those that are not targets are stored last, because the pass may raise Cancelled."""
         raise NotImplementedError
 
     def tile_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.Program:
@@ -241,7 +241,7 @@ class Pass:
 
 
 def targets_of(inputs: Iterable[Input]) -> tuple[Target, ...]:
-    """The targets among inputs, and those that channels among them are of."""
+    """The targets among inputs, and the targets of channels among them."""
     resources = (each.of if isinstance(each, Channel) else each for each in inputs)
     return tuple(each for each in resources if isinstance(each, Target))
 

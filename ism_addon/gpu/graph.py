@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The frame graph: executes passes, and keeps the contents of resources (compare O'Donnell 2017).
 
-The recipe of a pass is the identity of each of its inputs. While the recipe is unchanged, the pass is not executed
-again. The identity of a resource is a number, the same for the same contents.
+The recipe of a pass is the tuple of the identities of its inputs. While the recipe is unchanged, the pass is not
+executed again. The identity of a resource is a number, the same for the same contents.
 """
 
 import itertools
@@ -32,11 +32,11 @@ class Graph:
         self.targets = RenderTargets(device.gl)
         self.contents: dict[Resource[Any], Any] = {}
         self.passes: dict[type[Pass], Pass] = {}
-        #: Of each pass, as of when it was last executed or skipped.
+        #: Recipe of each pass when it was last executed or skipped.
         self.recipes: dict[type[Pass], Recipe] = {}
-        #: Of each resource, a number: the same for the same contents.
+        #: Identity of each resource.
         self.identities: dict[Resource[Any], int] = {}
-        #: Of each output in the latest first sample: its part of the recipe, and its identity.
+        #: Of each output in the latest first sample: the identities of the inputs it depends on, and its identity.
         self.first_samples: dict[Resource[Any], tuple[Recipe, int]] = {}
         self.new_identities = itertools.count(1)
 
@@ -53,7 +53,7 @@ class Graph:
         self.contents[resource] = content
 
     def get(self, resource: Resource[T]) -> T | None:
-        """The contents of a resource that is no target, or None if no pass has made it."""
+        """The contents of a resource that is not a target, or None if no pass has made it."""
         contents: T | None = self.contents.get(resource)
         return contents
 
@@ -119,7 +119,7 @@ class Graph:
             self.identify(output, related, frame.sample)
 
     def prepare(self, pass_type: type[Pass], frame: Frame) -> None:
-        """Allocate a pass's targets, and neutral textures for those that it reads and no pass has made."""
+        """Allocate a pass's targets, and neutral textures for targets that it reads but that no pass has made."""
         for target in pass_type.sized_outputs:
             self.targets.allocate(target, size_of(target, *frame.size))
         for target in pass_type.read_targets + (pass_type.feedback_targets if frame.sample > 0 else ()):
@@ -155,7 +155,7 @@ class Graph:
             self.contents.pop(each, None)
 
     def abandon(self) -> None:
-        """Invalidate all targets: one may be drawn in part. Other outputs are stored last, so they are whole."""
+        """Invalidate all targets: one may be incomplete. Other outputs are stored last, so they are complete."""
         for pass_type in self.passes:
             targets = [output for output in pass_type.outputs if isinstance(output, Target)]
             if targets:
@@ -164,6 +164,6 @@ class Graph:
                 self.first_samples.pop(target, None)
 
     def release(self) -> None:
-        """Free all."""
+        """Free all contents."""
         self.targets.release()
         self.contents.clear()

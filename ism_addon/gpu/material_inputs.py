@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The inputs of materials in the G-buffer, and the GLSL that writes and reads them there.
 
-The base color has a target of its own, as images may give it. Components of all others lie one behind the other in
+The base color has a separate target, as images may be its source. The components of all other inputs are packed in
 MATERIAL_VALUES.
 """
 
@@ -16,7 +16,7 @@ from .gl import shader_compiler
 #: Among the inputs of passes whose shaders read Surface.material.
 MATERIAL: tuple[Resource[Any], ...] = BASE_COLOR, *MATERIAL_VALUES
 
-#: All but the base color.
+#: All inputs but the base color.
 OTHERS = {name: each for name, each in MATERIAL_INPUTS.items() if name != BASE_COLOR.name}
 
 
@@ -26,22 +26,22 @@ def material_samplers(frame: Frame) -> dict[str, Any]:
 
 
 def components() -> dict[str, list[str]]:
-    """Where the components of each input lie: material_values_0.x, …"""
-    found, first = {}, 0
+    """GLSL names of each input's components: material_values_0.x, …"""
+    names, first = {}, 0
     for name, each in OTHERS.items():
-        own = range(first, first + each.components)
-        found[name] = [f"{MATERIAL_VALUES[k // 4].name}.{'xyzw'[k % 4]}" for k in own]
+        indices = range(first, first + each.components)
+        names[name] = [f"{MATERIAL_VALUES[k // 4].name}.{'xyzw'[k % 4]}" for k in indices]
         first += each.components
-    return found
+    return names
 
 
 def reading() -> str:
-    """The file surfaces/material_inputs.glsl: what a pixel's material is."""
+    """The generated file surfaces/material_inputs.glsl: reads a pixel's material."""
     members = [f"    {each.glsl_type} {name};" for name, each in MATERIAL_INPUTS.items()]
     fetches = [f"    vec4 at_{target.name} = fetch({target.name}, at);" for target in MATERIAL_VALUES]
     values = {
-        name: f"{OTHERS[name].glsl_type}({', '.join(f'at_{component}' for component in own)})"
-        for name, own in components().items()
+        name: f"{OTHERS[name].glsl_type}({', '.join(f'at_{component}' for component in names)})"
+        for name, names in components().items()
     }
     return "\n".join(
         [
@@ -55,15 +55,15 @@ def reading() -> str:
 
 
 def writing() -> str:
-    """The file surfaces/material_outputs.glsl: outputs of the G-buffer, at locations that it defines."""
+    """The generated file surfaces/material_outputs.glsl: outputs of the G-buffer, at locations that it defines."""
     outputs = [
         f"layout(location = {target.name.upper()}_LOCATION) out vec4 {target.name};" for target in MATERIAL_VALUES
     ]
     clear = [f"    {target.name} = vec4(0.0);" for target in MATERIAL_VALUES]
     write = [
-        f"    {component} = material.{name}{f'[{k}]' if len(own) > 1 else ''};"
-        for name, own in components().items()
-        for k, component in enumerate(own)
+        f"    {component} = material.{name}{f'[{k}]' if len(names) > 1 else ''};"
+        for name, names in components().items()
+        for k, component in enumerate(names)
     ]
     return "\n".join(
         [

@@ -13,7 +13,7 @@ from ..scene import View
 from .passes.film.accumulate import ROWS, SAMPLES, WIDE_MARGIN, filter_margin
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
-#: Bytes a pixel: of the targets of one light, and of images on the CPU as they are read back and copied.
+#: Bytes per pixel: of the targets of one light, and of images on the CPU while they are read back and copied.
 TARGETS_PER_LIGHT, FULL_SIZE_IMAGES = 11, 100
 
 #: Bytes that are allocated without a check.
@@ -24,7 +24,7 @@ CURRENT_AVAILABLE = 0x9049
 
 
 def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
-    """Bytes of a render with these targets.
+    """Bytes that a render with these targets takes.
 
     `fine_pixels`: of the visibility buffer. `lights`: that rays are traced to. `map_texels`: of the shadow map atlas.
     """
@@ -34,14 +34,14 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
     texels |= dict.fromkeys((*SAMPLES, *ROWS), view.width * view.height if wide else 0)
     pixels = view.width * view.height
-    own = sum(
+    target_bytes = sum(
         target.texel_bytes * (pixels / target.divisor**2 if target.divisor else texels[target]) for target in targets
     )
-    return own + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES)
+    return target_bytes + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES)
 
 
 def free(gl: moderngl.Context) -> int | None:
-    """Free bytes: of main memory, to which drivers move what does not fit on the graphics card, and of the card.
+    """Free bytes of main memory and of the graphics card. Drivers move to main memory what does not fit on the card.
 
     None where there is no /proc/meminfo.
     """
@@ -50,19 +50,19 @@ def free(gl: moderngl.Context) -> int | None:
     kilobytes = [int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
     if not kilobytes:
         return None
-    of_card = ctypes.c_int()
+    card_kilobytes = ctypes.c_int()
     if "GL_NVX_gpu_memory_info" in gl.extensions:
         get_integer = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.POINTER(ctypes.c_int))
-        get_integer(gl.mglo._context.load("glGetIntegerv"))(CURRENT_AVAILABLE, of_card)
-    return 1024 * (kilobytes[0] + of_card.value)
+        get_integer(gl.mglo._context.load("glGetIntegerv"))(CURRENT_AVAILABLE, card_kilobytes)
+    return 1024 * (kilobytes[0] + card_kilobytes.value)
 
 
-def check(gl: moderngl.Context, wanted: float, view: View, lights: int) -> None:
-    """Raises MemoryError, with a sentence, if a render that needs `wanted` more bytes would exceed free memory."""
-    if wanted <= NEGLIGIBLE_BYTES or (available := free(gl)) is None or wanted <= available:
+def check(gl: moderngl.Context, required: float, view: View, lights: int) -> None:
+    """Raises MemoryError, with a sentence, if a render that needs `required` more bytes would exceed free memory."""
+    if required <= NEGLIGIBLE_BYTES or (available := free(gl)) is None or required <= available:
         return
     lit = f" under {lights} lights that cast shadows" if lights > 1 else ""
     raise MemoryError(
-        f"{view.width}×{view.height} pixels{lit} take {wanted / 1e9:.1f} GB of memory, "
+        f"{view.width}×{view.height} pixels{lit} take {required / 1e9:.1f} GB of memory, "
         f"of which {available / 1e9:.1f} GB are free: a smaller picture takes less"
     )

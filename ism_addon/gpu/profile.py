@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 
 from ..scene import Scene
 
-#: Counts of an image, beside those of its passes.
+#: Counts of an image, in addition to the statistics of its passes.
 COUNTS = (
     *("triangles_drawn", "pixels_drawn", "lights_used", "pairs_traced", "retests"),
     *("virtual_lights", "map_points", "bytes_uploaded", "render_target_bytes"),

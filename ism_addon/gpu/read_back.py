@@ -11,18 +11,18 @@ from ..resources import BACKGROUND_DEPTH, DEPTH, NORMAL, POSITION
 from .gl.render_targets import RenderTargets
 from .gl.shader_records import directions_from_octahedron
 
-#: Decode texels (N,C) of surfaces, given the anchor's origin (3,). Texels of other targets are the values.
+#: Functions that decode texels (N,C) of surfaces, given the anchor (3,). Texels of other targets need no decoding.
 DECODERS: dict[Target, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     NORMAL: lambda texels, _anchor: directions_from_octahedron(texels[:, :2]),
     POSITION: lambda texels, anchor: texels[:, :3] + anchor,
 }
 
 
-def image(targets: RenderTargets, wanted: RenderPass, anchor: np.ndarray) -> np.ndarray:
+def image(targets: RenderTargets, render_pass: RenderPass, anchor: np.ndarray) -> np.ndarray:
     """(H,W,channels) float32, bottom row first; 0 in the background."""
-    texels = targets.read(wanted.resource)
-    values = np.ascontiguousarray(texels[..., : len(wanted.channels)])
-    if wanted.resource in DECODERS:
+    texels = targets.read(render_pass.resource)
+    values = np.ascontiguousarray(texels[..., : len(render_pass.channels)])
+    if render_pass.resource in DECODERS:
         visible = targets.read(DEPTH)[..., 0] < BACKGROUND_DEPTH
-        values[visible] = DECODERS[wanted.resource](texels[visible], anchor)
+        values[visible] = DECODERS[render_pass.resource](texels[visible], anchor)
     return values

@@ -45,7 +45,7 @@ from .submission import Submission, never
 
 #: Uploads what has changed in the scene. Triangles lie in the order of their BLAS.
 UPLOAD = CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, UploadMaterials, UploadLights
-#: What the camera sees, in the tiles that take part in the sample.
+#: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
 SELECTION = UploadBLAS, BuildTLAS, CullLights
@@ -60,7 +60,7 @@ PASSES: tuple[type[Pass], ...] = (
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
 )
 
-#: Most pixels of a visibility buffer, 12 bytes each.
+#: Maximum number of pixels of a visibility buffer, 12 bytes each.
 MAX_FINE_PIXELS = 1 << 25
 
 
@@ -72,7 +72,7 @@ class Renderer:
         self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
-        #: The scene and view that `uniforms` are of, and their anchor.
+        #: The scene and view of `uniforms`, and their anchor.
         self.placed: tuple[Scene, View, np.ndarray] | None = None
 
     def sample(
@@ -87,8 +87,8 @@ class Renderer:
     ) -> Iterator[str]:
         """Draw one sample, and yield the name of each pass after it has been submitted, see submission.py.
 
-        With `low_latency` the first sample is done sooner, and all others later. Raises Cancelled if `cancelled()`,
-        also within a long pass: the image is then lost, and another one can be begun.
+        With `low_latency` the first sample is finished earlier, and all others later. Raises Cancelled if `cancelled()`
+        is true, even within a long pass: the image is then lost, and another one can be begun.
         """
         self.submission.begin(sample, cancelled)
         frame = self.frame(scene, view, settings, sample, profile, low_latency)
@@ -145,7 +145,7 @@ class Renderer:
         )
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
-        """Positions of a sample in the pixels. The first is at their centres; drawn alone, it is done sooner."""
+        """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""
         if filter_margin(view.filter_width) == 0:
             return narrow_pixel_grid(sample, view.filter_width)
         count = samples_per_visibility_buffer(view, settings.quality.samples, self.device.texture_size)
@@ -167,27 +167,27 @@ class Renderer:
         targets = {
             output for pass_type in pass_types_of(chosen) for output in pass_type.outputs if isinstance(output, Target)
         }
-        wanted = needed(targets, view, fine_pixels, lights, map_texels)
-        check(self.device.gl, wanted - self.graph.targets.bytes, view, lights)
+        required = needed(targets, view, fine_pixels, lights, map_texels)
+        check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 
     def picture(self) -> np.ndarray:
         """(H,W,4): the image of all samples so far, alpha premultiplied, bottom row first. Raises as Device.check."""
         return self.images([COMBINED])[COMBINED.name]
 
-    def images(self, wanted: Collection[RenderPass]) -> dict[str, np.ndarray]:
+    def images(self, requested: Collection[RenderPass]) -> dict[str, np.ndarray]:
         """Render passes (H,W,channels) by name, bottom row first: filtered ones of all samples so far, others of the
         latest sample. Raises as Device.check."""
         frame, profile = self.last
-        if any(each.filtered for each in wanted):
+        if any(each.filtered for each in requested):
             self.graph.step(Resolve, frame, profile)
             self.submission.finish()
-        images = {each.name: image(self.graph.targets, each, frame.anchor) for each in wanted}
-        self.device.check()  # after an error they might be uninitialised memory
+        images = {each.name: image(self.graph.targets, each, frame.anchor) for each in requested}
+        self.device.check()  # after an error the images might be uninitialised memory
         return images
 
     @property
     def error(self) -> Convergence:
-        """Of the image so far."""
+        """Convergence of the image so far."""
         return self.graph[CONVERGENCE]
 
     @staticmethod
@@ -213,7 +213,7 @@ def draws_target(pass_type: type[Pass]) -> bool:
 
 
 def samples_per_visibility_buffer(view: View, samples: int, limit: int) -> int:
-    """How many samples share one visibility buffer, which has as many times more pixels."""
+    """How many samples share one visibility buffer, which has that many pixels per pixel of the image."""
     for count in sorted((count for count in PIXEL_GRIDS if count <= samples), reverse=True):
         size = pixel_grid(0, count).max_size(view.width, view.height)
         if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """When a renderer waits for the GPU, and how long its passes take.
 
-A short sample is submitted as a whole, and waited for when the next one has been submitted: the GPU never idles. A long
-sample is waited for after each pass, and within a pass after each portion. Otherwise it could not be cancelled, and
-drivers with a full queue would block within a draw, which holds the interpreter's lock (GIL).
+A short sample is submitted at once, and waited for after the next one has been submitted, so that the GPU never idles.
+During a long sample the renderer waits after each pass, and within a pass after each portion. Otherwise the sample
+could not be cancelled, and drivers with a full queue would block within a draw, which holds Python's lock (GIL).
 """
 
 import time
@@ -20,7 +20,7 @@ SHORT_SAMPLE = 0.03
 
 
 def never() -> bool:
-    """For renders that cannot be cancelled."""
+    """`cancelled` of renders that cannot be cancelled."""
     return False
 
 
@@ -35,8 +35,8 @@ class Submission:
         self._cancelled: Callable[[], bool] = never
         #: Cost of the draws since the last submission.
         self._rays = 0.0
-        #: Of short samples in flight: timer queries before the first pass, and after each pass with its row. Time in
-        #: which the GPU waits for Python counts for the next pass.
+        #: Timer queries of short samples in flight: one before the first pass, and one after each pass, with its row.
+        #: Time in which the GPU waits for Python counts for the next pass.
         self._timestamps: deque[list[tuple[PassProfile, int]]] = deque()
 
     def begin(self, sample: int, cancelled: Callable[[], bool]) -> None:
@@ -48,7 +48,7 @@ class Submission:
             self._timestamps.append([(PassProfile(), self.device.clock.record())])
 
     def before_draw(self, rays: float) -> None:
-        """To be called before a draw that takes the time of `rays` rays: submits earlier draws if the sum is too much.
+        """Call before a draw that takes the time of `rays` rays. Submits earlier draws if the sum exceeds the limit.
 
         Raises Cancelled.
         """

@@ -7,12 +7,12 @@ from ..resource_types import Resource
 from ..resources import INSTANCE_BUFFERS, NORMAL, POSITION, PRIMITIVE, TERMINATOR_OFFSET
 from .frame import Frame
 
-#: To be among the inputs of their passes.
+#: Must be among the inputs of their passes.
 SURFACE: tuple[Resource[Any], ...] = POSITION, NORMAL, PRIMITIVE, TERMINATOR_OFFSET, INSTANCE_BUFFERS
 
 
 def surface_samplers(frame: Frame) -> dict[str, Any]:
-    """Samplers by name. Base color is an input of those passes alone that name MATERIAL."""
+    """Samplers by name. The base color is an input only of passes that declare MATERIAL."""
     return {
         "position": frame[POSITION],
         "normal": frame[NORMAL],

@@ -15,7 +15,7 @@ TILE = np.dtype(
         ("visibility_texel", "f4", 2),  # in the visibility buffer's grid, from the pixel's centre
         ("subpixel_offset", "f4", 2),  # of the sample from the pixel's centre, px
         ("sample_index", "f4"),  # among the samples of this tile
-        ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has its own
+        ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has a different one
         ("light", "i4"),  # index
         ("visibility", "f4"),  # predicted, of all of its pixels
     ]

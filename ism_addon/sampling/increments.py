@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Increments of additive sequences: irrational numbers that no multiple brings close to whole ones.
+"""Increments of additive sequences: irrational numbers whose multiples are never close to integers.
 
 A number of degree d + 1 and its first d powers are such increments in d dimensions (Perron 1921). The sequences R_d
 (Roberts 2018) are those of x^(d+1) = 1 - x^d.
@@ -23,7 +23,7 @@ def powers_of_root(*coefficients: int) -> tuple[float, ...]:
 
 
 def continued_fraction(*quotients: int) -> tuple[float]:
-    """The number in (0,1) whose continued fraction repeats these: the smaller they are, the more even its sequence."""
+    """The number in (0,1) whose continued fraction repeats `quotients`. Smaller ones make its sequence more even."""
     value = 0.0
     for _ in range(64):
         for quotient in reversed(quotients):

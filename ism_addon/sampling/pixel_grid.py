@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subpixel offsets of samples: on a grid that several samples share, or distributed as a narrow filter."""
+"""Subpixel offsets of samples: on a grid that several samples share, or distributed like a narrow filter."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,11 +11,11 @@ from .dimensions import Dimension, draw
 
 @dataclass(frozen=True, eq=False)
 class PixelGrid:
-    """A grid of texels finer than the pixels and rotated against theirs, and the subpixel offsets of samples on it."""
+    """A grid of texels, finer than the pixels and rotated relative to them, and samples' subpixel offsets on it."""
 
     fine_from_pixel: np.ndarray  # (2,2) int
     offset: np.ndarray  # (2,) px: from pixels' centres to the centres of texels
-    texels: np.ndarray  # (N,2) int: the texel of each sample, from the one at the pixel's centre
+    texels: np.ndarray  # (N,2) int: the texel of each sample, relative to the one at the pixel's centre
     subpixel_offsets: np.ndarray  # (N,2) px: of samples from the pixel's centre
 
     @lru_cache(maxsize=64)  # noqa: B019 (few grids, which are small)
@@ -27,7 +27,7 @@ class PixelGrid:
 
     @lru_cache(maxsize=64)  # noqa: B019 (likewise)
     def max_size(self, width: int, height: int) -> np.ndarray:
-        """(2,): the most columns and rows of a grid of this spacing, whatever its subpixel offsets."""
+        """(2,): upper bounds of columns and rows of a grid of this spacing, for any subpixel offsets."""
         _, size = self.bounds(width, height)
         return size - np.ptp(self.texels, axis=0) + np.abs(self.fine_from_pixel).sum(1) + 1
 
@@ -39,36 +39,36 @@ class PixelGrid:
 
 
 #: Subpixel offsets are a rank-1 lattice of this generator, in van der Corput's order, so that the first 2, 4, 8, … are
-#: one as well (Hickernell et al. 2000): all x and all y differ, which matters as edges in pictures are often along the
-#: pixel's sides. Of all generators it has the largest shortest distance in its lattices of up to 4,096 points.
+#: a lattice as well (Hickernell et al. 2000). All x and all y differ, because edges in pictures are often parallel to
+#: the pixels' sides. Of all generators it has the largest minimum distance in its lattices of up to 4,096 points.
 LATTICE_GENERATOR = 3045
 
-#: Texels from pixels, by the number of samples that share a grid: a texel's sides are the lattice's shortest steps.
+#: Texels from pixels, by the number of samples that share a grid. A texel's sides are the lattice's shortest vectors.
 PIXEL_GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 
 
-def van_der_corput(numbers: np.ndarray) -> np.ndarray:
-    """Members (N,) of the sequence, in [0,1): radical inverses in base 2."""
-    digits = np.unpackbits(numbers.astype(">u4")[:, None].view(np.uint8), axis=1)
+def van_der_corput(indices: np.ndarray) -> np.ndarray:
+    """Elements (N,) of the sequence with these indices, in [0,1): radical inverses in base 2."""
+    digits = np.unpackbits(indices.astype(">u4")[:, None].view(np.uint8), axis=1)
     return digits @ 0.5 ** np.arange(32.0, 0.0, -1.0)
 
 
 @lru_cache(maxsize=64)
-def pixel_grid(number: int, count: int) -> PixelGrid:
-    """Of samples number * count … (number + 1) * count - 1; the very first is at the pixel's centre."""
+def pixel_grid(index: int, count: int) -> PixelGrid:
+    """The grid of samples index * count … (index + 1) * count - 1. Sample 0 is at the pixel's centre."""
     fine_from_pixel = np.array(PIXEL_GRIDS[count])
-    lattice = van_der_corput(np.arange(number * count, (number + 1) * count))[:, None] * (1, LATTICE_GENERATOR)
+    lattice = van_der_corput(np.arange(index * count, (index + 1) * count))[:, None] * (1, LATTICE_GENERATOR)
     offsets = np.mod(lattice + 0.5, 1.0) - 0.5
     texels = np.rint((offsets - offsets[0]) @ fine_from_pixel.T).astype(int)
     return PixelGrid(fine_from_pixel, offsets[0], texels, offsets)
 
 
-def narrow_pixel_grid(number: int, width: float) -> PixelGrid:
-    """One sample, distributed as the Blackman-Harris filter of radius `width` px, at most 0.5 (Harris 1978)."""
+def narrow_pixel_grid(sample: int, width: float) -> PixelGrid:
+    """The grid of one sample, distributed like the Blackman-Harris filter of radius `width` ≤ 0.5 px (Harris 1978)."""
     t = np.linspace(-1.0, 1.0, 257)
     k = np.pi * (t + 1.0)
     weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
     cumulative = np.cumsum(weight) - 0.5 * weight
-    uniform = draw(Dimension.PIXEL, sample=number - 1)  # of the first sample, the centre
+    uniform = draw(Dimension.PIXEL, sample=sample - 1)  # of the first sample, the centre
     offset = width * np.interp(uniform * weight.sum(), cumulative, t)
     return PixelGrid(np.eye(2, dtype=int), offset, np.zeros((1, 2), int), offset[None])

@@ -6,7 +6,7 @@ import numpy as np
 from ..parallel import parallel_map
 from .dimensions import Dimension, draw
 
-#: Points are made in blocks of this many, so that several cores share them.
+#: Number of points that are computed at a time, so that several cores share the work.
 POINTS_AT_A_TIME = 1 << 17
 
 
@@ -27,7 +27,7 @@ def triangle_areas(corners: np.ndarray) -> np.ndarray:
 
 
 def proportional_counts(weights: np.ndarray, count: int) -> np.ndarray:
-    """(N,) int64 that sum to `count`, in proportion to `weights` (N,), each within 1 of its due."""
+    """(N,) int64 that sum to `count`, each within 1 of `count` times its fraction of the sum of `weights` (N,)."""
     total = weights.sum()
     if total <= 0.0:
         return np.zeros(len(weights), np.int64)
@@ -37,39 +37,39 @@ def proportional_counts(weights: np.ndarray, count: int) -> np.ndarray:
 
 
 def points_on_triangles(corners: np.ndarray, count: int, first: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Triangle index (count,) and position (count,3) of points `first` … of a mesh's endless sequence.
+    """Triangle indices (count,) and positions (count,3) of a mesh's infinite sequence of points, from `first` on.
 
     Triangles (T,3,3) are chosen with probability in proportion to their area, points uniformly on each:
     one dimension of the sequence chooses the triangle, two the point on it.
     """
     cumulative = np.cumsum(triangle_areas(corners))
 
-    def block(start: int) -> tuple[np.ndarray, np.ndarray]:
+    def points_from(start: int) -> tuple[np.ndarray, np.ndarray]:
         index = np.arange(first + start, first + min(start + POINTS_AT_A_TIME, count))
         random = draw(Dimension.MAP_POINT, point=index)
         chosen = np.searchsorted(cumulative, random[:, 0] * cumulative[-1], side="right")
         chosen = np.minimum(chosen, len(corners) - 1)
         return chosen, np.einsum("nk,nkc->nc", barycentric(random[:, 1:]), corners[chosen])
 
-    blocks = parallel_map(block, range(0, count, POINTS_AT_A_TIME), count)
-    return np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
+    chunks = parallel_map(points_from, range(0, count, POINTS_AT_A_TIME), count)
+    return np.concatenate([chunk[0] for chunk in chunks]), np.concatenate([chunk[1] for chunk in chunks])
 
 
 def disk(squares: np.ndarray) -> np.ndarray:
-    """Points (N,2) of the unit square to the disk of diameter 1, equal areas (Shirley & Chiu 1997)."""
+    """Points (N,2) of the unit square mapped to the disk of diameter 1; areas stay equal (Shirley & Chiu 1997)."""
     x, y = (2.0 * squares - 1.0).T
-    wide = np.abs(x) > np.abs(y)
-    radius = np.where(wide, x, y)
-    minor = np.where(wide, y, x)
+    x_is_larger = np.abs(x) > np.abs(y)
+    radius = np.where(x_is_larger, x, y)
+    minor = np.where(x_is_larger, y, x)
     angle = (np.pi / 4.0) * np.divide(minor, radius, out=np.zeros_like(radius), where=radius != 0.0)
-    angle = np.where(wide, angle, np.pi / 2.0 - angle)
+    angle = np.where(x_is_larger, angle, np.pi / 2.0 - angle)
     return 0.5 * radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def lattice(count: int, shift: np.ndarray) -> np.ndarray:
-    """(count,2) in [0,1): a rank-1 lattice; `shift` (2,) in [0,1) moves it (Cranley & Patterson 1976).
+    """(count,2) in [0,1): a rank-1 lattice, shifted by `shift` (2,) in [0,1) (Cranley & Patterson 1976).
 
-    It is better spread than a prefix of an endless sequence, for exactly `count` points.
+    Its points are more even than the first `count` points of an infinite sequence.
     """
     row = draw(Dimension.VIRTUAL_LIGHT_ROW, virtual_light=np.arange(count))[:, 0]
     return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, row]) + shift)[0]

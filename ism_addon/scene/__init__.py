@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene as arrays: the only interface between Blender and the renderer.
 
-All objects are frozen and all arrays read-only. So an object is unchanged if it is the same object, and unchanged
+All objects are frozen and all arrays read-only. The renderer recognises unchanged data by identity, so unchanged
 meshes, images and light tables must be passed on as the same objects. SI units, radians, linear light in the working
 space; world space is float64 (see `spaces`).
 """
@@ -43,7 +43,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A Blender scene at one frame. `warnings`: sentences about what was left out."""
+    """A Blender scene at one frame. `warnings`: sentences about data that was left out."""
 
     meshes: tuple[Mesh, ...]
     instances: Instances
@@ -52,7 +52,7 @@ class Scene:
     lights: Lights
     world: World
     warnings: tuple[str, ...] = ()
-    working_space: str = REC709  # of all colours: one of color.PRIMARIES
+    working_space: str = REC709  # of all colours; a key of color.PRIMARIES
 
     def __post_init__(self) -> None:
         if self.working_space not in PRIMARIES:
@@ -65,19 +65,19 @@ class Scene:
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
     def reusing(self, other: Self) -> Self:
-        """This scene with the other's objects wherever both are equal; the other itself if all are."""
+        """This scene, with equal objects replaced by the other's; if all are equal, the other scene itself."""
         tables = {name: getattr(self, name) for name in ("instances", "materials", "lights", "world")}
         for name, value in tables.items():
             if value.equals(getattr(other, name)):
                 tables[name] = getattr(other, name)
-        others = chain(other.images, repeat(None))
+        old_images = chain(other.images, repeat(None))
         images = tuple(
             old if old is not None and (old is new or old.equals(new)) else new
-            for new, old in zip(self.images, others, strict=False)
+            for new, old in zip(self.images, old_images, strict=False)
         )
-        shared = replace(self, **tables, images=images)
-        same = all(getattr(shared, member.name) == getattr(other, member.name) for member in fields(self))
-        return other if same else shared
+        merged = replace(self, **tables, images=images)
+        is_same = all(getattr(merged, member.name) == getattr(other, member.name) for member in fields(self))
+        return other if is_same else merged
 
     @cached_property
     def extent(self) -> float:
@@ -88,13 +88,13 @@ class Scene:
         centre = ((low + high) / 2.0)[self.instances.mesh]
         radius = np.linalg.norm(high - low, axis=1)[self.instances.mesh] / 2.0
         linear = self.instances.world_from_object[:, :3, :3]
-        middle = np.einsum("nij,nj->ni", linear, centre) + self.instances.world_from_object[:, :3, 3]
-        extent = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
-        return float(((middle + extent).max(0) - (middle - extent).min(0)).max())
+        world_centre = np.einsum("nij,nj->ni", linear, centre) + self.instances.world_from_object[:, :3, 3]
+        world_radius = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
+        return float(((world_centre + world_radius).max(0) - (world_centre - world_radius).min(0)).max())
 
 
 class Change(Enum):
-    """Parts of the scene and view that a pass can depend on."""
+    """Inputs outside of the passes that a pass can depend on."""
 
     MESHES = "meshes"
     INSTANCES = "instances"

@@ -9,7 +9,7 @@ import numpy as np
 from .arrays import Arrays, array
 from .limits import MAX_DISTANCE
 
-#: Of an image's width and height, as in Blender.
+#: Limit of an image's width and of its height, as in Blender.
 MAX_PIXELS = 1 << 16
 
 
@@ -18,9 +18,9 @@ class View(Arrays):
     """A camera, and the size and filter of its image."""
 
     #: OpenGL's clip space.
-    clip_from_view: np.ndarray = array("float64 4 4", most=4.0 * MAX_DISTANCE)
+    clip_from_view: np.ndarray = array("float64 4 4", max_abs=4.0 * MAX_DISTANCE)
     #: Rigid; the view looks along -z.
-    view_from_world: np.ndarray = array("float64 4 4", "m", most=4.0 * MAX_DISTANCE)
+    view_from_world: np.ndarray = array("float64 4 4", "m", max_abs=4.0 * MAX_DISTANCE)
     width: int  # type: ignore[misc] # px; mypy takes array() for a default
     height: int  # type: ignore[misc] # px
     filter_width: float = 1.5  # radius of the Blackman-Harris pixel filter, px

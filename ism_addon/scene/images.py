@@ -10,15 +10,15 @@ from .arrays import Arrays, array
 
 
 class Encoding(StrEnum):
-    """How the texels of an image store its values. Alpha is never encoded."""
+    """How the texels of an image store its values. Alpha is always linear."""
 
-    SRGB = "SRGB"  # 8 bits, by sRGB's transfer function
-    LINEAR = "LINEAR"  # 8 bits, in proportion: 255 is 1
-    FLOAT = "FLOAT"  # 16-bit floats, in proportion, without a bound
+    SRGB = "SRGB"  # 8 bits, with sRGB's transfer function
+    LINEAR = "LINEAR"  # 8 bits, linear: 255 is 1
+    FLOAT = "FLOAT"  # 16-bit floats, linear, without a limit
 
     @property
     def dtype(self) -> np.dtype:
-        """Of the texels."""
+        """Dtype of the texels."""
         return np.dtype(np.float16 if self is Encoding.FLOAT else np.uint8)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from .arrays import Arrays, array, index
 from .limits import MAX_DISTANCE
 
-#: Most groups for light linking: a bit of an instance's `groups` each.
+#: Maximum number of groups for light linking: each is a bit of an instance's `groups`.
 MAX_LINK_GROUPS = 32
 
 
@@ -17,9 +17,9 @@ class Instances(Arrays):
     """Instances of meshes, in any order."""
 
     mesh: np.ndarray = index("int32 I", into="meshes")
-    world_from_object: np.ndarray = array("float64 I 4 4", "m", most=MAX_DISTANCE)
-    #: Visible to the camera.
+    world_from_object: np.ndarray = array("float64 I 4 4", "m", max_abs=MAX_DISTANCE)
+    #: Whether the camera sees it.
     visible: np.ndarray = array("bool I")
     casts_shadow: np.ndarray = array("bool I")
-    #: Bit k: whether it belongs to group k.
+    #: Bit k is set if the instance belongs to group k.
     groups: np.ndarray = array("uint32 I")

@@ -6,22 +6,22 @@ Blender's data beyond the limits is left out with a warning; a snapshot with suc
 
 import numpy as np
 
-#: m; also of other values, such as matrices and colours. Blender allows 3e38.
+#: Limit of distances, m, and of other values, such as matrix elements and colours. Blender allows 3e38.
 MAX_DISTANCE = 1e9
 
-#: W/(sr m²).
+#: Limit of radiance, W/(sr m²).
 MAX_RADIANCE = 1e15
 
-#: Smallest scale of an instance.
+#: Minimum scale of an instance.
 MIN_SCALE = 1e-15
 
 #: Vectors count as coplanar if their volume is below this fraction of the product of their lengths.
 PLANAR_VOLUME = 1e-9
 
 
-def is_within(values: np.ndarray, most: float = MAX_DISTANCE) -> np.ndarray:
-    """Element by element: whether a value is a number within the limit."""
-    return np.abs(values) <= most
+def is_within(values: np.ndarray, limit: float = MAX_DISTANCE) -> np.ndarray:
+    """For each element, whether it is a number and its absolute value within the limit."""
+    return np.abs(values) <= limit
 
 
 def is_invertible(linear: np.ndarray) -> np.ndarray:
@@ -31,6 +31,6 @@ def is_invertible(linear: np.ndarray) -> np.ndarray:
 
 
 def spans_plane(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(N,) bool: whether vectors (N,3) span a plane, likewise."""
+    """(N,) bool: whether vectors (N,3) span a plane, with the same tolerance."""
     size = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
     return np.linalg.norm(np.cross(u, v), axis=1) > PLANAR_VOLUME * size

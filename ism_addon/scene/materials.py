@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials: each input is a field, from which its reader, its place in snapshots and in shaders follow."""
+"""Materials. The declaration of an input determines how it is read, stored in snapshots and passed to shaders."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -7,50 +7,50 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import ArrayFacts, Arrays, index
+from .arrays import Arrays, ArraySpec, index
 from .limits import MAX_DISTANCE
 
 
 @dataclass(frozen=True)
 class MaterialInput:
-    """Declaration of an input: a number, or a color."""
+    """Declaration of an input: a number or a color."""
 
-    facts: ArrayFacts
-    default: float  # of materials without a shader, and in place of what is no number
-    sockets: Mapping[str, str]  # of Blender's shader nodes, by their bl_idname
+    spec: ArraySpec
+    default: float  # for materials without a shader, and instead of values that are not numbers
+    sockets: Mapping[str, str]  # of Blender's shader nodes, by the nodes' bl_idname
 
     @property
     def components(self) -> int:
-        """1, or 3 of a color."""
-        return int(self.facts.shapes[0][-1]) if len(self.facts.shapes[0]) > 1 else 1
+        """1 for a number, 3 for a color."""
+        return int(self.spec.shapes[0][-1]) if len(self.spec.shapes[0]) > 1 else 1
 
     @property
     def glsl_type(self) -> str:
-        """Of the member of Material and Surface that has the field's name."""
+        """Type of the member with the field's name in Material and Surface."""
         return "float" if self.components == 1 else f"vec{self.components}"
 
 
-def material_input(layout: str, default: float, sockets: Mapping[str, str], most: float | None = None) -> Any:
+def material_input(layout: str, default: float, sockets: Mapping[str, str], max_abs: float | None = None) -> Any:
     """A field of Materials that is an input."""
-    facts = ArrayFacts(layout, most=most)
-    return field(metadata={"array": facts, "input": MaterialInput(facts, default, sockets)})
+    spec = ArraySpec(layout, max_abs=max_abs)
+    return field(metadata={"array": spec, "input": MaterialInput(spec, default, sockets)})
 
 
 @dataclass(frozen=True, eq=False)
 class Materials(Arrays):
-    """Lambertian materials: a base color, or an image in its place."""
+    """Lambertian materials: a base color, or an image instead."""
 
     base_color: np.ndarray = material_input(
         "float32 M 3",
-        0.8,  # Blender's grey of what has no material
+        0.8,  # Blender's grey of surfaces without a material
         {"ShaderNodeBsdfPrincipled": "Base Color", "ShaderNodeBsdfDiffuse": "Color"},
-        most=MAX_DISTANCE,
+        max_abs=MAX_DISTANCE,
     )
-    #: -1: none.
+    #: -1: no image.
     image: np.ndarray = index("int32 M", into="images", first=-1)
 
 
-#: By name.
+#: Inputs by name.
 MATERIAL_INPUTS: dict[str, MaterialInput] = {
     member.name: member.metadata["input"] for member in fields(Materials) if "input" in member.metadata
 }

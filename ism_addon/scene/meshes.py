@@ -10,7 +10,7 @@ import numpy as np
 from .arrays import UNIT_VECTOR, Arrays, array, index
 from .limits import MAX_DISTANCE
 
-#: Most vertices of a mesh whose box is computed together with others.
+#: Maximum number of vertices of a mesh whose box is computed together with others.
 SMALL_MESH = 1 << 12
 
 
@@ -18,11 +18,11 @@ SMALL_MESH = 1 << 12
 class Mesh(Arrays):
     """Triangles in object space. T triangles, V vertices; corners are stored per triangle."""
 
-    positions: np.ndarray = array("float32 V 3", "m", most=MAX_DISTANCE)
+    positions: np.ndarray = array("float32 V 3", "m", max_abs=MAX_DISTANCE)
     triangles: np.ndarray = index("uint32 T 3", into="positions")
     #: Shading normals of vertices, or of corners.
     normals: np.ndarray = array("float32 V 3 or T 3 3", UNIT_VECTOR)
-    #: U: T or 0.
+    #: U is T, or 0 without texture coordinates.
     uvs: np.ndarray = array("float32 U 3 2")
     materials: np.ndarray = index("uint32 T", into="materials")
 
@@ -43,7 +43,7 @@ def bounding_boxes(meshes: Sequence[Mesh]) -> np.ndarray:
     if new:
         counts = np.array([len(mesh.positions) for mesh in new])
         positions, first = np.concatenate([mesh.positions for mesh in new]), np.cumsum(counts) - counts
-        corners = [either.reduceat(positions, first, 0) for either in (np.minimum, np.maximum)]
+        corners = [min_or_max.reduceat(positions, first, 0) for min_or_max in (np.minimum, np.maximum)]
         for mesh, box in zip(new, np.stack(corners, 1).astype(np.float64), strict=True):
-            vars(mesh)["box"] = box  # where cached_property looks
+            vars(mesh)["box"] = box  # where cached_property stores it
     return np.concatenate([np.zeros((0, 3)), *(mesh.box for mesh in meshes)]).reshape(-1, 2, 3)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quotes of file contents in messages, which may be as long as the file."""
 
-#: Of a quote, in characters.
+#: Maximum length of a quote, in characters.
 MAX_LENGTH = 80
 
 

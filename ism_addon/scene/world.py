@@ -13,4 +13,4 @@ from .limits import MAX_DISTANCE
 class World(Arrays):
     """The constant environment light, also the background."""
 
-    radiance: np.ndarray = array("float32 3", "W/(sr m²)", most=MAX_DISTANCE)
+    radiance: np.ndarray = array("float32 3", "W/(sr m²)", max_abs=MAX_DISTANCE)

@@ -5,15 +5,15 @@ from collections.abc import Iterator
 
 import bpy
 
-#: Panels that name Blender's engines but suit this one too.
-ALSO = {
+#: Panels for Blender's engines only that also suit this one.
+INCLUDED = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "MATERIAL_PT_preview",
 }
-#: Panels for every engine about what this one does not draw, or has its own panel for.
-LEFT_OUT = {
+#: Panels for every engine about features that this one does not draw or has its own panel for.
+EXCLUDED = {
     "DATA_PT_light",
     "DATA_PT_spot",
     "DATA_PT_volume_render",
@@ -22,16 +22,16 @@ LEFT_OUT = {
     "OBJECT_PT_shading",
     "RENDER_PT_freestyle",
 }
-LEFT_OUT_PREFIXES = ("DATA_PT_lightprobe", "VIEWLAYER_PT_freestyle")
+EXCLUDED_PREFIXES = ("DATA_PT_lightprobe", "VIEWLAYER_PT_freestyle")
 
 
 def panels() -> Iterator[type[bpy.types.Panel]]:
     """Every compatible panel of this version of Blender and of the enabled add-ons."""
     for panel in bpy.types.Panel.__subclasses__():
         name = panel.__name__
-        if name in LEFT_OUT or name.startswith(LEFT_OUT_PREFIXES):
+        if name in EXCLUDED or name.startswith(EXCLUDED_PREFIXES):
             continue
-        if name in ALSO or "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()):
+        if name in INCLUDED or "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()):
             yield panel
 
 

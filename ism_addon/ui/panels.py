@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels)
-"""The engine's own panels. Those for settings loop over a section's fields, so a new setting appears by itself."""
+"""The engine's own panels. Those for settings loop over a section's fields, so a new setting needs no code here."""
 
 import bpy
 
@@ -41,7 +41,7 @@ class SectionPanel(ISMPanel):
 
     @classmethod
     def shown(cls, scene: bpy.types.Scene) -> list[str]:
-        """Names of the settings that the panel shows in this scene; its switch is in the header."""
+        """Names of the settings that the panel shows in this scene, without its switch in the header."""
         return [
             member.name
             for member, control in settings.setting_fields(cls.section)
@@ -119,7 +119,7 @@ class ISM_VIEWLAYER_PT_passes(ISMPanel, bpy.types.Panel):
 
 
 class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
-    """Blender's own light panels belong to one engine each, and none has all properties of an area light."""
+    """Each of Blender's light panels is for one engine, and none has all properties of an area light."""
 
     bl_label = "Light"
     bl_context = "data"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ruff: noqa: N801 (Blender's rule for the names of panels and operators)
-"""Quality presets: scripts, as in Blender. Ours are in the package, the user's own in Blender's folder.
+"""Quality presets: scripts, as in Blender. Ours are in the package, those of users in Blender's folder.
 
-A preset first resets all properties in ABOUT, so ours only set what differs from the defaults.
+Before a preset is run, all properties in PRESET_PROPERTIES are reset. So ours only set what differs from the defaults.
 """
 
 from pathlib import Path
@@ -16,11 +16,11 @@ from .. import old_names, settings
 from ..atomic_files import atomic_write
 from . import redraw
 
-#: Holds the folder presets, where Blender looks for preset_subdir.
+#: Contains the folder `presets`, where Blender looks for preset_subdir.
 FOLDER = str(Path(__file__).parents[1])
 
 #: Properties under scene.ism that a preset sets: (group, name). Quality, but not the look of shadows and occlusion.
-ABOUT = [
+PRESET_PROPERTIES = [
     ("shadow", "method"),
     *(("render", member.name) for member, _ in settings.setting_fields(type(settings.FINAL))),
     *(("viewport", member.name) for member, _ in settings.setting_fields(type(settings.VIEWPORT))),
@@ -35,18 +35,18 @@ class ISM_RENDER_PT_presets(PresetPanel, bpy.types.Panel):
 
     @staticmethod
     def reset_cb(context: bpy.types.Context, path: str) -> None:
-        """Before a preset's script is run: reset the properties, and rewrite a script of 0.1.0 with today's names."""
+        """Before a preset's script is run: reset the properties, and rewrite a script of 0.1.0 with current names."""
         with open(path, encoding="utf-8") as file:
             script = file.read()
         if (current := old_names.current_preset(script)) != script:
             with atomic_write(path) as file:
                 file.write(current.encode())
-        for group, name in ABOUT:
+        for group, name in PRESET_PROPERTIES:
             getattr(context.scene.ism, group).property_unset(name)
 
     @staticmethod
     def post_cb(context: bpy.types.Context, path: str) -> None:
-        """After it: push an undo step, which Blender's operator does not."""
+        """After a preset's script: push an undo step, which Blender's operator does not."""
         redraw.viewports(None, context)
         bpy.ops.ed.undo_push(message=f"Preset {bpy.path.display_name_from_filepath(path)}")
 
@@ -59,7 +59,7 @@ class RENDER_OT_ism_preset_add(AddPresetBase, bpy.types.Operator):
     preset_menu = "ISM_RENDER_PT_presets"
     preset_subdir = ISM_RENDER_PT_presets.preset_subdir
     preset_defines = ["ism = bpy.context.scene.ism"]
-    preset_values = [f"ism.{group}.{name}" for group, name in ABOUT]
+    preset_values = [f"ism.{group}.{name}" for group, name in PRESET_PROPERTIES]
 
 
 CLASSES: tuple[Any, ...] = (ISM_RENDER_PT_presets, RENDER_OT_ism_preset_add)

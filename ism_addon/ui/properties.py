@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-`render` and `viewport` are sections of quality; `.debug_view` shows a render target. Every property can be animated,
+`render` and `viewport` have the quality settings; `.debug_view` shows a render target. Every property can be animated,
 and an edit redraws the 3D viewports.
 """
 

@@ -10,12 +10,12 @@ from .developer import ISM_RENDER_PT_developer
 from .panels import ISMPanel
 
 USES = {"viewport": "Viewport", "render": "Final Render"}
-ENDS = {"samples": "Samples", "error": "Error Threshold", "time": "Time Limit", "": ""}
+STOP_REASONS = {"samples": "Samples", "error": "Error Threshold", "time": "Time Limit", "": ""}
 COLUMNS = ("Pass", "Drawn", "Reused", "Skipped", "ms")
 
 
 def latest() -> tuple[str, dict]:
-    """Its use, "viewport" or "render", and its statistics; by the engine's name, since `ui` does not import it."""
+    """The latest render's use and statistics. The engine is found by name, because `ui` does not import it."""
     return bpy.types.RenderEngine.bl_rna_get_subclass_py("ISM").latest_statistics()
 
 
@@ -33,7 +33,7 @@ def counts(statistics: dict) -> list[tuple[str, str]]:
     rows = [
         ("Samples", "samples", f"{statistics['samples']:,}"),
         ("Time", "seconds", f"{statistics['seconds']:.2f} s"),
-        ("Stopped By", "stopped_by", ENDS[statistics["stopped_by"]]),
+        ("Stopped By", "stopped_by", STOP_REASONS[statistics["stopped_by"]]),
         (
             "Estimated Error",
             "error",

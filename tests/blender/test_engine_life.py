@@ -128,7 +128,7 @@ def test_blenders_own_panels_are_shown(registered, name):
 
 
 def test_panels_of_features_that_are_not_drawn_are_hidden(registered):
-    assert not shown_panels() & (compatible_panels.LEFT_OUT | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
+    assert not shown_panels() & (compatible_panels.EXCLUDED | {"DATA_PT_EEVEE_light", "VIEWLAYER_PT_freestyle"})
 
 
 def test_register_needs_no_opengl():

@@ -129,7 +129,7 @@ MUTATIONS = (
     ),
     Mutation(
         "a chosen point does not stand for those that were not chosen",
-        "np.sqrt(cloud.area / np.pi / probabilities[taken])",
+        "np.sqrt(cloud.area / np.pi / probabilities[selected])",
         "np.sqrt(cloud.area / np.pi)",
         ("test_select_points", "test_splat"),
     ),

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ism_addon.gpu.passes.shadow_maps.atlas import ATLAS_TEXELS, MAP_SIZE_MULTIPLE, batches
+from ism_addon.gpu.passes.shadow_maps.atlas import MAP_SIZE_MULTIPLE, MAX_ATLAS_TEXELS, batches
 from tests.scenes.small import box_over_plane
 from tests.support.reference import nrmse
 from tests.support.small_scenes import SMALL_SHADOW_MAPS, draw, with_quality
@@ -22,7 +22,7 @@ def test_no_virtual_light_is_lost_and_no_map_overlaps_another(virtual_lights, ma
         first += batch.count
         width, height = batch.size
         assert max(width, height) <= texture_size
-        assert width * height <= ATLAS_TEXELS + batch.side * batch.side
+        assert width * height <= MAX_ATLAS_TEXELS + batch.side * batch.side
         assert batch.side % MAP_SIZE_MULTIPLE == 0
         assert batch.side >= min(map_size, texture_size // MAP_SIZE_MULTIPLE * MAP_SIZE_MULTIPLE)
         corners = np.array([batch.corner(index) for index in range(batch.count)])

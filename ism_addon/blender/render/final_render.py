@@ -28,12 +28,12 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
         scene = cache.read(depsgraph, _all_until_break(engine))
     except _Cancelled:
         cache.reader.invalidate()  # the depsgraph reports each update once
-        for view_name in view_names:  # a black pixel: without a result, Blender would crash when it saves
+        for view_name in view_names:  # one black pixel: without a result, Blender would crash when it saves
             engine.end_result(engine.begin_result(0, 0, 1, 1, layer=layer.name, view=view_name))
         return
-    chosen = read_settings.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
+    settings = read_settings.read(depsgraph.scene_eval, "viewport" if engine.is_preview else "render")
     if not engine.is_preview:
-        for warning in (*scene.warnings, *images_beyond_limits(scene.images), *beyond_limits(chosen)):
+        for warning in (*scene.warnings, *images_beyond_limits(scene.images), *beyond_limits(settings)):
             engine.report({"WARNING"}, warning)
     passes = enabled(layer)
     try:
@@ -43,7 +43,7 @@ def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> No
             if view_name == view_names[0] and not engine.is_preview:
                 for warning in view_beyond_limits(view):
                     engine.report({"WARNING"}, warning)
-            job = shared.start(Request(scene, view, chosen, passes), cache.client)
+            job = shared.start(Request(scene, view, settings, passes), cache.client)
             if not _render_view(engine, job, view, layer.name, view_name):
                 break
     except camera.CameraError as error:
@@ -58,26 +58,26 @@ class _Cancelled(Exception):
 
 
 def _all_until_break(engine: bpy.types.RenderEngine) -> Callable[[bpy.types.Object], bool]:
-    """A filter of objects that accepts all. It is called before each is read, and raises _Cancelled on Escape."""
+    """A filter that accepts all objects. It is called before each is read, and raises _Cancelled after Escape."""
 
-    def shown(_object: bpy.types.Object) -> bool:
+    def is_shown(_object: bpy.types.Object) -> bool:
         if engine.test_break():
             raise _Cancelled
         return True
 
-    return shown
+    return is_shown
 
 
 def _view_names(engine: bpy.types.RenderEngine, layer: str) -> list[str]:
-    """Names of the stereo views, which only a render result lists. Without stereo, one empty name."""
-    probe = engine.begin_result(0, 0, 1, 1, layer=layer)
-    names = [view.name for view in probe.views]
-    engine.end_result(probe, cancel=True)
+    """Names of the stereo views, which only a render result has. Without stereo, one empty name."""
+    result = engine.begin_result(0, 0, 1, 1, layer=layer)
+    names = [view.name for view in result.views]
+    engine.end_result(result, cancel=True)
     return names
 
 
 def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: str, view_name: str) -> bool:
-    """Wait for a job until it is done, cancelled or failed, and store its latest picture. Whether it is done."""
+    """Wait until a job is done, cancelled or failed, and store its latest picture. True if it is done."""
     result = engine.begin_result(0, 0, view.width, view.height, layer=layer, view=view_name)
     passes = result.layers[0].passes
     shown: Picture | None = None
@@ -123,6 +123,6 @@ def _update_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -
 
 
 def _report_error(engine: bpy.types.RenderEngine, sentence: str) -> None:
-    if not bpy.app.background:  # there it would be reported twice
+    if not bpy.app.background:  # where it would be reported twice
         engine.error_set(sentence)
     engine.report({"ERROR"}, sentence)

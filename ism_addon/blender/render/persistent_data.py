@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""State that frames of an animation share: the scene reader, and the renderer of the render thread.
+"""State that the frames of an animation share: the scene reader, and the renderer of the render thread.
 
 Kept until Blender's render job ends, and with Persistent Data until the next one.
 """
@@ -23,13 +23,13 @@ class LayerCache:
 
         self.reader, self.client = Reader(), object()
 
-    def read(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> Scene:
+    def read(self, depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool]) -> Scene:
         """The current Scene. What has not changed since the frame before is the same object."""
         # Without Persistent Data, Blender builds a new depsgraph for each frame. A new one lists its scene among the
         # updates, but not what has changed.
         if any(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
             self.reader.invalidate()
-        return self.reader.read(depsgraph, shown, whole=True)
+        return self.reader.read(depsgraph, is_shown, all_instances=True)
 
 
 _layers: dict[tuple[int, str], LayerCache] = {}

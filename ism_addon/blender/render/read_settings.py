@@ -31,5 +31,5 @@ def read(scene: bpy.types.Scene, use: str) -> settings.Settings:
 
 
 def pixel_size(scene: bpy.types.Scene) -> int:
-    """Width of a drawn pixel in pixels of the viewport."""
+    """Width of a rendered pixel in pixels of the viewport."""
     return 100 // int(scene.ism.viewport.resolution)

@@ -7,7 +7,7 @@ _kept: dict[str, dict] = {}
 
 
 def store(use: str, statistics: dict) -> None:
-    """Store the statistics of a picture, unless they are empty: its job has drawn nothing yet."""
+    """Store the statistics of a picture, unless they are empty because its job has drawn nothing yet."""
     if statistics:
         _kept.pop(use, None)
         _kept[use] = statistics

@@ -12,9 +12,9 @@ from . import read_settings
 
 
 def save(context: bpy.types.Context, path: str) -> str:
-    """Save a snapshot. Gives its size as text. Raises CameraError and OSError."""
-    scene, view, chosen = scene_and_view(context, context.evaluated_depsgraph_get())
-    snapshot.save(path, scene, view, chosen)
+    """Save a snapshot, and return its size as text. Raises CameraError and OSError."""
+    scene, view, settings = scene_and_view(context, context.evaluated_depsgraph_get())
+    snapshot.save(path, scene, view, settings)
     return f"{view.width}×{view.height} pixels, {scene.triangle_count:,} triangles"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The final render's and the viewport's View, from Blender's own projection matrices."""
+"""The View of a final render or of a viewport, from Blender's projection matrices."""
 
 import bpy
 import numpy as np
@@ -10,7 +10,7 @@ from ...scene.limits import is_within
 #: Left, right, bottom and top of a crop of the image, px.
 Crop = tuple[int, int, int, int]
 
-#: The types of camera that a projection matrix can describe.
+#: Types of camera that a projection matrix can describe.
 DRAWABLE = ("PERSP", "ORTHO")
 
 
@@ -22,7 +22,7 @@ def final_view(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | 
     """The view of the scene's active camera, cropped to the render region, at the render's resolution percentage.
 
     `engine` gives the camera's matrix and shift for the current stereo view.
-    Raises CameraError without a camera that can be drawn.
+    Raises CameraError if there is no camera that can be drawn.
     """
     render = depsgraph.scene_eval.render
     camera = (engine and engine.camera_override) or depsgraph.scene_eval.camera
@@ -61,7 +61,7 @@ def viewport_view(
     camera: bpy.types.Object | None = None,
     crop: Crop | None = None,
 ) -> View:
-    """The view of a 3D viewport of width × height pixels, or a crop of it; `camera`: that it may look through.
+    """The view of a 3D viewport of width × height pixels, or a crop of it; `camera`: the one that camera view uses.
 
     Raises CameraError if the viewport looks through a camera that cannot be drawn.
     """
@@ -87,7 +87,7 @@ def full_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
 
 
 def border(render: bpy.types.RenderSettings) -> Crop:
-    """The render region of a final render, or the whole image."""
+    """The render region of a final render, or the full image."""
     width, height = full_size(render)
     if not render.use_border:
         return 0, width, 0, height
@@ -104,9 +104,9 @@ def render_region(
     height: int,
     camera: bpy.types.Object | None,
 ) -> Crop:
-    """The render region of a 3D viewport of width × height pixels, in camera view the camera's; or all of it.
+    """The render region of a 3D viewport of width × height pixels (in camera view, the camera's), or all of it.
 
-    One pixel at least, at the nearest side if the region is outside.
+    It has at least one pixel, at the nearest side if the region is outside.
     """
     render = depsgraph.scene_eval.render
     if region_data.view_perspective == "CAMERA" and camera is not None:
@@ -124,7 +124,7 @@ def render_region(
 
 
 def _pixels(ends: np.ndarray, count: int) -> tuple[int, int]:
-    """First and end of the pixels between two fractions of `count` pixels, rounded as Blender does."""
+    """The range of pixels [first, end) between two fractions of `count` pixels, rounded as Blender does."""
     first, end = (ends.clip(0, 1) * ends.dtype.type(count)).astype(int)
     first = min(int(first), count - 1)
     return first, max(int(end), first + 1)
@@ -164,11 +164,11 @@ def _shifted(clip_from_view: np.ndarray, fraction: float) -> np.ndarray:
 
 
 def _shift_unit(camera: bpy.types.Camera, render: bpy.types.RenderSettings, width: int, height: int) -> float:
-    """Blender's unit of camera shift, the side that the sensor is fitted to, over the image's width."""
+    """Blender's unit of camera shift, the side that the sensor is fitted to, relative to the image's width."""
     pixel_height = render.pixel_aspect_y / render.pixel_aspect_x
-    wide = width >= height * pixel_height
-    horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and wide)
-    return 1.0 if horizontal else height * pixel_height / width
+    is_landscape = width >= height * pixel_height
+    fits_width = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and is_landscape)
+    return 1.0 if fits_width else height * pixel_height / width
 
 
 def _rigid_inverse(world_from_view: np.ndarray) -> np.ndarray:

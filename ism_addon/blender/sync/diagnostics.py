@@ -11,7 +11,7 @@ class Diagnostics:
         self._issues: dict[str, Counter[str]] = {}
 
     def warn(self, issue: str, name: str, count: int = 1) -> None:
-        """Record that `name` has an issue, a clause to which names are appended after a colon."""
+        """Record that `name` has an issue: the beginning of a sentence, which ends with a colon and the names."""
         if count:
             self._issues.setdefault(issue, Counter())[name] += count
 
@@ -21,7 +21,7 @@ class Diagnostics:
             self._issues.setdefault(issue, Counter()).update(names)
 
     def messages(self) -> tuple[str, ...]:
-        """A sentence for each issue, in the order of their first occurrence."""
+        """A sentence for each issue, in the order in which they were first recorded."""
         return tuple(f"{issue}: {_listed(names)}." for issue, names in self._issues.items())
 
 

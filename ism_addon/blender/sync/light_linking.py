@@ -20,10 +20,10 @@ class LightLinks:
         """The index of a linking collection's group; -1: all objects. None if there are too many groups."""
         states: dict[str, set[int]] = {"INCLUDE": set(), "EXCLUDE": set()}
         if collection is not None:
-            for link, thing in zip(collection.collection_objects, collection.objects, strict=True):
-                states[link.light_linking.link_state].add(thing.original.session_uid)
+            for link, source in zip(collection.collection_objects, collection.objects, strict=True):
+                states[link.light_linking.link_state].add(source.original.session_uid)
             for link, child in zip(collection.collection_children, collection.children, strict=True):
-                states[link.light_linking.link_state] |= {thing.original.session_uid for thing in child.all_objects}
+                states[link.light_linking.link_state] |= {source.original.session_uid for source in child.all_objects}
         included, excluded = states.values()
         if not included and not excluded:
             return -1

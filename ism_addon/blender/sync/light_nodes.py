@@ -19,10 +19,10 @@ def factor(light: bpy.types.Light, name: str, findings: Diagnostics) -> np.ndarr
     if shader.bl_idname != "ShaderNodeEmission":
         findings.warn(f"Lights whose surface is a node '{shader.bl_label}' shine as if they had none", name)
         return np.ones(3)
-    color, fed_by = nodes.rgb(shader.inputs["Color"], 0.0)
-    if fed_by is not None:
-        findings.warn(f"Lights coloured by a node '{fed_by.bl_label}' shine in the plain colour of its socket", name)
-    strength, fed_by = nodes.number(shader.inputs["Strength"])
-    if fed_by is not None:
-        findings.warn(f"Lights whose strength a node '{fed_by.bl_label}' gives have the plain one of its socket", name)
+    color, node = nodes.rgb(shader.inputs["Color"], 0.0)
+    if node is not None:
+        findings.warn(f"Lights coloured by a node '{node.bl_label}' shine in the plain colour of its socket", name)
+    strength, node = nodes.number(shader.inputs["Strength"])
+    if node is not None:
+        findings.warn(f"Lights whose strength a node '{node.bl_label}' gives have the plain one of its socket", name)
     return color.astype(np.float64) * strength

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads area lights as axes and radiance. Scaled lights are as in Cycles.
+"""Reads area lights as axes and radiance. Scaled lights look as in Cycles.
 
 Sheared lights emit uniformly from their parallelogram or ellipse. In Cycles, points sampled on a sheared rectangle lie
 off its plane, and rays intersect another shape than is sampled.
@@ -35,23 +35,23 @@ class LightReader:
     def __init__(self, links: LightLinks) -> None:
         self._links = links
         self._rows: list[tuple[Row | None, Diagnostics]] = []
-        self._own: dict[int, int] = {}  # row of each light that is no instance, by session_uid
+        self._object_rows: dict[int, int] = {}  # row of each light that is not an instance, by session_uid
 
     def reset(self) -> None:
         """To be called before all lights are added."""
         self._rows.clear()
         self._links.reset()
-        self._own.clear()
+        self._object_rows.clear()
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
         """Add one light or instance of a light."""
         if not instance.is_instance:
-            self._own[instance.object.original.session_uid] = len(self._rows)
+            self._object_rows[instance.object.original.session_uid] = len(self._rows)
         self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64), self._links))
 
     def update(self, source: bpy.types.Object) -> None:
-        """Read a light that is no instance again; one that was not added before is still not shown."""
-        index = self._own.get(source.original.session_uid)
+        """Read a light that is not an instance again; ignored if it was not added, so it is not visible."""
+        index = self._object_rows.get(source.original.session_uid)
         if index is not None:
             self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
 
@@ -63,7 +63,7 @@ class LightReader:
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
-    """A light with its matrix (4,4); None if it is no area light, has no size or emits nothing."""
+    """A light with its matrix (4,4); None if it is not an area light, has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
     if light.type != "AREA":
         issue = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
@@ -84,7 +84,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     if row is None:
         findings.warn("Area lights without a size, or of one beyond measure, are left out", source.name)
         return None, findings
-    if not radiometry.is_upright(row["axis_u"], row["axis_v"]):
+    if not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
         findings.warn("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
     if not is_within(row["radiance"], MAX_RADIANCE).all():
         findings.warn("Area lights too bright to be drawn are left out", source.name)
@@ -103,10 +103,10 @@ def watts(light: bpy.types.Light) -> np.ndarray:
 def _row(
     light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray, receivers: int, blockers: int
 ) -> Row | None:
-    """None where the light has no area or no direction."""
-    shape, own_height = SHAPES[light.shape]
+    """The row of a light; None if it has no area or no direction."""
+    shape, has_height = SHAPES[light.shape]
     axis_u = world_from_light[:3, 0] * light.size
-    axis_v = world_from_light[:3, 1] * (light.size_y if own_height else light.size)
+    axis_v = world_from_light[:3, 1] * (light.size_y if has_height else light.size)
     backwards = world_from_light[:3, 2]
     depth = np.linalg.norm(backwards)
     sides = np.linalg.norm([axis_u, axis_v], axis=1)
@@ -117,7 +117,7 @@ def _row(
     if not (has_size and is_within(world_from_light).all() and depth > 0):
         return None
     # A sheared light emits the same power from less area.
-    if not radiometry.is_upright(axis_u, axis_v):
+    if not radiometry.is_perpendicular(axis_u, axis_v):
         power = power * (box / np.linalg.norm(np.cross(axis_u, axis_v)))
     # Without normalisation, the power is per square metre.
     radiant_area = area if getattr(light, "normalize", True) else 1.0

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads an evaluated depsgraph into a Scene: copies, with no references to bpy data.
 
-Blender presents curves, texts, metaballs and surfaces as instances of the meshes that they evaluate to, beside the
-object itself. So only meshes are read.
+Besides curves, texts, metaballs and surfaces themselves, Blender lists the meshes that they evaluate to, as instances.
+So only meshes are read.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from .materials import images
 from .materials.materials import MaterialReader
 
 #: Types of objects that other engines render and this one does not.
-UNDRAWN = {
+UNSUPPORTED_TYPES = {
     "CURVES": "Hair curves",
     "POINTCLOUD": "Point clouds",
     "VOLUME": "Volumes",
@@ -33,9 +33,9 @@ def accept_all(_object: bpy.types.Object) -> bool:
     return True
 
 
-def scene(depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool] = accept_all) -> Scene:
-    """The Scene of the objects that the depsgraph shows and `shown` accepts, with warnings."""
-    return Reader().read(depsgraph, shown)
+def scene(depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool] = accept_all) -> Scene:
+    """The Scene of the objects that the depsgraph shows and `is_shown` accepts, with warnings."""
+    return Reader().read(depsgraph, is_shown)
 
 
 class Reader:
@@ -53,34 +53,34 @@ class Reader:
     def read(
         self,
         depsgraph: bpy.types.Depsgraph,
-        shown: Callable[[bpy.types.Object], bool] = accept_all,
-        whole: bool = False,
+        is_shown: Callable[[bpy.types.Object], bool] = accept_all,
+        all_instances: bool = False,
     ) -> Scene:
-        """The current Scene. Only what the depsgraph's updates list is read again or, with `whole`, all instances.
+        """The current Scene. Only what the depsgraph's updates list is read again, with `all_instances` all instances.
 
-        `shown` accepts objects, and instancers for all of their instances.
+        `is_shown` is asked about objects, and about instancers for all of their instances.
         """
         changed = depsgraph_updates.read(depsgraph, self._instancers)
-        self._instances.invalidate(changed.shapes)
-        recolored = self._scene is not None and self._scene.working_space != images.working_space()
-        if changed.images or recolored:
+        self._instances.invalidate(changed.changed_geometry)
+        has_new_working_space = self._scene is not None and self._scene.working_space != images.working_space()
+        if changed.images or has_new_working_space:
             self._materials.forget_images()
-            whole |= recolored
+            all_instances |= has_new_working_space
         for material in changed.materials:
-            whole |= self._materials.update(material)  # meshes have to be read with other UV layers
-        if whole or changed.whole or self._scene is None:
-            self._walk(depsgraph, shown)
+            all_instances |= self._materials.update(material)  # meshes need other UV layers
+        if all_instances or changed.all_instances or self._scene is None:
+            self._walk(depsgraph, is_shown)
         else:
             self._update(changed, depsgraph.view_layer_eval)
         self._scene = self._tables(depsgraph)
         return self._scene
 
     def invalidate(self) -> None:
-        """Read all again the next time. What turns out to be equal is still the same object."""
+        """Read everything again the next time. What has not changed is still the same object."""
         self._instances.invalidate_all()
         self._materials.forget_images()
 
-    def _walk(self, depsgraph: bpy.types.Depsgraph, shown: Callable[[bpy.types.Object], bool]) -> None:
+    def _walk(self, depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool]) -> None:
         """Read all instances of the depsgraph."""
         view_layer = depsgraph.view_layer_eval
         self._others = Diagnostics()
@@ -91,7 +91,7 @@ class Reader:
         for instance in depsgraph.object_instances:
             if instance.is_instance:
                 self._instancers.add(instance.parent.original.session_uid)
-            if not instance.show_self or not shown(instance.parent if instance.is_instance else instance.object):
+            if not instance.show_self or not is_shown(instance.parent if instance.is_instance else instance.object):
                 continue
             type_ = instance.object.type
             if type_ == "MESH":
@@ -100,8 +100,8 @@ class Reader:
                 self._instances.add(instance, view_layer)
             elif type_ == "LIGHT":
                 self._lights.add(instance)
-            elif type_ in UNDRAWN:
-                self._others.warn(f"{UNDRAWN[type_]} are not drawn by this engine", instance.object.name)
+            elif type_ in UNSUPPORTED_TYPES:
+                self._others.warn(f"{UNSUPPORTED_TYPES[type_]} are not drawn by this engine", instance.object.name)
 
     def _update(self, changed: depsgraph_updates.Updates, view_layer: bpy.types.ViewLayer) -> None:
         """Read changed objects, none of which is an instance."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the world's background as one radiance."""
+"""Reads the world's background as a constant radiance."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ from .materials import nodes
 def read(world: bpy.types.World | None, findings: Diagnostics) -> World:
     """The Background node's colour × strength, or the world's colour if it has no nodes.
 
-    Black without a world, and for values that are not finite.
+    Black if there is no world; 0 for values that are not finite or beyond limits.
     """
     if world is None:
         return World.of(radiance=np.zeros(3))
@@ -39,12 +39,12 @@ def _radiance(world: bpy.types.World, findings: Diagnostics) -> np.ndarray:
             f"A world whose surface is a node '{shader.bl_label}' is drawn in its viewport colour", world.name
         )
         return nodes.color(world.color, 0.0)
-    color, fed_by = nodes.rgb(shader.inputs["Color"], 0.0)
-    if fed_by is not None:
+    color, node = nodes.rgb(shader.inputs["Color"], 0.0)
+    if node is not None:
         findings.warn(
-            f"A world coloured by a node '{fed_by.bl_label}' is drawn in the Background's plain colour", world.name
+            f"A world coloured by a node '{node.bl_label}' is drawn in the Background's plain colour", world.name
         )
-    strength, fed_by = nodes.number(shader.inputs["Strength"])
-    if fed_by is not None:
-        findings.warn(f"A world whose strength a node '{fed_by.bl_label}' gives has its socket's", world.name)
+    strength, node = nodes.number(shader.inputs["Strength"])
+    if node is not None:
+        findings.warn(f"A world whose strength a node '{node.bl_label}' gives has its socket's", world.name)
     return color * np.float64(strength)

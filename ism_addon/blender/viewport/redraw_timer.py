@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A timer in Blender's main loop that redraws viewports when there is a new picture for them.
 
-Blender's redraw of a window and our passes compete for the processor or the graphics card. At the same time each takes
-twice as long, and the window is frozen meanwhile. So the render thread pauses while Blender draws.
+Blender's redraw of a window and our passes compete for the processor or the graphics card. When both run at the same
+time, each takes twice as long, and the window is frozen meanwhile. So the render thread pauses while Blender draws.
 """
 
 from typing import Protocol
@@ -15,8 +15,8 @@ from ..render import render_statistics
 
 POLL_INTERVAL = 0.01  # s between checks for a new picture
 IDLE_POLL_INTERVAL = 0.002  # s between checks whether the render thread is idle
-MAX_IDLE_WAIT = 0.5  # s that a new picture waits for that at most; the longest pass is the first after the preview
-MAX_PAUSE = 1.0  # s; if a redraw takes longer, or never comes, the render thread goes on
+MAX_IDLE_WAIT = 0.5  # s that a new picture waits for an idle thread; the longest pass is the first after the preview
+MAX_PAUSE = 1.0  # s; if a redraw takes longer or never happens, the render thread continues
 
 
 class Viewport(Protocol):
@@ -83,7 +83,7 @@ def stop_timer() -> None:
 
 
 def redraw_viewports() -> None:
-    """Store the statistics of new pictures and redraw the viewports; when all are done, the statistics panel too."""
+    """Store the statistics of new pictures and redraw the viewports; when all are done, also the statistics panel."""
     for viewport in _viewports:
         if viewport.has_update:
             render_statistics.store("viewport", viewport.statistics)
@@ -91,7 +91,7 @@ def redraw_viewports() -> None:
 
 
 def redraw(also_properties: bool = False) -> None:
-    """Redraw all viewports in Rendered shading, and perhaps the properties editors."""
+    """Redraw all viewports in Rendered shading, and the properties editors if requested."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":

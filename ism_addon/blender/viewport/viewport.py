@@ -27,7 +27,7 @@ TYPE_SWITCHES = [name for name in _SPACE_PROPERTIES if name.startswith("show_obj
 
 
 class Viewport:
-    """State between redraws: copies only, no references to bpy data."""
+    """The state of a viewport between redraws: copies only, no references to bpy data."""
 
     def __init__(self) -> None:
         self._client = object()
@@ -37,7 +37,7 @@ class Viewport:
         shared.expect()
         self._preview_pixel_size = MAX_PREVIEW_PIXEL_SIZE // 2
         self._requested: tuple | None = None
-        self._is_pending = False  # the latest request is held back until the job has a picture
+        self._is_pending = False  # the latest request waits until the job has a picture
         self._job: Job | None = None
         self._warnings: tuple[str, ...] = ()
         self._viewport_rect: ViewportRect = 0.0, 0.0, 0.0, 0.0  # of the job's pictures
@@ -52,8 +52,8 @@ class Viewport:
         """Read the scene after a change of the scene, or of what the viewport shows."""
         space = context.space_data
         shown = _shown_objects(space)
-        whole, self._shown_objects = shown != self._shown_objects, shown
-        self._scene = self._reader.read(depsgraph, visibility_in(space), whole)
+        has_changed, self._shown_objects = shown != self._shown_objects, shown
+        self._scene = self._reader.read(depsgraph, visibility_in(space), all_instances=has_changed)
         return self._scene
 
     def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
@@ -89,19 +89,19 @@ class Viewport:
     def is_rendering(self) -> bool:
         return self._job is not None and not self._job.finished
 
-    def _request(self, scene: Scene, view: View, rect: ViewportRect, chosen: Settings) -> Job:
-        """The job for these inputs, started if they are new. The old one if it has no picture yet."""
-        requested = (scene, _fingerprint(view), rect, chosen, shared.shader_version)
+    def _request(self, scene: Scene, view: View, rect: ViewportRect, settings: Settings) -> Job:
+        """The job for these inputs, started if they are new; the previous job if it has no picture yet."""
+        requested = (scene, _fingerprint(view), rect, settings, shared.shader_version)
         self._is_pending = requested != self._requested and self._has_no_picture_yet
         if self._job is None or (requested != self._requested and not self._is_pending):
             if self._job is not None and self._job.first_seconds:
                 self._preview_pixel_size = next_preview_pixel_size(self._preview_pixel_size, self._job.first_seconds)
                 self._show_picture()
-            request = Request(scene, view, chosen, preview_pixel_size=self._preview_pixel_size)
+            request = Request(scene, view, settings, preview_pixel_size=self._preview_pixel_size)
             self._job = shared.start(request, self._client)
             self._requested, self._viewport_rect = requested, rect
-            of_images = images_beyond_limits(scene.images)
-            self._warnings = *of_images, *beyond_limits(chosen), *view_beyond_limits(view)
+            image_warnings = images_beyond_limits(scene.images)
+            self._warnings = *image_warnings, *beyond_limits(settings), *view_beyond_limits(view)
         return self._job
 
     def _show_picture(self) -> None:
@@ -117,11 +117,11 @@ class Viewport:
 
     @property
     def _has_no_picture_yet(self) -> bool:
-        """Whether the job goes on to its first picture although outdated: a moving view would never show one."""
+        """Whether even an outdated job continues to its first picture: otherwise a moving view would show none."""
         return self.is_rendering and self._picture is None
 
     def _state(self) -> tuple:
-        """Equal while no redraw is needed: it changes with each picture, not with each sample."""
+        """Unchanged while no redraw is needed: it changes with each picture, not with each sample."""
         programs = None if self._job is None else self._job.programs_shown
         return self._job, self._picture, self.is_rendering, programs
 
@@ -130,7 +130,7 @@ def next_preview_pixel_size(pixel: int, seconds: float) -> int:
     """The next preview's pixel size, if the last one had the size `pixel` and took `seconds`."""
     if seconds > 1.5 * PREVIEW_SECONDS:
         return min(2 * pixel, MAX_PREVIEW_PIXEL_SIZE)
-    # Half the size means four times as many pixels.
+    # Half the pixel size means four times as many pixels.
     return max(pixel // 2, 1) if seconds < PREVIEW_SECONDS / 5.0 else pixel
 
 
@@ -141,13 +141,13 @@ def viewport_view(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) ->
     camera_object = space.camera if space.use_local_camera else context.scene.camera
     size = width, height = max(1, region.width // pixel), max(1, region.height // pixel)
     crop = left, right, bottom, top = camera.render_region(depsgraph, space, data, *size, camera_object)
-    across, up = region.width / width, region.height / height
-    rect = left * across, bottom * up, (right - left) * across, (top - bottom) * up
+    scale_x, scale_y = region.width / width, region.height / height
+    rect = left * scale_x, bottom * scale_y, (right - left) * scale_x, (top - bottom) * scale_y
     return camera.viewport_view(depsgraph, data, *size, camera_object, crop), rect
 
 
 def visibility_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.Object], bool]:
-    """A filter of the objects that a viewport shows, of those in its depsgraph."""
+    """A filter of a depsgraph's objects: those that the viewport shows."""
     return lambda source: source.visible_in_viewport_get(space)
 
 

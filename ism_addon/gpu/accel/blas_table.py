@@ -12,63 +12,65 @@ from .blas import BLAS, DeferredBLAS
 
 
 class BLASTable:
-    """The BVHs of the resident meshes, and the arrays that BuildTLAS needs of them, computed on first use."""
+    """The BVHs of the W resident meshes, and arrays of their properties for BuildTLAS, computed on first use."""
 
     def __init__(self, meshes: tuple[Mesh, ...], built: dict[int, BLAS | DeferredBLAS]):
-        """`meshes` are all of the scene, `built` has BVHs by the index of their mesh."""
+        """`meshes` are all meshes of the scene, `built` has BVHs by the index of their mesh."""
         self.meshes, self.built = meshes, built
-        #: (M,): the row of a mesh of the scene in the arrays below; -1 for those that are not resident.
+        #: (M,): the row of each mesh of the scene in the arrays below; -1 if it is not resident.
         self.rows = np.full(len(meshes), -1)
         self.rows[list(built)] = np.arange(len(built))
 
     @cached_property
-    def trees(self) -> tuple[BLAS, ...]:
-        """One a resident mesh."""
+    def blases(self) -> tuple[BLAS, ...]:
+        """The BVH of each resident mesh; waits until all are built."""
         return tuple(each.blas for each in self.built.values())
 
     @cached_property
     def boxes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Bounds of the resident meshes, grouped by how many boxes P a mesh has.
 
-        Of each group: (W,) the row of a resident mesh in it, -1 for others; centres and half sizes (3,N,P) of the
-        boxes.
+        For each group of N meshes: (W,) the row of each resident mesh in it, -1 for others; centres and half sizes
+        (3,N,P) of the boxes.
         """
-        counts, found = np.array([len(tree.bounds) for tree in self.trees], np.int64), []
+        counts, groups = np.array([len(blas.bounds) for blas in self.blases], np.int64), []
         for count in np.unique(counts).tolist():
-            own = np.flatnonzero(counts == count)
+            in_group = np.flatnonzero(counts == count)
             rows = np.full(len(counts), -1)
-            rows[own] = np.arange(len(own))
-            bounds = np.concatenate([self.trees[number].bounds for number in own]).astype(np.float64)
+            rows[in_group] = np.arange(len(in_group))
+            bounds = np.concatenate([self.blases[row].bounds for row in in_group]).astype(np.float64)
             low, high = bounds.reshape(-1, count, 2, 3).transpose(2, 3, 0, 1)
-            found.append((rows, (low + high) / 2.0, (high - low) / 2.0))
-        return found
+            groups.append((rows, (low + high) / 2.0, (high - low) / 2.0))
+        return groups
 
     @cached_property
     def leaves(self) -> np.ndarray:
-        """(W,) int64: their number."""
-        return np.array([tree.leaves for tree in self.trees], np.int64)
+        """(W,) int64: number of leaves."""
+        return np.array([blas.leaves for blas in self.blases], np.int64)
 
     @cached_property
     def triangles_per_leaf(self) -> np.ndarray:
         """(W,) int64."""
-        return np.array([tree.triangles_per_leaf for tree in self.trees], np.int64)
+        return np.array([blas.triangles_per_leaf for blas in self.blases], np.int64)
 
 
 class BLASBuffers:
-    """BVHs of meshes, concatenated."""
+    """BVHs of meshes on the GPU, concatenated."""
 
-    def __init__(self, device: Device, trees: tuple[BLAS, ...]):
-        self.first_nodes = np.cumsum([0] + [len(tree.nodes) for tree in trees])
-        self.first_leaves = np.cumsum([0] + [tree.leaves for tree in trees])
+    def __init__(self, device: Device, blases: tuple[BLAS, ...]):
+        #: For each BVH, and at the end the total.
+        self.first_nodes = np.cumsum([0] + [len(blas.nodes) for blas in blases])
+        self.first_leaves = np.cumsum([0] + [blas.leaves for blas in blases])
         self.nodes = device.new_buffer(2 * int(self.first_nodes[-1]), 4, "u4")
         self.leaf_starts = device.new_buffer(int(self.first_leaves[-1]), 1, "u4")
-        for group in small_mesh_groups([tree.leaves for tree in trees]):  # those of small meshes in one write
-            grouped, first = trees[group], group.start
-            self.nodes.write(concatenated([rows_of(tree.nodes) for tree in grouped]), 2 * int(self.first_nodes[first]))
-            self.leaf_starts.write(concatenated([tree.leaf_starts for tree in grouped]), int(self.first_leaves[first]))
-        self.bytes = sum(tree.leaf_starts.nbytes + tree.nodes.nbytes for tree in trees)
+        for group in small_mesh_groups([blas.leaves for blas in blases]):  # BVHs of small meshes are written together
+            grouped, first = blases[group], group.start
+            nodes = concatenated([node_texels(blas.nodes) for blas in grouped])
+            self.nodes.write(nodes, 2 * int(self.first_nodes[first]))
+            self.leaf_starts.write(concatenated([blas.leaf_starts for blas in grouped]), int(self.first_leaves[first]))
+        self.bytes = sum(blas.leaf_starts.nbytes + blas.nodes.nbytes for blas in blases)
 
 
-def rows_of(nodes: np.ndarray) -> np.ndarray:
-    """(2 N,4) uint32: BVH_NODEs (N,) as texels."""
+def node_texels(nodes: np.ndarray) -> np.ndarray:
+    """(2 N,4) uint32 texels of nodes (N,) BVH_NODE."""
     return nodes.view(np.uint32).reshape(-1, 4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Instances on the GPU, and their draw calls."""
+"""The instances on the GPU, and their draw calls."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from ..gl.shader_records import INSTANCE, MEMBERSHIP
 from .mesh_buffers import MeshBuffers
 from .small_meshes import SMALL_MESH
 
-#: Small meshes are drawn together if the table of their triangles' instances has at most this many rows a triangle.
-#: With fewer small meshes their draw calls do not matter. See `dev.py bench constants` in docs/benchmarks.md.
+#: Small meshes are drawn together if Owners has at most this many rows per triangle of them. Otherwise the small meshes
+#: are so few that their draw calls do not matter. See `dev.py bench constants` in docs/benchmarks.md.
 MAX_OWNERS_RATIO = 16
 
 
@@ -31,22 +31,22 @@ class DrawCall:
 
 @dataclass(frozen=True)
 class MultiDrawCall:
-    """Small meshes of one instance each, drawn together. Shaders find the instance of a triangle in Owners."""
+    """Small meshes of one instance each, drawn together. Shaders read the instance of a triangle from Owners."""
 
     first_triangle: np.ndarray  # (R,) int64
     triangles: np.ndarray  # (R,) int64
 
 
 class Owners:
-    """The instance of each triangle, for meshes of one instance."""
+    """A table on the GPU: the instance of each triangle, for small meshes of one instance."""
 
     def __init__(self, device: Device, mesh_buffers: MeshBuffers, pairs: bytes):
-        """`pairs` (N,2) int64: indices of meshes, and rows of their instances."""
-        numbers, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
-        first, counts = mesh_buffers.first_triangle[numbers], mesh_buffers.counts[numbers]
+        """`pairs` (N,2) int64: the index of a mesh, and the row of its instance."""
+        meshes, rows = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
+        first, counts = mesh_buffers.first_triangle[meshes], mesh_buffers.counts[meshes]
         owners = np.zeros((int((first + counts).max(initial=0)), 1), np.uint32)
-        within = np.arange(counts.sum()) - (np.cumsum(counts) - counts).repeat(counts)
-        owners[first.repeat(counts) + within, 0] = rows.repeat(counts)
+        index_in_mesh = np.arange(counts.sum()) - (np.cumsum(counts) - counts).repeat(counts)
+        owners[first.repeat(counts) + index_in_mesh, 0] = rows.repeat(counts)
         self.texture = device.buffer_from(owners)
         self.bytes = owners.nbytes
 
@@ -55,9 +55,9 @@ class InstanceBuffers:
     """Transforms and link groups of visible instances, sorted by mesh."""
 
     def __init__(self, device: Device, mesh_buffers: MeshBuffers, instances: Instances, anchor: np.ndarray):
-        shown = np.flatnonzero(instances.visible)
-        order = shown[np.argsort(instances.mesh[shown], kind="stable")]
-        #: The row of each instance of the scene; -1 for one that is not visible.
+        visible = np.flatnonzero(instances.visible)
+        order = visible[np.argsort(instances.mesh[visible], kind="stable")]
+        #: The row of each instance of the scene; -1 if it is not visible.
         self.rows = np.full(len(instances.mesh), -1)
         self.rows[order] = np.arange(len(order))
         mesh = instances.mesh[order]
@@ -72,33 +72,34 @@ class InstanceBuffers:
         self.memberships = MEMBERSHIP.upload(device, groups)
         self.bytes = table.nbytes + groups.nbytes
         self.mesh_buffers = mesh_buffers
-        #: Of each row, the mesh, -1 if it is not resident; and whether it is drawn by a MultiDrawCall.
+        #: The mesh of each row, -1 if it is not resident.
         self.mesh = np.where(mesh_buffers.first_triangle[mesh] >= 0, mesh, -1)
-        alone = np.bincount(mesh, minlength=len(mesh_buffers.meshes))[mesh] == 1
-        self.is_single = (self.mesh >= 0) & alone & (mesh_buffers.counts[mesh] <= SMALL_MESH)
-        numbers = self.mesh[self.is_single]
-        ends = mesh_buffers.first_triangle[numbers] + mesh_buffers.counts[numbers]
-        if len(numbers) < 2 or ends.max() > MAX_OWNERS_RATIO * mesh_buffers.counts[numbers].sum():
+        has_one_instance = np.bincount(mesh, minlength=len(mesh_buffers.meshes))[mesh] == 1
+        #: Whether each row is drawn by a MultiDrawCall.
+        self.is_single = (self.mesh >= 0) & has_one_instance & (mesh_buffers.counts[mesh] <= SMALL_MESH)
+        singles = self.mesh[self.is_single]
+        ends = mesh_buffers.first_triangle[singles] + mesh_buffers.counts[singles]
+        if len(singles) < 2 or ends.max() > MAX_OWNERS_RATIO * mesh_buffers.counts[singles].sum():
             self.is_single[:] = False
         self.half_sizes = mesh_buffers.half_sizes[mesh]
 
     def set_owners(self, share: Callable[[bytes], Owners]) -> None:
-        """Set the table of instances for MultiDrawCall; `share` makes Owners, or returns those of another renderer."""
+        """Set the table for MultiDrawCall. `share` makes Owners, or returns equal ones of another renderer."""
         rows = np.flatnonzero(self.is_single)
         self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
     def visible_draw_calls(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
-        """Draw calls of the instances that may be in view, enlarged by `margin`, see frustum_culling.in_view."""
+        """Draw calls of the instances that may be in view; `margin` as in frustum_culling.in_view."""
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
         return self.draw_calls(in_view(self.half_sizes, clip_from_centre, margin))
 
-    def draw_calls(self, which: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
-        """Draw calls of the rows chosen (I,) bool."""
-        found = runs(which, self.mesh)
-        rows, instances = np.array(found, np.int64).reshape(-1, 2).T
-        numbers = self.mesh[rows]
-        first, counts = self.mesh_buffers.first_triangle[numbers], self.mesh_buffers.counts[numbers]
+    def draw_calls(self, is_drawn: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
+        """Draw calls of the rows where `is_drawn` (I,) is true."""
+        first_rows_and_counts = runs(is_drawn, self.mesh)
+        rows, instances = np.array(first_rows_and_counts, np.int64).reshape(-1, 2).T
+        meshes = self.mesh[rows]
+        first, counts = self.mesh_buffers.first_triangle[meshes], self.mesh_buffers.counts[meshes]
         is_single = self.is_single[rows]
         edges = np.flatnonzero(np.diff(is_single, prepend=False, append=False))
         begin = 0
@@ -110,23 +111,23 @@ class InstanceBuffers:
             begin = end
 
 
-def portions(draws: Iterator[DrawCall | MultiDrawCall], most: int) -> Iterator[DrawCall | MultiDrawCall]:
-    """Split draw calls into ones of about `most` triangles at most, or of one an instance."""
+def portions(draws: Iterator[DrawCall | MultiDrawCall], max_triangles: int) -> Iterator[DrawCall | MultiDrawCall]:
+    """Split draw calls so that each draws at most about `max_triangles` triangles, or one triangle per instance."""
     for draw in draws:
         if isinstance(draw, MultiDrawCall):
-            of_portion = np.cumsum(draw.triangles) // most
-            ends = [*(np.flatnonzero(np.diff(of_portion)) + 1).tolist(), len(of_portion)]
+            portion_index = np.cumsum(draw.triangles) // max_triangles
+            ends = [*(np.flatnonzero(np.diff(portion_index)) + 1).tolist(), len(portion_index)]
             for first, end in pairwise([0, *ends]):
                 yield joined_ranges(draw.first_triangle[first:end], draw.triangles[first:end])
             continue
-        each = max(most // draw.instances, 1)
-        for first in range(0, draw.triangles, each):
-            count = min(each, draw.triangles - first)
+        size = max(max_triangles // draw.instances, 1)
+        for first in range(0, draw.triangles, size):
+            count = min(size, draw.triangles - first)
             yield replace(draw, first_triangle=draw.first_triangle + first, triangles=count)
 
 
 def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
-    """Ranges of so many triangles from `first` on, adjacent ones joined."""
+    """Ranges of `triangles` triangles from `first` on; adjacent ranges are joined."""
     begins = np.flatnonzero(np.append(True, first[1:] != (first + triangles)[:-1]))
     return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
 

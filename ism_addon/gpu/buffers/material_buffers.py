@@ -11,32 +11,32 @@ from ..gl import driver_variants
 from ..gl.context import Device
 from ..gl.shader_records import MATERIAL
 
-#: OpenGL's internal formats and moderngl's types of texels.
+#: OpenGL's internal format and moderngl's dtype of texels.
 FORMATS = {Encoding.SRGB: (0x8C43, "f1"), Encoding.LINEAR: (0x8058, "f1"), Encoding.FLOAT: (0x881A, "f2")}
 
 
 class TextureBuffer:
-    """All images with their mip levels, those of one encoding in one texture; above a limit without the largest."""
+    """All images with their mip levels, in one texture per encoding. If they exceed a limit, the largest are halved."""
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
-        halved = images_within_limits(images)
-        chains = [mip_chain(image)[times:] for image, times in zip(images, halved, strict=True)]
+        first_levels = images_within_limits(images)
+        chains = [mip_chain(image)[first:] for image, first in zip(images, first_levels, strict=True)]
         blocks = [padded(np.concatenate(chain)) for chain in chains]
         self.levels = [len(chain) for chain in chains]
-        self.sizes = [level(image.texels.shape[:2], times) for image, times in zip(images, halved, strict=True)]
+        self.sizes = [level(image.texels.shape[:2], first) for image, first in zip(images, first_levels, strict=True)]
         self.first_lines = [0] * len(images)
-        #: By the encodings that images have.
+        #: Only of encodings that any image has.
         self.textures: dict[Encoding, moderngl.Texture] = {}
         for encoding in dict.fromkeys(image.encoding for image in images):
-            own = [index for index, image in enumerate(images) if image.encoding is encoding]
-            ends = np.cumsum([0] + [len(blocks[index]) // TEXTURE_WIDTH for index in own]).tolist()
-            # A texture, as buffer textures do not decode sRGB.
+            indices = [index for index, image in enumerate(images) if image.encoding is encoding]
+            ends = np.cumsum([0] + [len(blocks[index]) // TEXTURE_WIDTH for index in indices]).tolist()
+            # Not a buffer texture, because those do not decode sRGB.
             internal, dtype = FORMATS[encoding]
             size = TEXTURE_WIDTH, lines_for(ends[-1])
             texture = device.gl.texture(size, 4, dtype=dtype, internal_format=internal)
             driver_variants.never_filtered(texture)
-            for index, line in zip(own, ends[:-1], strict=True):
+            for index, line in zip(indices, ends[:-1], strict=True):
                 self.first_lines[index] = line
                 texture.write(blocks[index], viewport=(0, line, TEXTURE_WIDTH, len(blocks[index]) // TEXTURE_WIDTH))
             self.textures[encoding] = texture
@@ -44,7 +44,7 @@ class TextureBuffer:
 
     @property
     def samplers(self) -> dict[str, moderngl.Texture]:
-        """By their names in textures/image.glsl."""
+        """The textures by sampler name in textures/image.glsl."""
         return {f"{encoding.lower()}_texels": texture for encoding, texture in self.textures.items()}
 
     @property
@@ -72,19 +72,19 @@ class MaterialBuffers:
 
 
 def lines_for(lines: int) -> int:
-    """A number of lines, at least `lines`: no power of two, for which llvmpipe would compile other shader variants."""
+    """At least `lines` lines, not a power of two, for which llvmpipe would compile other shader variants."""
     return max(3, lines | 1)
 
 
 def padded(texels: np.ndarray) -> np.ndarray:
-    """Texels (N,4), zero-padded to whole lines of the texture, so that an image begins with a line."""
+    """Texels (N,4), zero-padded to complete lines of the texture, so that each image begins at the start of a line."""
     return np.pad(texels, ((0, -len(texels) % TEXTURE_WIDTH), (0, 0)))
 
 
 def mip_chain(image: Image) -> list[np.ndarray]:
     """An image and its halved copies down to one texel, each as rows of texels (N,4) of its encoding.
 
-    Averages are taken in linear light. An odd last row or column joins its neighbour.
+    Averages are taken in linear light. If a side is odd, its last texel is an average of three.
     """
     chain, linear = [image.texels.reshape(-1, 4)], decoded(image)
     while linear.shape[0] > 1 or linear.shape[1] > 1:
@@ -107,7 +107,7 @@ def decoded(image: Image) -> np.ndarray:
 
 
 def encoded(linear: np.ndarray, encoding: Encoding) -> np.ndarray:
-    """Texels of linear values (H,W,4). sRGB is encoded by a table of 16 bits."""
+    """Texels of linear values (H,W,4). sRGB is encoded by a look-up table with 16-bit indices."""
     if encoding is Encoding.FLOAT:
         return linear.astype(np.float16)
     texels = np.rint(linear * 255.0).astype(np.uint8)
@@ -118,7 +118,7 @@ def encoded(linear: np.ndarray, encoding: Encoding) -> np.ndarray:
 
 
 def halved(image: np.ndarray, axis: int) -> np.ndarray:
-    """Averages of neighbours along an axis; of the last three, if their number is odd."""
+    """Averages of pairs of texels along an axis; of the last three, if their number is odd."""
     image = np.moveaxis(image, axis, 0)
     pairs = len(image) // 2 * 2
     half = (image[0:pairs:2] + image[1:pairs:2]) * np.float32(0.5)

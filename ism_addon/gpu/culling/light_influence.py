@@ -7,23 +7,23 @@ from functools import cached_property
 
 import numpy as np
 
-#: A light whose bound is at least this fraction of a tile's light is probed there, visible to coarse rays or not.
+#: A light whose bound is at least this fraction of a tile's light is probed there, even if coarse rays were occluded.
 STRONG_FRACTION = 0.1
 
-#: Coarse visibility of a light where too few rays were traced to estimate it. Both: `dev.py bench constants`, see
-#: docs/benchmarks.md.
+#: Coarse visibility of a light where too few rays were traced to estimate it. For both constants see `dev.py bench
+#: constants` in docs/benchmarks.md.
 UNKNOWN_VISIBILITY = 0.25
 
 
 @dataclass(frozen=True)
 class LightInfluence:
-    """Of one light, arrays (rows,columns) for the tiles. Bounds are upper bounds of its irradiance."""
+    """Arrays (rows,columns) over the tiles, for one light. Bounds are upper bounds of its irradiance."""
 
     contributes: np.ndarray  # bool: whether it is not culled
     bound_over_faint: np.ndarray  # float32: bound over the faint-light threshold, clamped to 1
     relative_bound: np.ndarray  # float32: bound over the tile's light or the picture's mean, clamped to 1
     bound_over_mean: np.ndarray  # float32: bound over the picture's mean, clamped to MAX_BOUND_OVER_MEAN
-    coarse_visibility: np.ndarray  # float32: estimate from few rays about the tile
+    coarse_visibility: np.ndarray  # float32: estimate from few rays around the tile
 
     @cached_property
     def is_faint(self) -> np.ndarray:
@@ -37,7 +37,7 @@ class LightInfluence:
         return self.contributes & ~self.is_faint & strong
 
     def visibility_with(self, rediscovered: np.ndarray | None) -> np.ndarray:
-        """(rows,columns) coarse visibility, raised in tiles (rows,columns) bool where retests found the light."""
+        """(rows,columns) coarse visibility, raised in `rediscovered` tiles (rows,columns) bool."""
         if rediscovered is None:
             return self.coarse_visibility
         return np.where(rediscovered, np.maximum(self.coarse_visibility, UNKNOWN_VISIBILITY), self.coarse_visibility)
@@ -46,5 +46,5 @@ class LightInfluence:
 def visibilities(
     influences: Mapping[int, LightInfluence], rediscovered: Mapping[int, np.ndarray]
 ) -> dict[int, np.ndarray]:
-    """Coarse visibility (rows,columns) by light, with what retests found since the influences were estimated."""
+    """Coarse visibility (rows,columns) by light, raised where later retests were unoccluded."""
     return {light: influence.visibility_with(rediscovered.get(light)) for light, influence in influences.items()}

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaft culling: which boxes may occlude a line from one box to another.
+"""Shaft culling: which boxes may occlude lines from one box to another.
 
 The shaft between two boxes is swept by their linear interpolation, t from 0 to 1. It overlaps a box while six linear
-functions of t are not positive; their interval of t is found as in the slab test of rays against boxes (compare Haines
-& Wallace 1994, whose shafts have the same sides). Boxes are aligned to the axes and are (2,3,…): low and high corners.
+functions of t are not positive; this interval is computed as in the slab test of rays against boxes (compare Haines &
+Wallace 1994, whose shafts have the same sides). Boxes are aligned to the axes and are (2,3,…): low and high corners.
 """
 
 import numpy as np

@@ -18,15 +18,15 @@ MIN_CONE_ANGLE = np.float32(0.01)  # rad
 class SurfaceBounds:
     """Bounds of the surfaces in N tiles, or in depth ranges of tiles: float32, anchor space."""
 
-    exists: np.ndarray  # (N,) bool: whether there are any surfaces
-    low: np.ndarray  # (3,N) m: the box around its surfaces
-    high: np.ndarray  # (3,N) m
-    axis: np.ndarray  # (3,N) unit: of the cone of normals
+    exists: np.ndarray  # (N,) bool: whether there are surfaces
+    low: np.ndarray  # (3,N) m: low corners of the bounding boxes
+    high: np.ndarray  # (3,N) m: high corners
+    axis: np.ndarray  # (3,N) unit vectors: axes of the cones of normals
     half_angle: np.ndarray  # (N,) rad
 
     @classmethod
     def of(cls, tile_min: np.ndarray, tile_max: np.ndarray, tile_normal_cone: np.ndarray) -> Self:
-        """From targets (R,C,4) of CullLights, with a margin."""
+        """From targets (rows,columns,4) of CullLights, enlarged by a margin."""
         tile_min, tile_max, tile_normal_cone = (
             np.ascontiguousarray(row.reshape(-1, 4).T) for row in (tile_min, tile_max, tile_normal_cone)
         )
@@ -36,16 +36,16 @@ class SurfaceBounds:
 
     @classmethod
     def around(cls, points: np.ndarray, normals: np.ndarray) -> Self:
-        """Bounds of N points (3,N), one each."""
+        """Bounds of N single points (3,N)."""
         count = points.shape[1]
         return cls(np.ones(count, bool), points, points, normals, np.zeros(count, np.float32))
 
-    def select(self, chosen: np.ndarray) -> Self:
-        """The bounds at these indices, or chosen by (N,) bool."""
-        return type(self)(*(getattr(self, member.name)[..., chosen] for member in fields(self)))
+    def select(self, rows: np.ndarray) -> Self:
+        """The bounds at indices, or where a mask (N,) bool is true."""
+        return type(self)(*(getattr(self, member.name)[..., rows] for member in fields(self)))
 
     def half_angle_around(self, other: Self) -> np.ndarray:
-        """(N,) rad: half angles of cones about these axes that contain the other's cones."""
+        """(N,) rad: half angles of cones around these axes that contain the other's cones."""
         return np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0)) + other.half_angle
 
     def contains(self, other: Self) -> np.ndarray:
@@ -55,8 +55,8 @@ class SurfaceBounds:
 
     def joined(self, other: Self) -> Self:
         """Bounds that contain these and the other's."""
-        widest = np.minimum(np.maximum(self.half_angle, self.half_angle_around(other)), np.float32(np.pi))
-        half_angle = np.where(self.exists, np.where(other.exists, widest, self.half_angle), other.half_angle)
+        joined_angle = np.minimum(np.maximum(self.half_angle, self.half_angle_around(other)), np.float32(np.pi))
+        half_angle = np.where(self.exists, np.where(other.exists, joined_angle, self.half_angle), other.half_angle)
         return type(self)(
             self.exists | other.exists,
             np.minimum(self.low, other.low),

@@ -32,7 +32,7 @@ class BoundState:
         self._values: weakref.WeakKeyDictionary[moderngl.Program, dict[str, object]] = weakref.WeakKeyDictionary()
 
     def unit_with(self, name: str, texture: Texture) -> int:
-        """The texture unit of the samplers of this name, with the texture bound to it."""
+        """The texture unit of samplers with this name, after the texture is bound to it."""
         unit = self._units.setdefault(name, len(self._units) + MODERNGL_UNIT + 1)
         bound = self._textures.get(unit)
         if bound is None or bound() is not texture:
@@ -46,7 +46,7 @@ class BoundState:
 
 
 def is_new(values: dict[str, object], name: str, value: Any) -> bool:
-    """Whether a uniform has another value than this one. The value is then taken as set."""
+    """Whether a uniform's value differs from this one, which is then stored in `values`."""
     content = value if isinstance(value, (int, float, tuple)) else np.asarray(value).tobytes()
     if values.get(name) == content:
         return False

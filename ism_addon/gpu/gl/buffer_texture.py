@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Buffer textures: arrays that shaders fetch from by index. moderngl does not offer them.
+"""Buffer textures: arrays that shaders read by index. moderngl does not offer them.
 
-Any range of rows can be written, and software drivers fetch from them faster than from 2D textures.
+Any range of rows can be written, and software drivers read them faster than 2D textures.
 """
 
 import ctypes
@@ -47,13 +47,13 @@ class BufferTextureApi:
         self._released: deque[int] = deque()
 
     def create(self, owner: object, buffer: moderngl.Buffer, format: int) -> int:
-        """The name of a texture over a buffer. It lives as long as its owner."""
-        made = ctypes.c_uint()
-        self._generate(1, made)
-        self.use(made.value, MODERNGL_UNIT)
+        """OpenGL's name of a new texture over a buffer. It is deleted after its owner."""
+        texture = ctypes.c_uint()
+        self._generate(1, texture)
+        self.use(texture.value, MODERNGL_UNIT)
         self._attach(TEXTURE_BUFFER, format, buffer.glo)
-        weakref.finalize(owner, self._released.append, made.value).atexit = False
-        return made.value
+        weakref.finalize(owner, self._released.append, texture.value).atexit = False
+        return texture.value
 
     def use(self, texture: int, unit: int) -> None:
         """Bind it to a texture unit."""
@@ -96,15 +96,15 @@ class BufferTexture:
 
 
 class GrowingBuffer:
-    """A buffer texture that rows are appended to. A larger one replaces it when it is full."""
+    """A buffer texture to which rows are appended. If it is full, a larger one replaces it."""
 
     def __init__(self, gl: moderngl.Context, allocate: Callable[[int], BufferTexture], max_rows: int):
-        """`allocate` makes a buffer texture of so many rows, `max_rows` is how many it may have."""
+        """`allocate` makes a buffer texture with a number of rows, at most `max_rows`."""
         self._gl, self._allocate, self._max_rows = gl, allocate, max_rows
         self.texture, self.count = allocate(0), 0
 
     def reserve(self, more: int) -> None:
-        """Make room for `more` rows: exactly that many the first time, then half of what there is in advance."""
+        """Make room for `more` rows. Growth is by at least half, except for the first time."""
         needed = self.count + more
         if needed > self.texture.count:
             larger = self._allocate(max(needed, min(self.count + self.count // 2, self._max_rows)))
@@ -113,6 +113,6 @@ class GrowingBuffer:
             self.texture = larger
 
     def append(self, rows: np.ndarray) -> None:
-        """Append rows that room has been reserved for."""
+        """Append rows, for which room has been reserved."""
         self.texture.write(rows, self.count)
         self.count += len(rows)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens an OpenGL context without a window, and waits for it.
 
-The context belongs to the thread that opens it. That must not be Blender's main thread: there Blender's own context
-would stay current and receive our calls without an error.
+The context belongs to the thread that opens it. That must not be Blender's main thread: there Blender's context would
+stay current and receive our calls without an error.
 """
 
 import ctypes
@@ -36,7 +36,7 @@ NO_TIMEOUT = (1 << 64) - 1  # ns
 
 @dataclass(frozen=True)
 class Device:
-    """An open context, with its limits and the functions that moderngl lacks."""
+    """An open context, its limits, and functions that moderngl lacks."""
 
     gl: moderngl.Context
     texture_size: int
@@ -44,8 +44,8 @@ class Device:
     #: glFinish without the interpreter's lock (GIL): moderngl's finish() and read() hold it, which freezes Blender's
     #: window.
     wait: Callable[[], None]
-    #: Flushes, then waits without the GIL for the submission before this one: at most two are in flight. Software
-    #: drivers queue no more, and would block within a draw, which holds the GIL.
+    #: Flushes, then waits without the GIL for the previous submission: at most two are in flight. Software drivers
+    #: queue no more of them, and would block within a draw, which holds the GIL.
     submit: Callable[[], None]
     #: Draws triangles of a vertex array: first triangle, count, instances. Without the GIL: software drivers process
     #: all vertices before the call returns.
@@ -60,11 +60,11 @@ class Device:
     clock: GpuClock
     #: Draws points that change with each draw.
     points: PointBatch
-    #: Compiled programs by files, records and constants. All renderers share them.
+    #: Compiled programs by files, records and constants, shared by all renderers.
     programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
     #: Called before a program is compiled, which can take a second.
     on_compile: list[Callable[[], None]] = field(default_factory=list)
-    #: Resources made from parts of scenes, as long as any renderer uses them: see Frame.shared_resource.
+    #: Resources that renderers share, as long as any uses them: see Frame.shared_resource.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
     def new_buffer(self, count: int, components: int, dtype: str) -> BufferTexture:
@@ -78,14 +78,14 @@ class Device:
         return BufferTexture(self.gl, self.buffer_textures, count, components, dtype)
 
     def buffer_from(self, rows: np.ndarray) -> BufferTexture:
-        """A buffer texture with rows (count, components)."""
+        """A buffer texture with the contents of rows (count,components)."""
         count, components = rows.shape
         buffer = self.new_buffer(count, components, rows.dtype.str[1:])
         buffer.write(rows)
         return buffer
 
     def growing_buffer(self, components: int, dtype: str) -> GrowingBuffer:
-        """An empty buffer texture that rows are appended to."""
+        """An empty buffer texture to which rows can be appended."""
         max_rows = self.buffer_textures.max_rows
         return GrowingBuffer(self.gl, lambda count: self.new_buffer(count, components, dtype), max_rows)
 
@@ -121,7 +121,7 @@ class Device:
         self.gl.release()
 
 
-#: Ids of the processes that have opened OpenGL. After a fork, the child's copy holds the parent's id.
+#: Ids of processes that have opened OpenGL. After a fork, the child's copy contains the parent's id.
 _openers: set[int] = set()
 
 
@@ -210,7 +210,7 @@ def draw_without_gil(load: Callable[[str], int]) -> tuple[Callable[..., None], C
 
 
 def fence_alive(load: Callable[[str], int]) -> Callable[[], bool]:
-    """Device.is_alive. Of a lost context, drivers ignore calls without an error, but create no fences."""
+    """Device.is_alive. In a lost context, drivers ignore calls without an error, but create no fences."""
     fence = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint)(load("glFenceSync"))
     delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(load("glDeleteSync"))
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The depth buffer: reversed depth in float32, with the same relative precision at all distances.
 
-Depth is 1 at the near plane and 0 at the far plane: the near plane's distance over that of the surface. It keeps early
-depth tests. Depths close to 0 stay exact only if clip space has depths from 0 to 1 (ARB_clip_control, OpenGL 4.5).
-Where it has -1 to 1, as on macOS, the fragment shader writes a logarithm of the distance.
+Depth is 1 at the near plane and 0 at the far plane: the near plane's distance over that of the surface. Early
+depth tests stay possible. Depths close to 0 stay exact only if clip space has depths from 0 to 1 (ARB_clip_control,
+OpenGL 4.5). Where it has -1 to 1, as on macOS, the fragment shader writes a logarithm of the distance.
 """
 
 import ctypes
@@ -17,18 +17,18 @@ DEPTH_COMPONENT32F = 0x8CAC
 FLOAT = 0x1406
 LOWER_LEFT, ZERO_TO_ONE = 0x8CA1, 0x935F
 
-#: Distance of the far plane over that of the near plane from which on it counts as infinite.
+#: From this ratio of the far plane's distance to the near plane's, the far plane counts as infinite.
 INFINITE_FAR = 2.0**40
 
 
 def use_reversed_depth(gl: moderngl.Context) -> bool:
-    """Let the nearer surface pass the depth test. Whether depth is reversed; other passes do not use depth."""
+    """Let the nearer surface pass the depth test. Returns whether clip space has depths from 0 to 1."""
     gl.depth_func = ">"
     return maps_to_zero(gl)
 
 
 def maps_to_zero(gl: moderngl.Context) -> bool:
-    """Let clip space have depths from 0 to 1. Whether OpenGL can."""
+    """Let clip space have depths from 0 to 1. Returns whether OpenGL supports it."""
     is_supported = gl.version_code >= 450 or "GL_ARB_clip_control" in gl.extensions
     if is_supported:
         clip_control = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(gl.mglo._context.load("glClipControl"))
@@ -69,7 +69,7 @@ def nearness(clip_from_view: np.ndarray) -> tuple[float, float]:
 
 
 def logarithm(clip_from_view: np.ndarray) -> tuple[float, float]:
-    """(x, y) so that x + y log2(w) is 1 at the near plane and 0 at the far one; likewise."""
+    """(x, y) so that x + y log2(w) is 1 at the near plane and 0 at the far one; (0, 0) for an orthographic view."""
     near_and_far = planes(clip_from_view)
     if near_and_far is None:
         return 0.0, 0.0

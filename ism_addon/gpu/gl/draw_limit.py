@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Limits the cost of a draw, in shadow rays: Windows resets a graphics card if a draw takes 2 s.
 
-Larger draws are split into portions. Blending and its order stay the same. What draws cost is chosen so that the
-largest of all passes take about as long, by `bench draws` in the scene atrium.
+Larger draws are split into portions. Blending and its order stay the same. The costs of draws are chosen so that the
+largest draws of all passes take about the same time, measured by `bench draws` in the scene atrium.
 """
 
 from collections.abc import Iterator
 
-#: Most rays of a draw. Two processor cores trace so many in half a second, and a graphics card is faster. An image of
+#: Maximum of rays in a draw. Two processor cores need half a second for them, a graphics card less. An image of
 #: 1280×720 pixels takes one draw for each light.
 MAX_RAYS_PER_DRAW = 1 << 20
 
@@ -16,13 +16,13 @@ TEXELS_PER_RAY = 150
 
 
 def portions(count: int, rays: float) -> Iterator[slice]:
-    """The fewest slices of `count` items that are within the limit; each item takes the time of `rays` rays."""
+    """The fewest slices of `count` items within the limit, if an item costs as much as `rays` rays."""
     size = max(int(MAX_RAYS_PER_DRAW / rays), 1)
     return (slice(first, min(first + size, count)) for first in range(0, count, size))
 
 
 def rectangles(size: tuple[int, int], rays: float) -> Iterator[tuple[int, int, int, int]]:
-    """Likewise of (width, height) pixels: rectangles (x,y,w,h) of whole rows, or parts of a row."""
+    """Rectangles (x,y,w,h) of (width, height) pixels within the limit: complete rows, or sections of a row."""
     width, height = size
     for rows in portions(height, rays * width):
         for columns in portions(width, rays * (rows.stop - rows.start)):

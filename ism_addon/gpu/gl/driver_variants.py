@@ -3,15 +3,16 @@
 
 It compiles one variant for textures whose sides are powers of two and one for others; one for buffers of less than 256
 bytes and one for larger ones (it reads bits 8 to 15 of a buffer's size as a texture's last level); and one for each
-state of each sampler, which for a buffer is that of whatever was bound before. So all textures and buffers are alike.
+state of each sampler, which for a buffer is the state of the last texture that was bound. So all textures and buffers
+have the same properties.
 """
 
 import moderngl
 
-#: GL_MAX_TEXTURE_SIZE that every OpenGL 4.1 has at least.
+#: The smallest GL_MAX_TEXTURE_SIZE that OpenGL 4.1 allows.
 MAX_SIDE = 1 << 14
 
-#: GL_MAX_TEXTURE_IMAGE_UNITS that every OpenGL 4.1 has at least. No shader uses more.
+#: The smallest GL_MAX_TEXTURE_IMAGE_UNITS that OpenGL 4.1 allows. No shader uses more.
 SAMPLERS = 16
 
 VERTICES = "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }"
@@ -23,18 +24,18 @@ void main() {{ color = {" + ".join(f"texelFetch(all_of_them[{k}], ivec2(0), 0)" 
 
 
 def side(texels: int) -> int:
-    """A side of a texture with room for so many texels: no power of two, unless it is MAX_SIDE."""
+    """Side of a texture with room for `texels` texels: not a power of two, except MAX_SIDE and above."""
     return texels if texels & (texels - 1) or texels >= MAX_SIDE else max(3, texels + 1)
 
 
 def sides(size: tuple[int, int]) -> tuple[int, int]:
-    """Likewise for width and height."""
+    """`side` of width and of height."""
     return side(size[0]), side(size[1])
 
 
-def rows(count: int, each: int) -> int:
-    """Rows of `each` bytes for a buffer with room for `count` rows."""
-    while not (count * each >> 8 & 255 and count * each & (count * each - 1)):
+def rows(count: int, row_bytes: int) -> int:
+    """Number of rows, at least `count`, of a buffer whose size needs no other shader variants."""
+    while not (count * row_bytes >> 8 & 255 and count * row_bytes & (count * row_bytes - 1)):
         count += 1
     return count
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Uniforms of the frame that all passes share: one uniform block, filled by numpy and read by GLSL."""
+"""Uniforms of the frame, shared by all passes: one uniform block, filled by numpy and read by GLSL."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from ...color import luminance
 from ...scene import View
 from ...spaces import view_from_anchor
 
-#: Members in order. Each fills whole vec4s, so std140 needs no padding.
+#: Members in order. Their sizes are multiples of a vec4, so std140 needs no padding.
 MEMBERS = {
     "clip_from_anchor": "mat4",
     "view_from_anchor": "mat4",
     "ray_origin": "vec4",  # at pixel coordinate (0, 0), anchor space
     "ray_origin_x": "vec4",  # difference from pixel to pixel
     "ray_origin_y": "vec4",
-    "ray_direction": "vec4",  # likewise; its length is 1 along the view's axis
+    "ray_direction": "vec4",  # at pixel (0, 0); its component along the view's axis is 1
     "ray_direction_x": "vec4",
     "ray_direction_y": "vec4",
     "luminance_weights": "vec4",  # of red, green and blue
@@ -31,7 +31,7 @@ GLSL += "ivec2 last_pixel() { return ivec2(picture_size.xy) - 1; }\n"
 
 
 def rays(clip_from_view: np.ndarray, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and directions of the view rays: two (3,3), rows at pixel (0,0), difference in x, and in y.
+    """Origins and directions of the view rays, (3,3) each. Rows: at pixel (0,0), difference in x, difference in y.
 
     View space. Both are linear in the pixel's coordinate, for perspective (one origin) and for
     orthographic projections (one direction).
@@ -57,7 +57,7 @@ def frame_block(view: View, anchor: np.ndarray, working_space: str) -> np.ndarra
     """One row of DTYPE."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     origins, directions = rays(view.clip_from_view, view.width, view.height)
-    to_anchor = from_anchor[:3, :3]  # rigid: rows of vectors times this is its inverse times columns
+    to_anchor = from_anchor[:3, :3]  # rigid: row vectors times this are its inverse times column vectors
     origins = origins @ to_anchor
     origins[0] -= from_anchor[:3, :3].T @ from_anchor[:3, 3]
     directions = directions @ to_anchor

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks the version of moderngl, which all of Blender's add-ons share.
 
-The extension brings it as a wheel. But of two extensions' wheels Blender keeps the newer one, and another add-on may
-have imported its own copy before.
+The extension includes it as a wheel. But Blender keeps only the newest of several extensions' wheels, and another
+add-on may have imported a different copy before.
 """
 
 import re
 
 from .errors import NoOpenGL
 
-#: The oldest supported version, and the next major one, which is not. 5.9 lacks functions that we call.
+#: The oldest supported version, and the next major version, which is not supported. 5.9 lacks functions that we call.
 OLDEST, NEXT_MAJOR = (5, 10), (6, 0)
 
 

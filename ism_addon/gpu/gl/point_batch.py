@@ -14,7 +14,7 @@ class PointBatch:
         self._vertex_arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def draw(self, program: moderngl.Program, rows: np.ndarray, layout: tuple[str, ...]) -> None:
-        """Draw a point for each row. `layout`: moderngl's format and attribute names; programs may lack some."""
+        """Draw a point for each row. `layout`: moderngl's format and attribute names; a program may lack attributes."""
         if program not in self._vertex_arrays:
             content = [(self._buffer, *layout)]
             self._vertex_arrays[program] = self._gl.vertex_array(program, content, skip_errors=True)

@@ -10,15 +10,15 @@ from ...resource_types import Target
 from . import driver_variants
 from .depth import float_depth
 
-#: Width of a target in strips, in texels, up to this height.
+#: Width of a strip in texels, and maximum height of a target in strips.
 TILE_STRIP_WIDTH, MAX_STRIP_HEIGHT = 9, 4100
 
 
 def size_of(target: Target, width: int, height: int) -> tuple[int, int]:
     """Width and height in texels of a target, for an image of this size in pixels.
 
-    Targets with a texel a tile are laid out in strips: software drivers parallelise over blocks of 64×64 texels, of
-    which there would be too few.
+    Targets with a texel per tile are laid out in strips: software drivers parallelise over blocks of 64×64 texels, and
+    otherwise there would be too few blocks.
     """
     columns, rows = -(-width // target.divisor), -(-height // target.divisor)
     if not target.strips:
@@ -54,10 +54,10 @@ class RenderTargets:
     def __init__(self, gl: moderngl.Context):
         self.gl = gl
         self.textures: dict[Target, moderngl.Texture] = {}
-        #: Size of each that passes have made; neutral ones have none.
+        #: Sizes of targets that passes have made; neutral textures are not included.
         self.sizes: dict[Target, tuple[int, int]] = {}
         self.framebuffers: dict[tuple[Target, ...], moderngl.Framebuffer] = {}
-        #: Memory of all textures.
+        #: Memory of all textures, bytes.
         self.bytes = 0
 
     def __getitem__(self, target: Target) -> moderngl.Texture:
@@ -110,20 +110,20 @@ class RenderTargets:
 
 
 def bytes_of(texture: moderngl.Texture) -> int:
-    """Memory of a texture."""
+    """Memory of a texture, bytes."""
     texel: int = texture.components * int(texture.dtype[1:])
     return texture.width * texture.height * texel
 
 
 def draw_into(target: moderngl.Framebuffer) -> None:
-    """Bind a framebuffer, unless it is bound: moderngl makes a dozen OpenGL calls for it."""
+    """Bind a framebuffer if it is not bound: moderngl makes a dozen OpenGL calls to bind one."""
     if target.ctx.fbo is not target:
         target.use()
 
 
 def pixels(texture: moderngl.Texture) -> np.ndarray:
-    """(H,W,components) float32 of a texture of floats, or of bytes over 255."""
+    """(H,W,components) float32 of a texture of floats, or of bytes, divided by 255."""
     has_bytes = texture.dtype == "f1"
-    whole: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if has_bytes else np.float32)
-    texture.read_into(whole, alignment=1)
-    return whole / np.float32(255) if has_bytes else whole
+    values: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if has_bytes else np.float32)
+    texture.read_into(values, alignment=1)
+    return values / np.float32(255) if has_bytes else values

@@ -18,7 +18,7 @@ from .buffer_texture import BufferTexture
 from .context import Device
 from .shader_records import Record
 
-#: Shaders are named by their path in this folder: beside their pass, or in `glsl` if several passes use them.
+#: Shaders are named by their path in this folder. They are beside their pass, or in `glsl` if several passes use them.
 FOLDER = Path(__file__).parents[1]
 STAGES = {".vert": "vertex_shader", ".frag": "fragment_shader"}
 INCLUDE = re.compile(r'^#include "(.+)"$')
@@ -69,7 +69,7 @@ def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
 def compile_program(
     device: Device, *names: str, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
-    """The program of these files, one for each stage. Compiled once and cached. Raises ShaderError."""
+    """The program of these files, one for each stage. Programs are cached. Raises ShaderError."""
     key = (names, tuple(record.name for record in records), tuple(constants.items()))
     if key not in device.programs:
         for callback in device.on_compile:
@@ -82,10 +82,10 @@ def compile_stages(
     gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: dict[str, int | float]
 ) -> moderngl.Program:
     """Compile, link and bind the frame's uniform block."""
-    begin = head(records, constants)
+    head_source = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
-        texts = (begin + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True))
+        texts = (head_source + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True))
         stages: dict[str, Any] = dict(zip(files, texts, strict=True))
         program = gl.program(**stages)
     except (moderngl.Error, OSError) as error:
@@ -97,7 +97,7 @@ def compile_stages(
 
 
 def first_error(error: Exception, files: dict[str, list[Path]]) -> str:
-    """File, line and message of the first error, or the whole log if that is not recognised. `files` by stage."""
+    """File, line and message of the first error, or the complete log if it is not recognised. `files` by stage."""
     log = str(error)
     match = FIRST_ERROR.search(log)
     stage = next((stage for stage in files if stage in log), None)
@@ -117,7 +117,7 @@ def bind(program: moderngl.Program, **values: object) -> None:
     Raises UndeclaredUniformError for a name that the program's sources do not declare.
     """
     state = program.ctx.extra
-    values_before = state.values(program)
+    current_values = state.values(program)
     for name, value in values.items():
         uniform: Any = program.get(name, None)
         if uniform is None:
@@ -126,9 +126,9 @@ def bind(program: moderngl.Program, **values: object) -> None:
             continue
         if isinstance(value, BufferTexture):
             unit = state.unit_with(name, value)
-            if is_new(values_before, name, unit):
+            if is_new(current_values, name, unit):
                 value.set_sampler(program, name, unit)
         else:
             content = state.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
-            if is_new(values_before, name, content):
+            if is_new(current_values, name, content):
                 uniform.value = content

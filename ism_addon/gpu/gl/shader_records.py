@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One declaration for data that numpy fills and GLSL reads.
 
-A Record is a row of a table: the table is a buffer texture (OpenGL 4.1 has no storage buffers, and a uniform block may
-hold no more than 16 KB). Its texels are four 32-bit words each. They are of an integer format: as floats, integers with
-the bit patterns of NaNs and of denormal numbers might not arrive.
+A Record is the type of a table's rows. The table is a buffer texture (OpenGL 4.1 has no storage buffers, and uniform
+blocks are limited to 16 KB). A texel is four 32-bit words. Its format is of integers: in float formats, integers with
+the bit patterns of NaNs and denormal numbers might be changed.
 """
 
 from typing import NamedTuple
@@ -18,49 +18,49 @@ from .context import Device
 TEXEL_WORDS = 4
 
 
-class Kind(NamedTuple):
-    """What a member may be."""
+class MemberType(NamedTuple):
+    """A type of members."""
 
-    dtype: str  # numpy's, of a word
+    dtype: str  # numpy's dtype of a word
     words: int
-    from_bits: str  # GLSL: makes one of a uint, or a uvec
+    from_bits: str  # GLSL function that converts a uint or uvec to it
 
 
-KINDS = {
-    "float": Kind("f4", 1, "uintBitsToFloat"),
-    "vec2": Kind("f4", 2, "uintBitsToFloat"),
-    "vec3": Kind("f4", 3, "uintBitsToFloat"),
-    "vec4": Kind("f4", 4, "uintBitsToFloat"),
-    "int": Kind("i4", 1, "int"),
-    "ivec2": Kind("i4", 2, "ivec2"),
-    "uint": Kind("u4", 1, ""),
-    "uvec2": Kind("u4", 2, ""),
+MEMBER_TYPES = {
+    "float": MemberType("f4", 1, "uintBitsToFloat"),
+    "vec2": MemberType("f4", 2, "uintBitsToFloat"),
+    "vec3": MemberType("f4", 3, "uintBitsToFloat"),
+    "vec4": MemberType("f4", 4, "uintBitsToFloat"),
+    "int": MemberType("i4", 1, "int"),
+    "ivec2": MemberType("i4", 2, "ivec2"),
+    "uint": MemberType("u4", 1, ""),
+    "uvec2": MemberType("u4", 2, ""),
 }
 
 
 class Record:
-    """A named row of members, each a kind of KINDS."""
+    """A named type of rows; members have types of MEMBER_TYPES."""
 
     def __init__(self, name: str, **members: str):
         self.name = name
         self.members = members
-        kinds = {member: KINDS[kind] for member, kind in members.items()}
+        types = {member: MEMBER_TYPES[type_] for member, type_ in members.items()}
         self.dtype = np.dtype(
-            [(member, dtype, words) if words > 1 else (member, dtype) for member, (dtype, words, _) in kinds.items()]
+            [(member, dtype, words) if words > 1 else (member, dtype) for member, (dtype, words, _) in types.items()]
         )
         self.texels = -(-self.dtype.itemsize // (4 * TEXEL_WORDS))
 
     def glsl(self) -> str:
         """A struct of this name and `Name fetch_Name(usamplerBuffer table, int row)`."""
-        struct = "".join(f"    {kind} {member};\n" for member, kind in self.members.items())
+        struct = "".join(f"    {type_} {member};\n" for member, type_ in self.members.items())
         rows = range(self.texels)
         fetches = "".join(f"    uvec4 t{k} = texelFetch(table, {self.texels} * row + {k});\n" for k in rows)
         values, first = [], 0
-        for kind in map(KINDS.__getitem__, self.members.values()):
-            words = [f"t{k // TEXEL_WORDS}.{'xyzw'[k % TEXEL_WORDS]}" for k in range(first, first + kind.words)]
-            bits = words[0] if kind.words == 1 else f"uvec{kind.words}({', '.join(words)})"
-            values.append(f"{kind.from_bits}({bits})")
-            first += kind.words
+        for type_ in map(MEMBER_TYPES.__getitem__, self.members.values()):
+            words = [f"t{k // TEXEL_WORDS}.{'xyzw'[k % TEXEL_WORDS]}" for k in range(first, first + type_.words)]
+            bits = words[0] if type_.words == 1 else f"uvec{type_.words}({', '.join(words)})"
+            values.append(f"{type_.from_bits}({bits})")
+            first += type_.words
         return (
             f"struct {self.name} {{\n{struct}}};\n"
             f"{self.name} fetch_{self.name}(usamplerBuffer table, int row) {{\n{fetches}"
@@ -68,14 +68,14 @@ class Record:
         )
 
     def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
-        """A table (N,) of this record's dtype."""
+        """Upload a table (N,) of this record's dtype."""
         words = table.view(np.uint32).reshape(len(table), self.dtype.itemsize // 4)
         packed = np.pad(words, ((0, 0), (0, TEXEL_WORDS * self.texels - words.shape[1])))
         return device.buffer_from(packed.reshape(-1, TEXEL_WORDS))
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
-    """Unit vectors (…,3) as points (…,2) of a square, as maths/octahedron.glsl does (Cigolle et al. 2014)."""
+    """Unit vectors (…,3) mapped to points (…,2) of a square, as maths/octahedron.glsl does (Cigolle et al. 2014)."""
     points = np.empty((*directions.shape[:-1], 2), directions.dtype)
     x, y, z = (directions[..., k] for k in range(3))  # numpy is slow along short axes
     size = np.maximum(np.abs(x) + np.abs(y) + np.abs(z), 1e-20)
@@ -86,20 +86,21 @@ def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
 
 
 def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
-    """The inverse: (…,2) to unit vectors (…,3)."""
+    """The inverse: points (…,2) mapped to unit vectors (…,3)."""
     z = 1.0 - np.abs(points).sum(-1, keepdims=True)
     directions = np.concatenate([points - np.copysign(np.maximum(-z, 0.0), points), z], -1)
     directions /= np.sqrt(np.einsum("...k,...k->...", directions, directions))[..., None]
     return directions
 
 
-#: Where a mesh stands: the rows of its 3×4 matrix.
+#: An instance: the rows of its 3×4 matrix.
 INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 
-#: The groups that an instance belongs to, a bit for each.
+#: The link groups of an instance, one bit each.
 MEMBERSHIP = Record("Membership", groups="uint")
 
-#: What casts a shadow: the 3×4 matrix into its mesh's steps, that mesh's tree, who it is in the G-buffer, its groups.
+#: An instance that casts shadows: the 3×4 matrix to its mesh's quanta, the mesh's BLAS, the instance's row in the
+#: G-buffer, and its link groups.
 CASTER = Record(
     "Caster",
     row0="vec4",
@@ -114,7 +115,7 @@ CASTER = Record(
     link_groups="uint",
 )
 
-#: The inputs of a material, then its image: a width of 0 means that there is none.
+#: The inputs of a material, and its image: a width of 0 means no image.
 MATERIAL = Record(
     "Material",
     **{name: each.glsl_type for name, each in MATERIAL_INPUTS.items()},
@@ -126,7 +127,7 @@ MATERIAL = Record(
     levels="int",
 )
 
-#: An area light in anchor space. Its own space has the tangent for x and the normal for z, from its position.
+#: An area light in anchor space. Light space has its origin at the position, x along the tangent, z along the normal.
 LIGHT = Record(
     "Light",
     position="vec3",
@@ -143,13 +144,13 @@ LIGHT = Record(
     blockers="int",
 )
 
-#: Probe rays to one light: its index, the light_uv of the first texel of the picture in 32-bit fixed point, and which
-#: texel of the picture the block's first one is.
+#: Probe rays to one light: its index, the light_uv of the picture's first texel in 32-bit fixed point, and the position
+#: of the block's first texel in the picture.
 PROBE_BLOCK = Record("ProbeBlock", light="int", light_uv="uvec2", first_texel="ivec2")
 
-#: A light that contributes, and the virtual lights that stand for it.
+#: A contributing light, and the range of its virtual lights.
 VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")
 
-#: A virtual point light: from its light's position, in the light's own space, and the cosine and sine by which its
-#: shadow map is turned there.
+#: A virtual point light: its offset from the area light's position, in light space, and the cosine and sine of its
+#: shadow map's rotation.
 VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", rotation="vec2")

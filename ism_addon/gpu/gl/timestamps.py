@@ -28,7 +28,7 @@ class GpuClock:
         self.is_available = bits.value > 0
 
     def record(self) -> int:
-        """Record the time when the GPU has finished all commands so far. Gives a query, to be read once."""
+        """Record the time when the GPU has finished all commands so far. Returns a query, to be read once."""
         if not self._free:
             query_name = ctypes.c_uint()
             self._generate(1, query_name)

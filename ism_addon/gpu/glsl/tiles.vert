@@ -1,16 +1,16 @@
-// Tiles of a draw, as points of the size of a tile. See TILE in tiles.py.
+// Draws tiles as points of a tile's size. See TILE in tiles.py.
 in vec2 in_tile;
 in vec4 in_visibility_texel_and_offset;
 in float in_sample_index;
 in float in_probability;
 in int in_light;
 in float in_visibility;
-uniform float size;       // of a tile, with what is drawn around it, px
-uniform vec2 tile_counts; // columns and rows; the viewport is theirs, which may reach beyond the picture
+uniform float size;       // of a tile with its margin, px
+uniform vec2 tile_counts; // columns and rows; the viewport covers all tiles, and may be larger than the picture
 flat out vec2 tile;
 flat out vec4 visibility_texel_and_offset; // px, from the pixel's centre
 flat out float sample_index;               // among the tile's samples
-flat out float tile_probability;           // with which it is drawn; 0 if each pixel has its own
+flat out float tile_probability;           // with which it is drawn; 0 if each pixel has a different one
 flat out int tile_light;                   // index of the light that is drawn
 flat out float tile_visibility;            // predicted for all of its pixels
 

@@ -14,7 +14,7 @@ from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
 
-#: Seconds between two redraws that show how many shaders are compiled: each makes Blender draw its window.
+#: Minimum of seconds between redraws that show the number of compiled shaders: each makes Blender draw its window.
 COMPILING_SHOWN_EVERY = 0.5
 
 
@@ -25,13 +25,13 @@ class Request:
     scene: Scene
     view: View
     settings: Settings
-    passes: tuple[RenderPass, ...] = (COMBINED,)  # the images that are wanted
-    preview_pixel_size: int = 0  # width of the first picture's pixels, in pixels; 0: only the last picture matters
+    passes: tuple[RenderPass, ...] = (COMBINED,)  # the requested images
+    preview_pixel_size: int = 0  # width of the first picture's pixels, in pixels; 0: no preview
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """The mean of `samples` samples; of 0, the preview. Bottom row first."""
+    """The mean of `samples` samples; 0 samples: the preview. Bottom row first."""
 
     passes: Mapping[str, np.ndarray]  # (H,W,channels) float32 by the render pass's name
     samples: int
@@ -48,7 +48,7 @@ class Job:
     def __init__(self, request: Request, changed: threading.Condition):
         view, settings = view_within_limits(request.view), within_limits(request.settings)
         self.request = replace(request, view=view, settings=settings)
-        self.samples = self.request.settings.quality.samples  # at most
+        self.samples = self.request.settings.quality.samples  # upper limit
         self.samples_done = 0
         self.first_seconds = 0.0  # of the passes that drew the first picture's pixels; 0 before it is done
         self.finished = False
@@ -56,7 +56,7 @@ class Job:
         self.error = ""
         self.statistics: dict = {}
         self.compiles = False  # whether the current pass compiles shaders
-        self.programs = 0  # compiled for this job; how many it will need is unknown
+        self.programs = 0  # compiled for this job; their final number is unknown
         self.programs_shown = 0  # `programs` as viewports show it
         self._shown_at = time.monotonic()
         self._changed = changed
@@ -74,18 +74,18 @@ class Job:
         return f"Sample {self.samples_done}/{self.samples}{error_text}"
 
     def picture(self) -> Picture | None:
-        """The latest picture, the same object until there is a later one."""
+        """The latest picture. Until there is a later one, it is the same object."""
         return self._picture
 
     def wait(self, timeout: float) -> bool:
-        """Wait for a change since the last call, or `timeout` seconds. Whether there was any."""
+        """Wait for a change since the last call, or `timeout` seconds. Returns whether there was a change."""
         with self._changed:
             has_changed = self._changed.wait_for(lambda: self._changes != self._changes_seen or self.finished, timeout)
             self._changes_seen = self._changes
             return has_changed
 
     def cancel(self) -> None:
-        """Stop after the current pass, or within a long one."""
+        """Stop after the current pass, or within it if it takes long."""
         self.cancelled = True
 
     def begin_program(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes PNG files with the standard library alone: Blender ships no image library for Python."""
+"""Writes PNG files with the standard library: Blender has no image library for Python."""
 
 import struct
 import zlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The work of the render thread: a renderer for each client, and jobs, one pass a step."""
+"""The work of the render thread: renderers for each client, and jobs, one pass per step."""
 
 import logging
 import time
@@ -19,7 +19,7 @@ from .job import Job, Picture
 
 log = logging.getLogger(__name__)
 
-#: Most of the render's time that reading back intermediate pictures may take. A choice: less time, fewer of them.
+#: Maximum fraction of the render's time for reading back intermediate pictures. With less time, there are fewer.
 DISPLAY_TIME_FRACTION = 0.1
 
 
@@ -29,7 +29,7 @@ class RenderLoop:
     def __init__(self, device: Device, shader_version: int):
         self.device = device
         self.shader_version = shader_version
-        #: Of each client: one for its pictures, and one for previews. They share resources.
+        #: For each client, one for pictures and one for previews. They share resources.
         self.renderers: dict[Hashable, tuple[Renderer, Renderer]] = {}
         self.running: dict[Job, Generator[None, None, None]] = {}
 
@@ -46,7 +46,7 @@ class RenderLoop:
             renderer.release()
 
     def reload(self, shader_version: int) -> None:
-        """On a new shader version, drop programs and renderers. A running job keeps its own."""
+        """On a new shader version, drop programs and renderers. A running job keeps its renderer."""
         if shader_version != self.shader_version:
             self.shader_version = shader_version
             self.device.forget_programs()
@@ -74,7 +74,7 @@ class RenderLoop:
             self.end(job)
 
     def cause(self, reason: Exception) -> Exception:
-        """Why drawing has failed: an OpenGL error, if there is one, has caused `reason`."""
+        """The cause of a failure: an OpenGL error, if there is one, else `reason`."""
         try:
             self.device.check()
         except GraphicsError as error:
@@ -103,7 +103,7 @@ class RenderLoop:
 
 
 def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Generator[None, None, None]:
-    """Draw all samples of a job, one pass a step, and store intermediate pictures."""
+    """Draw all samples of a job, one pass per step, and store intermediate pictures."""
     request, profile, start = job.request, Profile(), time.perf_counter()
 
     def cancelled() -> bool:
@@ -125,7 +125,7 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
         yield
     next_image_time, stopped_by = start, ""
     filtered = [each for each in request.passes if each.filtered]
-    of_first_sample: dict[str, np.ndarray] = {}
+    first_sample_images: dict[str, np.ndarray] = {}
     while not stopped_by:
         sample = request.scene, request.view, request.settings, job.samples_done, profile
         for _ in renderer.sample(*sample, low_latency=request.preview_pixel_size > 0, cancelled=cancelled):
@@ -135,7 +135,7 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
         renderer.device.check()
         now = time.perf_counter()
         if job.samples_done == 0:
-            of_first_sample = renderer.images([each for each in request.passes if not each.filtered])
+            first_sample_images = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
         stopped_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
         if stopped_by:
@@ -145,9 +145,11 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
             request.scene, job.samples_done, now - start, renderer.error.image_error, stopped_by
         )
         if stopped_by or now >= next_image_time:
-            job._picture = Picture(renderer.images(filtered) | of_first_sample, job.samples_done)
-            shown = time.perf_counter()
-            next_image_time = shown + (shown - now) * (1.0 - DISPLAY_TIME_FRACTION) / DISPLAY_TIME_FRACTION
+            job._picture = Picture(renderer.images(filtered) | first_sample_images, job.samples_done)
+            read_back_end = time.perf_counter()
+            next_image_time = (
+                read_back_end + (read_back_end - now) * (1.0 - DISPLAY_TIME_FRACTION) / DISPLAY_TIME_FRACTION
+            )
         job.notify()
         yield
 

@@ -2,7 +2,7 @@
 """The thread that owns the OpenGL context: requests in, pictures out.
 
 Blender's main thread has its own current context, and waiting for the GPU there would freeze the window. So one thread
-does all OpenGL, one pass at a time, in turns for each of its clients (viewports, final renders).
+makes all OpenGL calls, one pass at a time, alternating between its clients (viewports, final renders).
 """
 
 import os
@@ -20,12 +20,12 @@ from .job import Job, Request
 if TYPE_CHECKING:
     from .render_loop import RenderLoop
 
-#: Seconds that stop() waits for the current pass. Some take longer, and a driver may hang.
+#: Seconds that stop() waits for the current pass. Some passes take longer, and a driver may hang.
 JOIN_TIMEOUT = 2.0
 
 
 class RenderThread:
-    """Draws the latest job of each client, in turns."""
+    """Draws the latest job of each client, alternating between clients."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -34,12 +34,12 @@ class RenderThread:
         self._thread: threading.Thread | None = None
         self._pause_ends = 0.0  # monotonic s
         self._is_paused = False
-        #: How often shaders were reloaded: pictures of another version may differ.
+        #: Number of reloads of the shaders. Pictures of different versions may differ.
         self.shader_version = 0
         _instances.add(self)
 
     def start(self, request: Request, client: Hashable) -> Job:
-        """Start a job, in place of the client's earlier one."""
+        """Start a job, which replaces the client's earlier one."""
         job = Job(request, self._changed)
         with self._changed:
             self._drop(client)
@@ -73,7 +73,7 @@ class RenderThread:
             self._changed.notify_all()
 
     def pause(self, seconds: float) -> None:
-        """Begin no pass until resume(), or for so long."""
+        """Begin no pass until resume(), or for `seconds`."""
         with self._changed:
             self._pause_ends = time.monotonic() + seconds
 
@@ -90,7 +90,7 @@ class RenderThread:
             return self._is_paused or self._thread is None or not self._has_work()
 
     def stop(self) -> None:
-        """End all jobs and the thread. If its pass is a long one, it ends after JOIN_TIMEOUT by itself."""
+        """End all jobs and the thread. If the current pass takes longer than JOIN_TIMEOUT, the thread ends later."""
         with self._changed:
             thread, self._thread = self._thread, None
             for client in list(self._jobs):
@@ -100,7 +100,7 @@ class RenderThread:
             thread.join(JOIN_TIMEOUT)
 
     def _after_fork(self) -> None:
-        """In the child: it has no other threads, and the lock may be held by one that does not exist."""
+        """Reset in the child process: the thread does not exist there, and may have held the lock."""
         self._changed, jobs, self._jobs = threading.Condition(), self._jobs, {}
         self._thread, self._is_paused = None, False
         self._forgotten.clear()
@@ -116,15 +116,15 @@ class RenderThread:
             job.notify(finished=True)
 
     def _run(self) -> None:
-        """Draw until stop(). An earlier end fails all jobs; the next request starts a new thread."""
-        why = "The thread that draws has ended unexpectedly: render again"
+        """Draw until stop(). If the thread ends earlier, all jobs fail; the next request starts a new thread."""
+        error = "The thread that draws has ended unexpectedly: render again"
         try:
             try:
                 moderngl_version.check()
                 from ..gl.context import open_device
                 from .render_loop import RenderLoop
             except (ImportError, OSError) as reason:
-                why = (
+                error = (
                     f"moderngl, which comes with the extension, could not be loaded ({reason}): "
                     "install the extension again"
                 )
@@ -132,9 +132,9 @@ class RenderThread:
             with closing(RenderLoop(open_device(), self.shader_version)) as loop:
                 self._draw(loop)
         except (NoOpenGL, ContextLost) as reason:
-            why = str(reason)
+            error = str(reason)
         finally:
-            self._fail_jobs(why)
+            self._fail_jobs(error)
 
     def _draw(self, loop: "RenderLoop") -> None:
         """Draw all jobs, until stop()."""
@@ -156,15 +156,15 @@ class RenderThread:
         """Wait until a pause ends."""
         with self._changed:
             self._is_paused = True
-            while (left := self._pause_ends - time.monotonic()) > 0.0 and not self._stopped():
-                self._changed.wait(left)
+            while (remaining := self._pause_ends - time.monotonic()) > 0.0 and not self._stopped():
+                self._changed.wait(remaining)
             self._is_paused = False
 
     def _has_work(self) -> bool:
         return self._stopped() or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
 
     def _stopped(self) -> bool:
-        """Whether the calling thread was stopped; a new one may have been started since."""
+        """Whether the calling thread was stopped; a new thread may already be running."""
         return self._thread is not threading.current_thread()
 
     def _fail_jobs(self, reason: str) -> None:

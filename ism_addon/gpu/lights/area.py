@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Area lights: rectangles and ellipses, with Blender's spread.
 
-What one can bring to a tile is bounded by its nearest point, the least tilt of either side, and the middle of its
-spread; nothing comes from behind a light's plane, from below all of a tile's horizons, or from outside a spread's cone.
+The irradiance on a tile is bounded by the smallest distance, by the smallest angles to the normals of light and tile,
+and by the radiance in the middle of the spread. It is 0 behind the light's plane, if the light is below the horizons of
+all of the tile's surfaces, and outside the spread's cone.
 """
 
 from dataclasses import dataclass, fields
@@ -22,7 +23,7 @@ from ..gl.shader_records import LIGHT
 
 @dataclass(frozen=True)
 class AreaLightBounds:
-    """K lights by what bounds them: float32, anchor space, columns (K,1)."""
+    """Bounds of K lights: float32, anchor space, columns (K,1)."""
 
     position: np.ndarray  # (3,K,1) m
     normal: np.ndarray  # (3,K,1) unit
@@ -50,7 +51,7 @@ class AreaLightBounds:
 
     @property
     def spread_peak(self) -> np.ndarray:
-        """(K,1): what a spread makes of the radiance straight ahead, which it makes more of."""
+        """(K,1): factor of the spread on the radiance along the normal, where it is largest."""
         return np.where(self.scale == 0.0, np.float32(1.0), self.tangent * self.scale)
 
     @property
@@ -58,40 +59,45 @@ class AreaLightBounds:
         """(K,1) luminance of the irradiance of a light that fills a receiver's hemisphere."""
         return np.pi * self.luminance * self.spread_peak
 
-    def outside(self, ahead: np.ndarray, across: np.ndarray, slack: np.ndarray) -> np.ndarray:
-        """(K,N) bool: whether places, so far (m) from the centre, are more than `slack` beyond the spread's cone."""
-        return across * np.cos(self.half_angle) - ahead * np.sin(self.half_angle) > slack
+    def is_outside_cone(self, along: np.ndarray, across: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """(K,N) bool: whether points are more than `slack` outside the spread's cone. All in m.
 
-    def __getitem__(self, some: slice) -> Self:
-        return type(self)(*(getattr(self, member.name)[..., some, :] for member in fields(self)))
+        `along`, `across`: coordinates from the light's centre, along its normal and perpendicular to it.
+        """
+        return across * np.cos(self.half_angle) - along * np.sin(self.half_angle) > slack
+
+    def __getitem__(self, rows: slice) -> Self:
+        return type(self)(*(getattr(self, member.name)[..., rows, :] for member in fields(self)))
 
     def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
-        """Luminance (K,N) float32 of the irradiance that nothing hides: never more than the first; about the second."""
+        """Luminance of the unshadowed irradiance: an upper bound and an estimate, each (K,N) float32."""
         half = (surfaces.high - surfaces.low) * np.float32(0.5)
         centre, size = surfaces.low + half, np.abs(surfaces.low) + np.abs(surfaces.high)
         to = self.position - centre[:, None]
         distance = np.sqrt(dot(to, to)) + np.float32(1e-20)
         radius = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
         slack = radius + self.radius
-        ahead = -dot(to, self.normal)
+        along = -dot(to, self.normal)
         upright = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
         cosine, sine = np.cos(surfaces.half_angle), np.sin(surfaces.half_angle)
-        least_tilt = np.where(
+        max_cosine = np.where(
             upright >= cosine, np.float32(1.0), upright * cosine + np.sqrt(1.0 - upright * upright) * sine
         )
-        height, above, near = ahead + radius, least_tilt * distance + slack, distance - slack
-        across = np.sqrt(np.maximum(distance * distance - ahead * ahead, 0.0))
-        lit = surfaces.exists & (height > 0.0) & (above > 0.0) & ~self.outside(ahead, across, slack)
+        max_ahead, above, near = along + radius, max_cosine * distance + slack, distance - slack
+        across = np.sqrt(np.maximum(distance * distance - along * along, 0.0))
+        lit = surfaces.exists & (max_ahead > 0.0) & (above > 0.0) & ~self.is_outside_cone(along, across, slack)
         wide = self.scale == 0.0
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where they touch, or it is not lit
-            solid = self.area / (near * near) * np.minimum(height / near, 1.0) * np.minimum(above / near, 1.0)
-            spread = np.maximum(self.tangent - across / ahead, 0.0) * self.scale
-            whole = self.luminance * np.where(wide, np.float32(1.0), spread) * self.area * upright
-            guess = np.pi * whole * ahead / (distance * (np.pi * distance * distance + self.area))
-        most = np.where(
-            lit, self.luminance * self.spread_peak * np.where(near > 0.0, np.minimum(solid, np.pi), np.pi), 0.0
+        # Where light and tile touch, and where the tile is not lit.
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            solid_angle = self.area / (near * near) * np.minimum(max_ahead / near, 1.0) * np.minimum(above / near, 1.0)
+            spread = np.maximum(self.tangent - across / along, 0.0) * self.scale
+            intensity_cosine = self.luminance * np.where(wide, np.float32(1.0), spread) * self.area * upright
+            estimate = np.pi * intensity_cosine * along / (distance * (np.pi * distance * distance + self.area))
+        upper_bound = np.where(
+            lit, self.luminance * self.spread_peak * np.where(near > 0.0, np.minimum(solid_angle, np.pi), np.pi), 0.0
         )
-        return most.astype(np.float32), np.where((ahead > 0.0) & (upright > 0.0), guess, 0.0).astype(np.float32)
+        estimate = np.where((along > 0.0) & (upright > 0.0), estimate, 0.0)
+        return upper_bound.astype(np.float32), estimate.astype(np.float32)
 
 
 class AreaLight:
@@ -137,15 +143,15 @@ class AreaLight:
     def solid_angles(
         self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
     ) -> np.ndarray:
-        """A third of what a point would fill if it faced the light is granted to all: none seen edge-on is lost."""
-        own = AreaLightBounds.of(lights.some(slice(row, row + 1)), anchor)
-        to = points - own.position.ravel()
-        square = np.einsum("nk,nk->n", to, to) + (own.area.ravel() / np.float32(12.0) + np.float32(1e-12))
+        """A third of the value of an occluder facing the light is added to all, so that edge-on ones are not lost."""
+        bounds = AreaLightBounds.of(lights.select(slice(row, row + 1)), anchor)
+        to = points - bounds.position.ravel()
+        square = np.einsum("nk,nk->n", to, to) + (bounds.area.ravel() / np.float32(12.0) + np.float32(1e-12))
         facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)
         extent = np.sqrt(area)
-        ahead = to @ own.normal.ravel()
-        across = np.sqrt(np.maximum(square - ahead * ahead, 0.0))
-        lit = (ahead > -extent) & ~own.outside(ahead, across, own.radius + extent)[0]
+        along = to @ bounds.normal.ravel()
+        across = np.sqrt(np.maximum(square - along * along, 0.0))
+        lit = (along > -extent) & ~bounds.is_outside_cone(along, across, bounds.radius + extent)[0]
         return np.where(lit, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
     def variant(self, lights: Lights, row: int) -> dict[str, int]:

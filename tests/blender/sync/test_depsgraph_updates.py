@@ -293,7 +293,7 @@ def test_a_mesh_that_is_read_again_unchanged_stays_the_same_object(setup, latest
 def test_hidden_objects_are_left_out_until_they_are_shown_again(setup):
     reader, depsgraph = Reader(), bpy.context.evaluated_depsgraph_get()
     everything = reader.read(depsgraph)
-    without_holder = reader.read(depsgraph, shown=lambda thing: thing.name != "holder", whole=True)
+    without_holder = reader.read(depsgraph, is_shown=lambda thing: thing.name != "holder", all_instances=True)
     assert len(without_holder.instances.mesh) == len(everything.instances.mesh) - 1
-    assert canonical(reader.read(depsgraph, whole=True)) == canonical(everything)
+    assert canonical(reader.read(depsgraph, all_instances=True)) == canonical(everything)
     assert np.isfinite(everything.extent)

@@ -10,7 +10,7 @@ import pytest
 from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.settings import FINAL, VIEWPORT, Method
-from ism_addon.ui.presets import ABOUT, ISM_RENDER_PT_presets
+from ism_addon.ui.presets import PRESET_PROPERTIES, ISM_RENDER_PT_presets
 from tests.tools.new_file import open_empty_file
 
 OURS = {"Draft", "Default", "Final", "Report_2013"}
@@ -44,7 +44,7 @@ def choose(name):
 def current_values():
     """Values of all settings that presets set."""
     ism = bpy.context.scene.ism
-    return {f"{group}.{name}": getattr(getattr(ism, group), name) for group, name in ABOUT}
+    return {f"{group}.{name}": getattr(getattr(ism, group), name) for group, name in PRESET_PROPERTIES}
 
 
 def change_all(scene):

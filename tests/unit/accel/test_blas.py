@@ -36,7 +36,7 @@ def test_a_large_coherent_mesh_keeps_its_order(device):
     grid = wavy_grid(LARGE_SIDE)
     assert len(grid.triangles) > SORT_ALL_BELOW
     assert_agree(device, make_scene([grid, random_triangles(50, seed=1)], light()), *random_rays(150))
-    blas = BuildBLAS.kept[grid].blas
+    blas = BuildBLAS.cache[grid].blas
     assert blas.order is None
     assert blas.triangles_per_leaf * len(np.unique(blas.leaf_starts)) >= len(grid.triangles)
 
@@ -93,7 +93,7 @@ def test_runs_whose_bvh_is_built_keep_no_boxes_and_can_be_uploaded_again(device)
     grid = wavy_grid(LARGE_SIDE)
     scene, (starts, ends) = make_scene([grid], light()), random_rays(150)
     before = occluded(device, scene, starts, ends)
-    assert BuildBLAS.kept[grid].boxes.size == 0
+    assert BuildBLAS.cache[grid].boxes.size == 0
     more = make_scene([random_triangles(3, size=1e-3), grid], light())
     assert np.array_equal(occluded(device, more, starts, ends), before)
 

@@ -7,8 +7,8 @@ import pytest
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, head
 from ism_addon.gpu.gl.shader_records import (
-    KINDS,
     LIGHT,
+    MEMBER_TYPES,
     Record,
     directions_from_octahedron,
     octahedron_from_directions,
@@ -51,7 +51,7 @@ def test_every_member_of_every_row_arrives(device, record):
         fetched = run(
             device,
             f"{record.glsl()}\nuniform usamplerBuffer table;",
-            f"vec4(fetch_{record.name}(table, row).{name}{', 0' * (4 - KINDS[type_].words)})",
+            f"vec4(fetch_{record.name}(table, row).{name}{', 0' * (4 - MEMBER_TYPES[type_].words)})",
             rows,
             {"table": texture},
         )

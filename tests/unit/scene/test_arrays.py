@@ -8,21 +8,21 @@ import pytest
 
 from ism_addon import snapshot
 from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
-from ism_addon.scene.arrays import array, array_facts, index
+from ism_addon.scene.arrays import array, array_specs, index
 from tests.unit.test_snapshot import SETTINGS, VIEW, a_scene, assert_same, rewritten
 
 
 @pytest.mark.parametrize("record", [Mesh, Instances, Materials, Image, Lights, World, View])
 def test_every_array_has_a_declaration(record):
     arrays = {member.name for member in fields(record) if member.type is np.ndarray}
-    assert set(array_facts(record)) == arrays
+    assert set(array_specs(record)) == arrays
 
 
 @dataclass(frozen=True, eq=False)
 class Beams(Lights):
     """Lights with two more fields."""
 
-    width: np.ndarray = array("float32 L 2", "m", most=5.0)
+    width: np.ndarray = array("float32 L 2", "m", max_abs=5.0)
     image: np.ndarray = index("int32 L", into="images", first=-1)
 
 

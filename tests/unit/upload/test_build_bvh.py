@@ -199,14 +199,14 @@ def test_moving_an_instance_uploads_little_and_keeps_the_blas(device):
 def test_an_unchanged_mesh_keeps_its_blas(device):
     still, changing = random_triangles(500), random_triangles(300, seed=1)
     first = draw(device, make_scene([still, changing], light()), look_at((3.0, -3.0, 2.0)))
-    before = first.renderer.graph[BLAS].trees
+    before = first.renderer.graph[BLAS].blases
     draw(
         device,
         make_scene([random_triangles(300, seed=2), still], light()),
         look_at((3.0, -3.0, 2.0)),
         renderer=first.renderer,
     )
-    after = first.renderer.graph[BLAS].trees
+    after = first.renderer.graph[BLAS].blases
     assert after[1] is before[0]
     assert after[0] is not before[1]
 

@@ -17,8 +17,8 @@ from ..materials.materials import MaterialReader
 from . import meshes
 from .raw_meshes import Raw
 
-#: Corners of meshes that are read before they are triangulated together.
-MESHES_AT_A_TIME = 1 << 15
+#: Corners of pending meshes above which these are triangulated together.
+MAX_PENDING_CORNERS = 1 << 15
 
 
 @dataclass(eq=False)
@@ -56,9 +56,8 @@ class InstanceReader:
     def __init__(self, materials: MaterialReader, links: LightLinks) -> None:
         self._materials = materials
         self._links = links
-        self._readings: dict[
-            tuple, _Reading
-        ] = {}  # by the evaluated mesh's address, which may be reused, and materials
+        #: By the evaluated mesh's address, which Blender may reuse, and its materials with their UV layers.
+        self._readings: dict[tuple, _Reading] = {}
         self._changed: frozenset[int] = frozenset()
         self._reread: set[tuple] = set()
         self._pending: list[_Pending] = []
@@ -66,7 +65,7 @@ class InstanceReader:
         self._previous: dict[tuple, Mesh] = {}
         self._unsupported: dict[int, Diagnostics] = {}
         self._rows: list[_Row] = []
-        self._own: dict[int, int] = {}  # row of each object that is no instance, by session_uid
+        self._object_rows: dict[int, int] = {}  # row of each object that is not an instance, by session_uid
 
     def invalidate(self, changed: frozenset[int]) -> None:
         """Read the meshes of the objects with these session_uids again."""
@@ -81,20 +80,20 @@ class InstanceReader:
     def reset(self) -> None:
         """To be called before all instances are added."""
         self._rows.clear()
-        self._own.clear()
+        self._object_rows.clear()
         self._unsupported.clear()
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance, view_layer: bpy.types.ViewLayer) -> None:
         """Add one object or instance with a mesh."""
         source = instance.object
-        shown = (source, instance.parent) if instance.is_instance else (source,)
+        owners = (source, instance.parent) if instance.is_instance else (source,)
         if not instance.is_instance:
-            self._own[source.original.session_uid] = len(self._rows)
-        self._rows.append(self._row(source, instance.matrix_world, shown, view_layer))
+            self._object_rows[source.original.session_uid] = len(self._rows)
+        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer))
 
     def update(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
-        """Read an object that is no instance again; one that was not added before is still not shown."""
-        index = self._own.get(source.original.session_uid)
+        """Read an object that is not an instance again; ignored if it was not added, so it is not visible."""
+        index = self._object_rows.get(source.original.session_uid)
         if index is not None:
             self._unsupported.pop(source.original.session_uid, None)
             self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer)
@@ -114,48 +113,48 @@ class InstanceReader:
         for index in np.flatnonzero(~valid):
             issue = f"Objects scaled to nothing in some direction, or beyond {MAX_DISTANCE:g} m, are left out"
             findings.warn(issue, rows[index].name)
-        placed = [row for row, is_valid in zip(rows, valid.tolist(), strict=True) if is_valid]
+        valid_rows = [row for row, is_valid in zip(rows, valid.tolist(), strict=True) if is_valid]
         indices: dict[Mesh, int] = {}
-        meshes = (row.reading.mesh for row in placed)
+        meshes = (row.reading.mesh for row in valid_rows)
         mesh_of_row = [indices.setdefault(mesh, len(indices)) for mesh in meshes if mesh is not None]
-        groups = {owner: self._links.of(owner) for owner in {row.linked_by for row in placed}}
+        groups = {owner: self._links.of(owner) for owner in {row.linked_by for row in valid_rows}}
         instances = Instances.of(
             mesh=mesh_of_row,
             world_from_object=matrices[valid],
-            visible=[row.visible for row in placed],
-            casts_shadow=[row.casts_shadow for row in placed],
-            groups=[groups[row.linked_by] for row in placed],
+            visible=[row.visible for row in valid_rows],
+            casts_shadow=[row.casts_shadow for row in valid_rows],
+            groups=[groups[row.linked_by] for row in valid_rows],
         )
         return tuple(indices), instances
 
     def _release_unused(self) -> None:
         used = {id(row.reading) for row in self._rows}
         self._readings = {key: reading for key, reading in self._readings.items() if id(reading) in used}
-        meshes_left = {reading.mesh for reading in self._readings.values()}
-        self._previous = {key: mesh for key, mesh in self._previous.items() if mesh in meshes_left}
+        used_meshes = {reading.mesh for reading in self._readings.values()}
+        self._previous = {key: mesh for key, mesh in self._previous.items() if mesh in used_meshes}
 
     def _row(
         self,
         source: bpy.types.Object,
         world_from_object: Matrix,
-        shown: tuple[bpy.types.Object, ...],
+        owners: tuple[bpy.types.Object, ...],
         view_layer: bpy.types.ViewLayer,
     ) -> _Row:
         uid = source.original.session_uid
         if uid not in self._unsupported:
-            self._unsupported[uid] = _unsupported_features(source, shown[-1], view_layer)
+            self._unsupported[uid] = _unsupported_features(source, owners[-1], view_layer)
         return _Row(
-            self._mesh(source, shown, view_layer),
+            self._mesh(source, owners, view_layer),
             world_from_object.copy(),
-            all(each.visible_camera for each in shown) and not shown[-1].indirect_only_get(view_layer=view_layer),
-            all(each.visible_shadow for each in shown),
-            tuple(each.original.session_uid for each in shown),
+            all(each.visible_camera for each in owners) and not owners[-1].indirect_only_get(view_layer=view_layer),
+            all(each.visible_shadow for each in owners),
+            tuple(each.original.session_uid for each in owners),
             source.name,
             self._unsupported[uid],
         )
 
     def _mesh(
-        self, source: bpy.types.Object, shown: tuple[bpy.types.Object, ...], view_layer: bpy.types.ViewLayer
+        self, source: bpy.types.Object, owners: tuple[bpy.types.Object, ...], view_layer: bpy.types.ViewLayer
     ) -> _Reading:
         """An object's mesh with its materials."""
         override = view_layer.material_override
@@ -163,7 +162,7 @@ class InstanceReader:
         materials = tuple(self._materials.index(material) for material in slots)
         layers = tuple(self._materials.uv_layer(index) for index in materials)
         key = (source.data.as_pointer(), materials, layers)
-        changed = any(each.original.session_uid in self._changed for each in shown)
+        changed = any(each.original.session_uid in self._changed for each in owners)
         if key not in self._readings or (changed and key not in self._reread):
             self._readings[key] = self._read(source, materials, layers)
             self._reread.add(key)
@@ -176,12 +175,12 @@ class InstanceReader:
             key = source.original.session_uid, materials, layers
             self._pending.append(_Pending(reading, raw, source.name, key))
             self._corners += len(raw.vertices)
-            if self._corners > MESHES_AT_A_TIME:
+            if self._corners > MAX_PENDING_CORNERS:
                 self._triangulate()
         return reading
 
     def _triangulate(self) -> None:
-        """Triangulate the pending meshes. One that is equal to what it was before is the same Mesh."""
+        """Triangulate the pending meshes. A mesh that is equal to its previous version is the same Mesh object."""
         for pending, triangulated in zip(
             self._pending, meshes.triangulated([each.raw for each in self._pending]), strict=True
         ):

@@ -8,21 +8,21 @@ import bpy
 import numpy as np
 
 from ....scene import Mesh
-from ....scene.arrays import array_facts
+from ....scene.arrays import array_specs
 from ....scene.limits import is_within
 from . import triangulate
 from .raw_meshes import Raw, joined, starts
 
-#: Meshes of at most so many corners are triangulated together: for one, numpy's overhead would dominate.
-SMALL_MESH = 1 << 12
+#: Meshes with at most this many corners are triangulated together: numpy's overhead would dominate for each alone.
+MAX_SMALL_MESH_CORNERS = 1 << 12
 
-#: Cosine of the angle between the normals of a face and of its triangles from which on the face counts as planar.
+#: A face counts as planar if the cosine between its normal and those of its triangles is at least this.
 PLANAR_COSINE = 1.0 - 1e-6
 
 #: Type of a triangle's material index.
-MATERIAL_INDEX = array_facts(Mesh)["materials"].dtype.type
+MATERIAL_INDEX = array_specs(Mesh)["materials"].dtype.type
 
-NO_UVS = array_facts(Mesh)["uvs"].empty()
+NO_UVS = array_specs(Mesh)["uvs"].empty()
 
 
 class Reading(NamedTuple):
@@ -56,7 +56,7 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str |
         faces=count,
         sides=sides,
         triangles=None if sides else triangulate.read(ready, "loops", (len(ready), 3), np.int32),
-        face_of_each=None if sides else triangulate.read(source.loop_triangle_polygons, "value", len(ready), np.int32),
+        triangle_face=None if sides else triangulate.read(source.loop_triangle_polygons, "value", len(ready), np.int32),
         domain=domain,
         normals=triangulate.read(normals, "vector", (length, 3)),
         flat=_flat(source, sides),
@@ -70,7 +70,7 @@ def triangulated(raws: Sequence[Raw]) -> list[Reading]:
     """The triangles of some meshes. Small meshes of the same layout are processed together."""
     groups: dict[tuple, list[int]] = {}
     for index, raw in enumerate(raws):
-        groups.setdefault(raw.layout if len(raw.vertices) <= SMALL_MESH else (index,), []).append(index)
+        groups.setdefault(raw.layout if len(raw.vertices) <= MAX_SMALL_MESH_CORNERS else (index,), []).append(index)
     readings: dict[int, Reading] = {}
     for indices in groups.values():
         readings.update(zip(indices, _triangulated([raws[index] for index in indices]), strict=True))
@@ -97,11 +97,11 @@ def _triangulated(raws: list[Raw]) -> list[Reading]:
         positions, vertices = positions[used], (np.cumsum(used, dtype=np.uint32) - np.uint32(1))[vertices]
     repaired = _repaired(normals, positions, vertices)
     if repaired.ndim != normals.ndim and len(raws) > 1:
-        return [_triangulated([each])[0] for each in raws]  # some keep their normals by vertex
+        return [_triangulated([each])[0] for each in raws]  # some can keep normals by vertex
     uvs = NO_UVS if raw.uvs is None else _finite(raw.uvs)[corners]
-    whole = Mesh.of(positions=positions, triangles=vertices, normals=repaired, uvs=uvs, materials=materials)
+    combined = Mesh.of(positions=positions, triangles=vertices, normals=repaired, uvs=uvs, materials=materials)
     lengths = counted(used, [len(each.positions) for each in raws]), counted(kept, triangle_counts)
-    meshes = [whole if len(vertices) else None] if len(raws) == 1 else _split(whole, *lengths)
+    meshes = [combined if len(vertices) else None] if len(raws) == 1 else _split(combined, *lengths)
     without_area, beyond_limits = counted(within & ~kept, triangle_counts), counted(~within, triangle_counts)
     return [Reading(*each) for each in zip(meshes, without_area, beyond_limits, strict=True)]
 
@@ -113,15 +113,15 @@ def counted(chosen: np.ndarray, lengths: Sequence[int]) -> list[int]:
     return np.bincount(np.arange(len(lengths)).repeat(lengths)[chosen], minlength=len(lengths)).tolist()
 
 
-def _split(whole: Mesh, vertices: list[int], triangles: list[int]) -> list[Mesh | None]:
+def _split(combined: Mesh, vertices: list[int], triangles: list[int]) -> list[Mesh | None]:
     """The meshes that were joined, by their numbers of vertices and triangles: views of the joined arrays."""
     first = starts(vertices).astype(np.uint32).repeat(triangles)[:, None]
-    local, by_vertex, meshes = whole.triangles - first, whole.normals.ndim == 2, []
-    begins = zip(starts(vertices).tolist(), vertices, starts(triangles).tolist(), triangles, strict=True)
-    for vertex, of_vertices, triangle, of_triangles in begins:
-        v, t = slice(vertex, vertex + of_vertices), slice(triangle, triangle + of_triangles)
-        normals, uvs = whole.normals[v if by_vertex else t], whole.uvs[t]
-        mesh = Mesh(whole.positions[v], local[t], normals, uvs, whole.materials[t]) if of_triangles else None
+    local, by_vertex, meshes = combined.triangles - first, combined.normals.ndim == 2, []
+    ranges = zip(starts(vertices).tolist(), vertices, starts(triangles).tolist(), triangles, strict=True)
+    for vertex, vertex_count, triangle, triangle_count in ranges:
+        v, t = slice(vertex, vertex + vertex_count), slice(triangle, triangle + triangle_count)
+        normals, uvs = combined.normals[v if by_vertex else t], combined.uvs[t]
+        mesh = Mesh(combined.positions[v], local[t], normals, uvs, combined.materials[t]) if triangle_count else None
         meshes.append(mesh)
     return meshes
 
@@ -131,12 +131,12 @@ def _normals(raw: Raw, vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
     if raw.domain == "POINT":
         return raw.normals
     if raw.domain == "FACE":
-        normals = np.broadcast_to(raw.normals[triangulate.face_of_each(raw)][:, None], (*vertices.shape, 3))
+        normals = np.broadcast_to(raw.normals[triangulate.triangle_face(raw)][:, None], (*vertices.shape, 3))
     else:
         normals = raw.normals[corners]
     if raw.flat is None:
         return normals
-    return _nonplanar_normals(normals, raw.flat[triangulate.face_of_each(raw)], raw.positions, vertices)
+    return _nonplanar_normals(normals, raw.flat[triangulate.triangle_face(raw)], raw.positions, vertices)
 
 
 def _flat(source: bpy.types.Mesh, sides: int) -> np.ndarray | None:
@@ -189,19 +189,19 @@ def _repaired(normals: np.ndarray, positions: np.ndarray, triangles: np.ndarray)
 
 
 def _uvs(source: bpy.types.Mesh, layers: tuple[str | None, ...]) -> np.ndarray | None:
-    """(L,2) of each slot's layer; as in Cycles, zero if there is no such layer. None if no slot wants UVs."""
-    wanted = [name for name in layers if name is not None]
-    if not wanted or not len(source.uv_layers):
+    """(L,2) of each slot's layer; as in Cycles, zero if there is no such layer. None if no slot needs UVs."""
+    needed = [name for name in layers if name is not None]
+    if not needed or not len(source.uv_layers):
         return None
-    of_layer = {name: _layer(source, name) for name in dict.fromkeys(wanted)}
-    if len(of_layer) == 1:
-        return of_layer[wanted[0]]
+    layer_uvs = {name: _layer(source, name) for name in dict.fromkeys(needed)}
+    if len(layer_uvs) == 1:
+        return layer_uvs[needed[0]]
     count, slots = len(source.polygons), source.attributes.get("material_index")
-    of_faces = np.zeros(count, np.int32) if slots is None else triangulate.read(slots.data, "value", count, np.int32)
-    of_faces = np.clip(of_faces, 0, len(layers) - 1)
-    of_corners = np.repeat(of_faces, triangulate.read(source.polygons, "loop_total", count, np.int32))
-    return np.stack([of_layer[wanted[0] if name is None else name] for name in layers])[
-        of_corners, np.arange(len(source.loops))
+    face_slots = np.zeros(count, np.int32) if slots is None else triangulate.read(slots.data, "value", count, np.int32)
+    face_slots = np.clip(face_slots, 0, len(layers) - 1)
+    corner_slots = np.repeat(face_slots, triangulate.read(source.polygons, "loop_total", count, np.int32))
+    return np.stack([layer_uvs[needed[0] if name is None else name] for name in layers])[
+        corner_slots, np.arange(len(source.loops))
     ]
 
 
@@ -223,4 +223,4 @@ def _materials(raw: Raw) -> np.ndarray:
     """(T,) uint32: the material index of each triangle, into Materials."""
     if raw.slots is None:
         return np.broadcast_to(MATERIAL_INDEX(raw.materials[0]), raw.triangle_count)
-    return np.array(raw.materials, MATERIAL_INDEX)[raw.slots][triangulate.face_of_each(raw)]
+    return np.array(raw.materials, MATERIAL_INDEX)[raw.slots][triangulate.triangle_face(raw)]

@@ -14,13 +14,13 @@ class Raw(NamedTuple):
     positions: np.ndarray  # (V,3) float32
     vertices: np.ndarray  # (L,) uint32: the vertex of each corner
     faces: int
-    sides: int  # 3 or 4 if all faces have as many, else 0
+    sides: int  # 3 or 4 if all faces have that many, else 0
     triangles: np.ndarray | None  # (T,3) int32 into the corners, Blender's triangulation; None for 3 or 4 sides
-    face_of_each: np.ndarray | None  # (T,) int32 of those; None for 3 or 4 sides
+    triangle_face: np.ndarray | None  # (T,) int32: the face of each triangle; None for 3 or 4 sides
     domain: str  # of the normals, Blender's name
     normals: np.ndarray  # (V,3) float32 for POINT, (F,3) for FACE, (L,3) for CORNER
-    flat: np.ndarray | None  # (F,) bool: flat-shaded faces; None if these are shaded by their face normal
-    slots: np.ndarray | None  # (F,) int32: the material slot of each face; None where all have the first
+    flat: np.ndarray | None  # (F,) bool: flat-shaded faces; None if they are shaded by their face normals
+    slots: np.ndarray | None  # (F,) int32: the material slot of each face; None if all have the first
     uvs: np.ndarray | None  # (L,2) float32
     materials: tuple[int, ...]  # of the slots, into Materials
 
@@ -40,13 +40,13 @@ def joined(raws: Sequence[Raw]) -> Raw:
     if len(raws) == 1:
         (raw,) = raws
         return raw if raw.slots is None else raw._replace(slots=np.clip(raw.slots, 0, len(raw.materials) - 1))
-    positions, vertices, counts, sides, triangles, face_of_each, domains, normals, flat, slots, uvs, materials = zip(
+    positions, vertices, counts, sides, triangles, triangle_face, domains, normals, flat, slots, uvs, materials = zip(
         *raws, strict=True
     )
     if slots[0] is None:
-        materials, own = [each[:1] for each in materials], np.zeros(sum(counts), np.int32)
+        materials, all_slots = [each[:1] for each in materials], np.zeros(sum(counts), np.int32)
     else:
-        own = np.concatenate(slots)
+        all_slots = np.concatenate(slots)
     lengths = [len(each) for each in materials]
     last = np.subtract(lengths, 1).repeat(counts)
     return Raw(
@@ -55,11 +55,11 @@ def joined(raws: Sequence[Raw]) -> Raw:
         faces=sum(counts),
         sides=sides[0],
         triangles=None if sides[0] else concatenated(triangles, [len(each) for each in vertices]),
-        face_of_each=None if sides[0] else concatenated(face_of_each, counts),
+        triangle_face=None if sides[0] else concatenated(triangle_face, counts),
         domain=domains[0],
         normals=np.concatenate(normals),
         flat=None if flat[0] is None else np.concatenate(flat),
-        slots=np.clip(own, 0, last) + starts(lengths).repeat(counts),
+        slots=np.clip(all_slots, 0, last) + starts(lengths).repeat(counts),
         uvs=None if uvs[0] is None else np.concatenate(uvs),
         materials=tuple(chain.from_iterable(materials)),
     )
@@ -73,5 +73,5 @@ def starts(lengths: Sequence[int]) -> np.ndarray:
 def concatenated(indices: Sequence[np.ndarray], lengths: Sequence[int]) -> np.ndarray:
     """Indices into arrays of these lengths, as indices into the concatenation of the arrays."""
     first = starts(lengths).repeat([len(each) for each in indices])
-    together = np.concatenate(indices)
-    return together + first.astype(together.dtype).reshape(-1, *[1] * (together.ndim - 1))
+    result = np.concatenate(indices)
+    return result + first.astype(result.dtype).reshape(-1, *[1] * (result.ndim - 1))

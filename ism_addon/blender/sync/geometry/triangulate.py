@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangulates faces as Blender does. Its own triangles are slow to read, so meshes of triangles or of quads only are
-triangulated here."""
+"""Triangulates faces as Blender does. Blender's triangles are slow to read, so meshes that have only triangles or only
+quads are triangulated here."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ import numpy as np
 from ....parallel import parallel_map
 from .raw_meshes import Raw
 
-#: Faces at a time, which fit in a processor's cache.
+#: Faces that are triangulated at a time: few enough for the processor's cache.
 FACES_AT_A_TIME = 1 << 15
 
-#: Corners of the two triangles of a quad: split along the first diagonal, or the other one where these would overlap.
+#: Corners of the two triangles of a quad: split along the first diagonal, or the other one if they would overlap then.
 FIRST_DIAGONAL, OTHER_DIAGONAL = np.array([[0, 1, 2, 0, 2, 3], [0, 1, 3, 1, 2, 3]], np.int32)
 
 #: Arrays (N,) of x, y and z: numpy is slow along short axes.
@@ -51,15 +51,15 @@ def triangles(raw: Raw) -> Triangles:
     return in_portions(corners, 1, lambda portion: of_corners(portion, vertices, axes))
 
 
-def face_of_each(raw: Raw) -> np.ndarray:
+def triangle_face(raw: Raw) -> np.ndarray:
     """(T,) int32: the face of each triangle."""
-    if raw.face_of_each is not None:
-        return raw.face_of_each
+    if raw.triangle_face is not None:
+        return raw.triangle_face
     return np.repeat(np.arange(raw.faces, dtype=np.int32), raw.sides - 2)
 
 
 def corners_of_every_face(source: bpy.types.Mesh) -> int:
-    """3 or 4 if all faces have as many corners, else 0."""
+    """3 or 4 if all faces have that many corners, else 0."""
     corners, count = len(source.loops), len(source.polygons)
     if corners == 3 * count:
         return 3
@@ -70,18 +70,18 @@ def corners_of_every_face(source: bpy.types.Mesh) -> int:
 
 
 def in_portions(faces: np.ndarray, per_face: int, make: Callable[[np.ndarray], Triangles]) -> Triangles:
-    """Apply `make` to portions of faces (N,…) on all cores; it gives `per_face` triangles for each."""
+    """Apply `make`, which gives `per_face` triangles for each face, to portions of faces (N,…) on all cores."""
     count = per_face * len(faces)
-    whole = Triangles(np.empty((count, 3), np.int32), np.empty((count, 3), np.uint32), np.empty(count, np.bool_))
+    result = Triangles(np.empty((count, 3), np.int32), np.empty((count, 3), np.uint32), np.empty(count, np.bool_))
 
     def fill(first: int) -> None:
         rows = slice(per_face * first, per_face * (first + FACES_AT_A_TIME))
         with np.errstate(all="ignore"):
-            made = make(faces[first : first + FACES_AT_A_TIME])
-        whole.corners[rows], whole.vertices[rows], whole.has_area[rows] = made.corners, made.vertices, made.has_area
+            new = make(faces[first : first + FACES_AT_A_TIME])
+        result.corners[rows], result.vertices[rows], result.has_area[rows] = new.corners, new.vertices, new.has_area
 
     parallel_map(fill, range(0, len(faces), FACES_AT_A_TIME), len(faces))
-    return whole
+    return result
 
 
 def of_corners(corners: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Triangles:
@@ -92,14 +92,14 @@ def of_corners(corners: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Tria
     return Triangles(corners, chosen, dot(normal, normal) > 0)
 
 
-def of_quads(firsts: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Triangles:
+def of_quads(first_corners: np.ndarray, vertices: np.ndarray, axes: Vectors) -> Triangles:
     """Two triangles for each quad, given by its first corner (N,), split as Blender does."""
-    a, b, c, d = ([along.take(vertices.take(firsts + k)) for along in axes] for k in range(4))
-    across = difference(a, c)
-    one, two = cross(difference(a, b), across), cross(across, difference(a, d))
-    overlap = dot(one, two) < 0
-    corners = firsts[:, None] + np.where(overlap[:, None], OTHER_DIAGONAL, FIRST_DIAGONAL)
-    has_area = np.stack([dot(one, one) > 0, dot(two, two) > 0], 1)
+    a, b, c, d = ([along.take(vertices.take(first_corners + k)) for along in axes] for k in range(4))
+    diagonal = difference(a, c)
+    first, second = cross(difference(a, b), diagonal), cross(diagonal, difference(a, d))
+    overlap = dot(first, second) < 0
+    corners = first_corners[:, None] + np.where(overlap[:, None], OTHER_DIAGONAL, FIRST_DIAGONAL)
+    has_area = np.stack([dot(first, first) > 0, dot(second, second) > 0], 1)
     if overlap.any():
         has_area[overlap] = of_corners(corners[overlap].reshape(-1, 3), vertices, axes).has_area.reshape(-1, 2)
     corners = corners.reshape(-1, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What feeds a shader socket, and the few node trees whose colour can be told."""
+"""Finds the nodes linked to shader sockets, and evaluates the few that have a constant value."""
 
 from typing import Any
 
@@ -8,54 +8,54 @@ import numpy as np
 
 from ....scene.limits import is_within
 
-#: The nodes of textures behind which only the mesh's own UVs stand.
+#: Outputs of nodes that give the mesh's UVs unchanged: the node's type and the output's name.
 UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
 
 
 def tree(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
-    """The node tree that draws a material or a world; before Blender 5.0 it could be switched off."""
+    """The node tree of a material or a world, None if it is not used: before Blender 5.0 it could be switched off."""
     used = bpy.app.version >= (5, 0) or owner.use_nodes
     return owner.node_tree if used else None
 
 
 def output(node_tree: bpy.types.NodeTree) -> bpy.types.Node | None:
-    """The output that Cycles takes, its own or one for all engines; else EEVEE's."""
+    """The output node that Cycles uses, for Cycles or for all engines; if there is none, EEVEE's."""
     return node_tree.get_output_node("CYCLES") or node_tree.get_output_node("EEVEE")
 
 
-def surface(shown: bpy.types.Node | None) -> bpy.types.Node | None:
-    """The shader node that an output shows."""
-    fed_by = source(shown.inputs["Surface"]) if shown else None
-    return fed_by.node if fed_by else None
+def surface(output_node: bpy.types.Node | None) -> bpy.types.Node | None:
+    """The shader node linked to an output's surface."""
+    linked = source(output_node.inputs["Surface"]) if output_node else None
+    return linked.node if linked else None
 
 
 def number(socket: bpy.types.NodeSocket) -> tuple[float, bpy.types.Node | None]:
-    """What a Value node gives a socket, or its own number; and the node of another kind that feeds it, if one does."""
-    fed_by = source(socket)
-    if fed_by is None:
+    """A socket's number, by itself or by a Value node; and the linked node if it is of another type, else None."""
+    linked = source(socket)
+    if linked is None:
         return socket.default_value, None
-    if fed_by.node.bl_idname == "ShaderNodeValue":
-        return fed_by.default_value, None
-    return socket.default_value, fed_by.node
+    if linked.node.bl_idname == "ShaderNodeValue":
+        return linked.default_value, None
+    return socket.default_value, linked.node
 
 
-def rgb(socket: bpy.types.NodeSocket, otherwise: float) -> tuple[np.ndarray, bpy.types.Node | None]:
-    """(3,) what an RGB node gives a socket, or its own colour, as `color` has it; and a node of another kind."""
-    fed_by = source(socket)
-    if fed_by is None:
-        return color(socket.default_value, otherwise), None
-    if fed_by.node.bl_idname == "ShaderNodeRGB":
-        return color(fed_by.default_value, otherwise), None
-    return color(socket.default_value, otherwise), fed_by.node
+def rgb(socket: bpy.types.NodeSocket, fallback: float) -> tuple[np.ndarray, bpy.types.Node | None]:
+    """(3,) a socket's colour, by itself or by an RGB node, see `color`; and the linked node, likewise."""
+    linked = source(socket)
+    if linked is None:
+        return color(socket.default_value, fallback), None
+    if linked.node.bl_idname == "ShaderNodeRGB":
+        return color(linked.default_value, fallback), None
+    return color(socket.default_value, fallback), linked.node
 
 
-def value(socket: bpy.types.NodeSocket, otherwise: float) -> tuple[Any, bpy.types.Node | None]:
-    """What a socket of a number or of a color has: see `number` and `rgb`."""
-    return rgb(socket, otherwise) if socket.type == "RGBA" else number(socket)
+def value(socket: bpy.types.NodeSocket, fallback: float) -> tuple[Any, bpy.types.Node | None]:
+    """The value of a number or colour socket, see `number` and `rgb`."""
+    return rgb(socket, fallback) if socket.type == "RGBA" else number(socket)
 
 
 def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
-    """The output that feeds an input, behind reroutes and muted nodes; None where nothing does."""
+    """The output socket linked to an input, through reroutes and muted nodes; None if there is none."""
     while socket is not None and (links := socket.links):
         link = links[0]
         if link.is_muted or not link.is_valid:
@@ -72,12 +72,12 @@ def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
 
 
 def uv_layer(vector: bpy.types.NodeSocket) -> str:
-    """The UV layer that a UV Map node names for a texture's Vector input; "" where it is the one that renders."""
-    placed_by = source(vector)
-    return placed_by.node.uv_map if placed_by is not None and placed_by.node.bl_idname == "ShaderNodeUVMap" else ""
+    """The UV layer that a UV Map node names for a texture's Vector input; "": the one that renders."""
+    linked = source(vector)
+    return linked.node.uv_map if linked is not None and linked.node.bl_idname == "ShaderNodeUVMap" else ""
 
 
-def color(values: bpy.types.bpy_prop_array, otherwise: float) -> np.ndarray:
-    """(3,) of a colour socket, with a stand-in for what is no number."""
+def color(values: bpy.types.bpy_prop_array, fallback: float) -> np.ndarray:
+    """(3,) colour of a socket's values; `fallback` replaces those that are not finite or beyond limits."""
     rgb = np.array(values[:3], np.float32)
-    return np.where(is_within(rgb), rgb, np.float32(otherwise))
+    return np.where(is_within(rgb), rgb, np.float32(fallback))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a material will look otherwise than the artist meant it, because this engine does not draw it.
+"""Warnings about features of materials that this engine does not draw.
 
-A new Principled BSDF has some gloss, so that each file would have a sentence about it: said is only what is more.
+A new Principled BSDF has some gloss. Only more gloss than that has a warning: otherwise each file would have one.
 """
 
 import bpy
@@ -9,7 +9,7 @@ import bpy
 from ..diagnostics import Diagnostics
 from . import nodes
 
-#: Sockets that are drawn only where nothing feeds them and they have this value, and what is said of others.
+#: By the shader's type: sockets with the value that is drawn, and the warning about other values and linked nodes.
 PLAIN: dict[str, dict[str, tuple[float, str]]] = {
     "ShaderNodeBsdfPrincipled": {
         "Metallic": (0.0, "Metal is drawn as if it were none"),
@@ -23,14 +23,14 @@ PLAIN: dict[str, dict[str, tuple[float, str]]] = {
     "ShaderNodeBsdfDiffuse": {"Roughness": (0.0, "Diffuse roughness is not drawn")},
 }
 
-#: Of a new Principled BSDF, which has so much gloss at most: its least roughness, and its most of all else.
+#: Limits of a Principled BSDF without a warning about gloss: the values of a new one.
 MIN_ROUGHNESS = 0.5
 MAX_GLOSS = {"IOR": 1.5, "Specular IOR Level": 0.5, "Anisotropic": 0.0, "Thin Film Thickness": 0.0}
 GLOSS = "Gloss is not drawn"
 
 
-def note_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:
-    """Of what else than a surface a material's output shows."""
+def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:
+    """Warn about the inputs of a material's output other than its surface."""
     if output is None:
         return
     if nodes.source(output.inputs["Volume"]) is not None:
@@ -39,8 +39,8 @@ def note_output(material: bpy.types.Material, output: bpy.types.Node | None, fin
         findings.warn("Displacement is not drawn", material.name)
 
 
-def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
-    """Of all but the colour of a shader that is drawn."""
+def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
+    """Warn about inputs of the surface's shader other than its colour."""
     for name, (plain, issue) in PLAIN[shader.bl_idname].items():
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
@@ -55,37 +55,37 @@ def note_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: 
             findings.warn("Emission of surfaces is not drawn", material.name)
 
 
-def _is(socket: bpy.types.NodeSocket, value: float) -> bool:
-    found, fed_by = nodes.number(socket)
-    return fed_by is None and found == value
+def _is(socket: bpy.types.NodeSocket, expected: float) -> bool:
+    value, node = nodes.number(socket)
+    return node is None and value == expected
 
 
 def _is_black(socket: bpy.types.NodeSocket) -> bool:
-    found, fed_by = nodes.rgb(socket, 1.0)
-    return fed_by is None and not found.any()
+    color, node = nodes.rgb(socket, 1.0)
+    return node is None and not color.any()
 
 
 def _is_glossy(shader: bpy.types.Node) -> bool:
-    """Whether it may have more gloss than a new one. Blender's sockets are float32."""
+    """Whether a Principled BSDF may have more gloss than a new one. Blender's sockets are float32."""
     if _is(shader.inputs["Specular IOR Level"], 0.0):
         return False
-    roughness, fed_by = nodes.number(shader.inputs["Roughness"])
-    if fed_by is not None or roughness < MIN_ROUGHNESS:
+    roughness, node = nodes.number(shader.inputs["Roughness"])
+    if node is not None or roughness < MIN_ROUGHNESS:
         return True
-    for name, most in MAX_GLOSS.items():
-        value, fed_by = nodes.number(shader.inputs[name]) if name in shader.inputs else (most, None)
-        if fed_by is not None or value > most:
+    for name, limit in MAX_GLOSS.items():
+        value, node = nodes.number(shader.inputs[name]) if name in shader.inputs else (limit, None)
+        if node is not None or value > limit:
             return True
     return False
 
 
-def note_placement(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics) -> None:
-    """Say where a texture will not lie as the artist meant it."""
-    placed_by = nodes.source(node.inputs["Vector"])
-    if placed_by is not None and (placed_by.node.bl_idname, placed_by.name) not in nodes.UV_OUTPUTS:
-        issue = f"Textures placed by a node '{placed_by.node.bl_label}' lie on the active UV map as it is"
+def warn_of_mapping(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics) -> None:
+    """Warn about unsupported mappings and options of an image texture."""
+    mapped_by = nodes.source(node.inputs["Vector"])
+    if mapped_by is not None and (mapped_by.node.bl_idname, mapped_by.name) not in nodes.UV_OUTPUTS:
+        issue = f"Textures placed by a node '{mapped_by.node.bl_label}' lie on the active UV map as it is"
         findings.warn(issue, material.name)
-    elif placed_by is not None and getattr(placed_by.node, "from_instancer", False):
+    elif mapped_by is not None and getattr(mapped_by.node, "from_instancer", False):
         findings.warn("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
     mapping = node.texture_mapping
     if any(mapping.translation) or any(mapping.rotation) or tuple(mapping.scale) != (1.0, 1.0, 1.0):

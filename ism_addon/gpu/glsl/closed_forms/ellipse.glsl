@@ -1,8 +1,8 @@
 // Irradiance of an ellipse of radiance 1 in closed form, by the principal axes of its cone, see radiometry.py.
 #include "maths/atan2.glsl"
 
-// The only positive root of x^3 + p x^2 + q x - r, whose roots are all real, by Laguerre's method from an x above it.
-// The root of the polynomial without x^3 is an upper bound, too, which is close near the light.
+// The only positive root of x^3 + p x^2 + q x - r, whose roots are all real, by Laguerre's method, which starts at an x
+// above it. The root of the polynomial without x^3 is also an upper bound, a tight one near the light.
 float positive_root(float x, float p, float q, float r) {
     float root = sqrt(max(q * q + 4.0 * p * r, 0.0));
     if (p > 0.0) x = min(x, q > 0.0 ? 2.0 * r / (root + q) : (root - q) / (2.0 * p));
@@ -57,7 +57,7 @@ float small_clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec2 direction, float l
     return 0.5 * angle * amplitude * sum;
 }
 
-// The irradiance of the part above the horizon. Heights over the horizon are in units of their amplitude on the
+// The irradiance of the region above the horizon. Heights over the horizon are in units of their amplitude on the
 // ellipse: `level` is the centre's, -1 to 1; a point at centre + x u + y v has level + dot(direction, (x, y)),
 // |direction| = 1.
 float clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, vec2 direction, float level, mat3 frame, vec2 half_lengths) {
@@ -69,8 +69,8 @@ float clipped_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, vec2 direction, float
     return 0.5 * max(chord + boundary, 0.0);
 }
 
-// The cone's wide, narrow and given axis. The former are eigenvectors of S (see radiometry.py) restricted to the plane
-// across the latter; `largest` is the eigenvalue of the wide one.
+// The cone's wide, narrow and given axis. The first two are eigenvectors of S (see radiometry.py) restricted to the
+// plane perpendicular to the given axis; `largest` is the eigenvalue of the wide one.
 mat3 principal_axes(vec3 axis, vec3 centre, vec3 u, vec3 v, out float largest) {
     vec3 x = normalize(abs(axis.x) < 0.5 ? vec3(0.0, axis.z, -axis.y) : vec3(-axis.z, 0.0, axis.x)), y = cross(axis, x);
     vec3 on_x = vec3(dot(u, x), dot(v, x), dot(centre, x)), on_y = vec3(dot(u, y), dot(v, y), dot(centre, y));
@@ -107,7 +107,7 @@ float ellipse_irradiance(vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
     if (small) return irradiance;
     float largest;
     mat3 frame = principal_axes(axis, centre, u, v, largest);
-    float side = volume < 0.0 ? -1.0 : 1.0; // the boundary's orientation, seen from the receiver
+    float side = volume < 0.0 ? -1.0 : 1.0; // the boundary's orientation as seen from the receiver
     vec2 half_lengths = sqrt(vec2(largest, r / (m * largest)) / m);
     vec2 direction = vec2(heights.x, side * heights.y) / amplitude;
     return clipped_ellipse(centre, u, side * v, n, direction, level, frame, half_lengths);

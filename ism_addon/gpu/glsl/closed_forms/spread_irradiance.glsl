@@ -1,17 +1,17 @@
-// Irradiance of lights with spread: an integral over the part of the light within the spread's cone, see radiometry.py.
+// Irradiance of lights with spread: an integral over the region of the light in the spread's cone, see radiometry.py.
 // On the light's plane the cone is a disc of radius `cone` about the foot of the perpendicular from the receiver.
 // Lengths are in units of the receiver's height; n is its normal in the light's space, z towards the light.
 #include "maths/atan2.glsl"
 #include "closed_forms/polygon.glsl"
 
-// Integrals over the radius from 0 to r of (cone - r) r / (1 + r^2)^2 and of the same times r.
+// Integrals over the radius, from 0 to r, of (cone - r) r / (1 + r^2)^2 and of r times this.
 vec2 radial_integrals(float r, float cone) {
-    float s = r * r, part = s / (1.0 + s);
-    vec2 b = 0.5 * vec2(atan2_accurate(r, 1.0) - r / (1.0 + s), log(1.0 + s) - part);
-    if (s < 0.06) // these cancel
+    float s = r * r, ratio = s / (1.0 + s);
+    vec2 b = 0.5 * vec2(atan2_accurate(r, 1.0) - r / (1.0 + s), log(1.0 + s) - ratio);
+    if (s < 0.06) // power series: the terms above cancel
         b = s * vec2(r * (1.0 / 3.0 - s * (2.0 / 5.0 - s * (3.0 / 7.0 - s * (4.0 / 9.0 - s * (5.0 / 11.0))))),
                      s * (1.0 / 4.0 - s * (2.0 / 6.0 - s * (3.0 / 8.0 - s * (4.0 / 10.0 - s * (5.0 / 12.0))))));
-    return vec2(0.5 * cone * part - b.x, cone * b.x - b.y);
+    return vec2(0.5 * cone * ratio - b.x, cone * b.x - b.y);
 }
 
 // Gauss-Legendre quadrature of three points on a line at the distance d from the foot, between the angles `first` and
@@ -28,7 +28,7 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     return sum * (last - first) * d / root;
 }
 
-// A foot on an edge or a corner is moved inside by this.
+// A foot on an edge or a corner is moved inside by this distance.
 const float INSIDE = 1e-15;
 
 // An edge's term of the boundary integral, minus the arc of the cone's boundary that it replaces; 0 outside the cone.
@@ -54,9 +54,9 @@ float cone_edge_term(vec2 from, vec2 edge, vec3 n, float cone, inout bool enclos
     if (first < foot) sum += line_integral(base, along, d, first, foot, n, cone);
     if (foot < last) sum += line_integral(base, along, d, foot, last, n, cone);
     vec2 difference = normalize(base + end * along) - normalize(base + start * along);
-    vec2 whole = radial_integrals(cone, cone);
+    vec2 full = radial_integrals(cone, cone);
     float angle = sign(d) * atan2_accurate((end - start) * abs(d), d * d + start * end);
-    return sum - n.z * whole.x * angle - whole.y * (n.x * difference.y - n.y * difference.x);
+    return sum - n.z * full.x * angle - full.y * (n.x * difference.y - n.y * difference.x);
 }
 
 // Sides u, v, with u x v > 0. `edges`: 5, or 0 if the result is not used, as some drivers execute both branches.
@@ -77,13 +77,14 @@ const float[6] GAUSS_NODES = float[6](
 const float[6] GAUSS_WEIGHTS = float[6](
     0.2491470458, 0.2334925365, 0.2031674267, 0.1600783285, 0.1069393260, 0.0471753364);
 
-// The interval of directions from the foot f to an ellipse: its start and length, in radians. f is in units of the
-// semi-axes u, v, from the centre. From inside it is a half turn, as each direction is integrated both ways.
+// The interval of directions from the foot f to an ellipse: start and length, in radians. f is relative to the centre,
+// in units of the semi-axes u, v. If f is inside the ellipse the length is pi: lines are integrated to both sides.
 vec2 direction_interval(vec2 u, vec2 v, vec2 f) {
     float square = dot(f, f);
-    vec2 aside = vec2(-f.y, f.x), to = square > 1.0 ? -f * sqrt(square - 1.0) : vec2(0.0);
-    if (square == 0.0) aside = vec2(1.0, 0.0);
-    vec2 first = (to.x + aside.x) * u + (to.y + aside.y) * v, last = (to.x - aside.x) * u + (to.y - aside.y) * v;
+    vec2 perpendicular = vec2(-f.y, f.x), to = square > 1.0 ? -f * sqrt(square - 1.0) : vec2(0.0);
+    if (square == 0.0) perpendicular = vec2(1.0, 0.0);
+    vec2 first = (to.x + perpendicular.x) * u + (to.y + perpendicular.y) * v;
+    vec2 last = (to.x - perpendicular.x) * u + (to.y - perpendicular.y) * v;
     float sine = max(first.x * last.y - first.y * last.x, 0.0);
     return vec2(atan(first.y, first.x), square > 1.0 ? atan2_accurate(sine, dot(first, last)) : 3.141592653589793);
 }

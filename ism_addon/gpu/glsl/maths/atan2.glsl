@@ -1,4 +1,4 @@
-// The angle whose sine and cosine are as these two, sine >= 0, within 1e-7: atan(y, x) may be 2e-5 off, by the driver.
+// atan(sine, cosine) for sine >= 0, with an error below 1e-7. GLSL's atan has an error of up to 2e-5 on some drivers.
 // A minimax fit of atan(x)/x in x^2 on [0, 1].
 float atan2_accurate(float sine, float cosine) {
     float size = abs(cosine), x = min(sine, size) / max(max(sine, size), 1e-30), s = x * x;

@@ -13,7 +13,7 @@ vec3 direction_from_octahedron(vec2 p) {
     return normalize(d);
 }
 
-// The upper hemisphere alone fills the square when it is turned by 45 degrees.
+// The upper hemisphere alone fills a square that is rotated by 45 degrees.
 vec2 square_from_hemisphere(vec3 d) {
     vec2 p = d.xy / (abs(d.x) + abs(d.y) + abs(d.z));
     return vec2(p.x + p.y, p.x - p.y);

@@ -1,4 +1,4 @@
-// What surfaces reflect towards the camera: a Lambertian lobe of the base color.
+// BSDF of surfaces: Lambertian, with the base color as reflectance.
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 
@@ -9,13 +9,13 @@ vec3 bsdf_evaluate(Surface surface, vec3 wi) {
     return surface.material.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
 }
 
-// Radiance by all of a light. W/(sr m^2)
+// Unshadowed radiance by a light. W/(sr m^2)
 vec3 bsdf_unshadowed(Surface surface, Light light) {
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     return light.radiance * surface.material.base_color * (INVERSE_PI * irradiance);
 }
 
-// An unbiased estimate of the same, if the light's irradiance is exact.
+// An unbiased estimate of bsdf_unshadowed, if the light's irradiance is exact.
 vec3 bsdf_estimate(Surface surface, Light light, LightSample from) {
     return light.radiance * bsdf_evaluate(surface, from.wi) * (from.radiance / from.pdf);
 }

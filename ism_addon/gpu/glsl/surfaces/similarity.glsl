@@ -1,8 +1,8 @@
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"
 
-// Similarity of a surface at p and of `other`, a position with its normal packed in alpha: 1 on one plane; 0 where it lies
-// off p's plane by more than a hundredth of p's depth, or faces away.
+// Similarity of a surface at p to `other`, a position with the normal packed in alpha: 1 on the same plane; 0 if its
+// distance from p's plane is more than a hundredth of p's depth, or if it faces away.
 float similarity(vec3 p, vec3 normal, float depth, vec4 other) {
     float off_plane = abs(dot(normal, other.xyz - p)) / (0.01 * depth);
     float cosine = max(dot(normal, direction_from_octahedron(unpack_normal(other.w))), 0.0);

@@ -1,4 +1,4 @@
-// A pixel's surface, from the G-buffer. Compilers leave out the fetches of members that a shader does not use.
+// A pixel's surface, from the G-buffer. Compilers omit the fetches of members that a shader does not use.
 #include "maths/octahedron.glsl"
 #include "surfaces/material_inputs.glsl"
 #include "surfaces/similarity.glsl"
@@ -28,7 +28,7 @@ Surface surface_at(ivec2 at) {
                    fetch(depth, at).x, color.a, int(id.x) - 1, int(id.y), p.w > 0.0);
 }
 
-// Similarity of a surface to that of another pixel.
+// Similarity of a surface to the surface of another pixel.
 float similarity(Surface surface, ivec2 other, vec2 texel) {
     return similarity(surface.position, surface.normal, surface.depth, fetch(position, other, texel));
 }

@@ -1,16 +1,17 @@
 // Height over a triangle, at barycentric b, of the curved surface that its smooth normals approximate.
 
-// Half of the height by Phong tessellation (Boubekeur & Alexa 2008), which is right on a sphere, or more, up to the lowest of
-// the three tangent planes, each raised above the triangle. Cycles lifts its shadow rays by the same.
+// The maximum of two heights: half the height by Phong tessellation (Boubekeur & Alexa 2008), which is exact on a
+// sphere, and the lowest of the three tangent planes, each raised above the triangle. Cycles offsets shadow rays by the
+// same.
 float terminator_offset(vec3 b, vec3 corners[3], vec3 corner_normals[3]) {
     vec3 p = b.x * corners[0] + b.y * corners[1] + b.z * corners[2];
-    float bulge = 0.0, room = 1e30;
+    float bulge = 0.0, max_offset = 1e30;
     for (int k = 0; k < 3; ++k) {
         vec3 n = corner_normals[k];
         float above = max(max(dot(corners[(k + 1) % 3] - corners[k], n), dot(corners[(k + 2) % 3] - corners[k], n)), 0.0);
         float plane = dot(corners[k] - p, n);
         bulge += b[k] * plane;
-        room = min(room, max(plane + above, 0.0));
+        max_offset = min(max_offset, max(plane + above, 0.0));
     }
-    return max(room, 0.5 * bulge);
+    return max(max_offset, 0.5 * bulge);
 }

@@ -1,5 +1,6 @@
-// One texel, as texelFetch finds it. But that looks up a level of detail for each pixel, which takes processors longer than
-// all the rest. No texture of ours has levels, and none is filtered. Loops take the texel's size from outside.
+// Fetches a texel like texelFetch. But texelFetch looks up a level of detail for each pixel, which takes software
+// drivers longer than the fetch itself. Our textures have no mip levels and no filter. Loops pass the texel's size, so
+// that it is computed once.
 vec2 texel_size(sampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
 vec2 texel_size(usampler2D from) { return 1.0 / vec2(textureSize(from, 0)); }
 

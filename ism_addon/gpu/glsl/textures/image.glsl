@@ -1,10 +1,10 @@
-// Filtered look-up in an image whose texels, and those of its halved copies, lie one behind the other.
-// WIDTH texels to a line; one texture an encoding.
+// Filtered look-up in an image. The texels of its mip levels are stored one after another, WIDTH texels to a line.
+// There is one texture for each encoding.
 uniform sampler2D srgb_texels;
 uniform sampler2D linear_texels;
 uniform sampler2D float_texels;
 
-struct MipLevel { int first; ivec2 size; }; // one of the copies: its first texel
+struct MipLevel { int first; ivec2 size; }; // index of its first texel
 
 MipLevel halved(MipLevel level) {
     return MipLevel(level.first + level.size.x * level.size.y, max(level.size >> 1, ivec2(1)));
@@ -28,18 +28,18 @@ vec3 texel(Material image, MipLevel level, int x, int y) {
 
 vec3 bilinear(Material image, MipLevel level, vec2 uv) {
     bool repeat = image.repeat != 0;
-    vec2 at = (repeat ? fract(uv) : clamp(uv, 0.0, 1.0)) * vec2(level.size) - 0.5, whole = floor(at), f = at - whole;
-    ivec2 low = ivec2(whole), high = low + 1, last = level.size - 1; // beyond the border by one texel at most
+    vec2 at = (repeat ? fract(uv) : clamp(uv, 0.0, 1.0)) * vec2(level.size) - 0.5, corner = floor(at), f = at - corner;
+    ivec2 low = ivec2(corner), high = low + 1, last = level.size - 1; // outside the border by one texel at most
     low = repeat ? low + level.size * ivec2(lessThan(low, ivec2(0))) : max(low, 0);
     high = repeat ? high * ivec2(lessThanEqual(high, last)) : min(high, last);
     return mix(mix(texel(image, level, low.x, low.y), texel(image, level, high.x, low.y), f.x),
                mix(texel(image, level, low.x, high.y), texel(image, level, high.x, high.y), f.x), f.y);
 }
 
-// dx, dy: how uv changes from pixel to pixel.
+// dx, dy: derivatives of uv by pixel.
 vec3 image_color(Material image, vec2 uv, vec2 dx, vec2 dy) {
     MipLevel fine = MipLevel(0, ivec2(image.width, image.height));
-    // By the shorter side of the pixel's footprint: what it leaves unfiltered along the longer, the samples average.
+    // Filtered by the shorter side of the pixel's footprint. Along the longer side the mean of samples filters.
     float footprint = min(length(dx * vec2(fine.size)), length(dy * vec2(fine.size)));
     float level = clamp(log2(max(footprint, 1e-6)), 0.0, float(image.levels - 1));
     for (int k = 1; k <= int(level); ++k) fine = halved(fine);

@@ -1,4 +1,4 @@
-// A texel of a level: depth in m and the part of the texel that it covers.
+// A texel of a level: depth in m, and the fraction of the texel that it covers.
 uniform sampler2D fine;
 uniform bool finest;
 uniform float threshold;

@@ -1,4 +1,4 @@
-// The tile that a texel stands for, of a target with a texel for each, in strips, see render_targets.py.
+// The tile of a texel, in a target with a texel for each tile, in strips, see render_targets.py.
 uniform int strip;   // texels to a row
 uniform int columns; // tiles to a row
 

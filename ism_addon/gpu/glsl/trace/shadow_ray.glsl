@@ -8,9 +8,9 @@ const float GRAZING = 0.1;
 
 uniform uvec2 pixel_steps; // see sampling
 
-// A pixel's index in a sequence over the picture, by a space-filling order (Ahmed & Wonka 2020): pixels of one tile of 2, 4,
-// 8 or 16 pixels have consecutive indices, so their rays together cover all of the light.
-uint pixel_member(ivec2 at) {
+// A pixel's index in a sequence over the picture, along a space-filling curve (Ahmed & Wonka 2020). Aligned tiles of 2,
+// 4, 8 or 16 pixels have consecutive indices, so their rays together cover all of the light.
+uint pixel_index(ivec2 at) {
     uvec2 bits = uvec2(at) & 1023u;
     bits = (bits | (bits << 8)) & 0x300ffu; // ten bits of each, interleaved
     bits = (bits | (bits << 4)) & 0xf0f0fu;
@@ -19,27 +19,27 @@ uint pixel_member(ivec2 at) {
     return bits.x | (bits.y << 1);
 }
 
-// From 32-bit fixed point to [0,1). Sums wrap in fixed point, and keep the digits that float32 would round away.
-vec2 unit_square(uvec2 number) { return vec2(number >> 8u) / 16777216.0; }
+// From 32-bit fixed point to [0,1). Sums in fixed point wrap around, and keep digits that float32 would round away.
+vec2 unit_square(uvec2 fixed_point) { return vec2(fixed_point >> 8u) / 16777216.0; }
 
-// The light_uv of one pixel, from that of the first.
-vec2 pixel_sequence(ivec2 at, uvec2 light_uv) { return unit_square(light_uv + pixel_member(at) * pixel_steps); }
+// The light_uv of a pixel, from that of the first pixel.
+vec2 pixel_sequence(ivec2 at, uvec2 light_uv) { return unit_square(light_uv + pixel_index(at) * pixel_steps); }
 
-// Whether light comes from a sample, if nothing occludes it.
+// Whether light arrives from a sample if nothing occludes it.
 bool arrives(Surface surface, LightSample from) { return from.radiance > 0.0 && dot(surface.normal, from.wi) > 0.0; }
 
 // Rounding error of a point, m. A ray's ends are moved off their surfaces by it.
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 
-// Where light comes at a grazing angle, a ray starts on the curved surface that the triangle approximates. A light may lie
-// in a ceiling.
+// Whether the segment from a surface to a point of a light is unoccluded. At grazing angles it starts on the curved
+// surface that the triangle approximates. The light may lie in the plane of a ceiling.
 bool is_unoccluded(Surface surface, vec3 to, Light light) {
     vec3 p = surface.position, direction = normalize(to - p);
     float smooth_cosine = abs(dot(surface.normal, direction)), cosine = dot(surface.geometric_normal, direction);
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
     p += surface.normal * (surface.terminator_offset * clamp(grazing, 0.0, 1.0));
     p += surface.geometric_normal * rounding(p);
-    // The ray ends before the light by the rounding errors, but by half of the distance at most.
+    // The ray ends before the light by the rounding errors, but by at most half of the distance.
     to += light.normal * min(rounding(to) + rounding(p), 0.5 * dot(light.normal, p - to));
     return !any_hit(p, to, surface.triangle, surface.instance, light.blockers);
 }

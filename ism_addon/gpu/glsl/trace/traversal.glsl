@@ -1,7 +1,8 @@
-// Traversal of the two levels of bounding volume hierarchies of accel/bvh.py, over instances and over a mesh's triangles.
-// Four boxes are tested together, as fetching them takes most of the time. There is no stack: four bits a level say which
-// boxes are still to be visited (Barringer & Akenine-Moller 2013, for complete trees). Boxes, meshes and triangles have
-// loops of their own (Aila & Laine 2009). Processors that execute both branches of an "if" can skip those, too.
+// Traversal of the bounding volume hierarchies of accel/bvh.py: a TLAS over instances, and a BLAS over each mesh's
+// triangles. Four boxes are tested together, as fetching them takes most of the time. There is no stack: four bits per
+// level say which boxes are still to be visited (Barringer & Akenine-Moller 2013, for complete trees). Boxes, meshes
+// and triangles have separate loops (Aila & Laine 2009), which processors that execute both branches of an "if" can
+// skip.
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
 uniform usamplerBuffer blas_nodes;
@@ -12,24 +13,25 @@ uniform int tlas_leaves;
 uniform vec3 tlas_centre;
 uniform vec3 tlas_scale;
 
-// Where a ray is in one tree: the node, and which of its siblings and of its ancestors' siblings are still to be visited,
-// four bits a level, the lowest eight levels in x. Node 0: the traversal has ended.
+// State of a ray's traversal of one BVH: the node, and which of its siblings and of its ancestors' siblings are still
+// to be visited, four bits per level, the lowest eight levels in x. Node 0: the traversal has ended.
 struct TraversalState { int node; uvec2 trail; };
 
 TraversalState pop(TraversalState state) {
     if (state.trail.x == 0u) state = TraversalState(state.node >> 16, uvec2(state.trail.y, 0u));
-    int waiting = findLSB(state.trail.x), up = waiting & ~3;
+    int pending = findLSB(state.trail.x), up = pending & ~3;
     uvec2 trail = uvec2(state.trail.x >> up | state.trail.y << 1 << (31 - up), state.trail.y >> up);
-    int node = (state.node >> (up >> 1) & ~3) | (waiting & 3);
-    return state.trail.x == 0u ? TraversalState(0, uvec2(0u)) : TraversalState(node, uvec2(trail.x & (trail.x - 1u), trail.y));
+    int node = (state.node >> (up >> 1) & ~3) | (pending & 3);
+    return state.trail.x == 0u ? TraversalState(0, uvec2(0u))
+                               : TraversalState(node, uvec2(trail.x & (trail.x - 1u), trail.y));
 }
 
 vec3 avoid_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
 
 vec4 unpack_bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// To the first of the four grandchildren that the ray meets, or to the next node to visit. Boxes are enlarged by BOX_SLACK
-// for rounding errors.
+// Goes to the first of the node's four grandchildren that the ray hits, or else to the next node to visit. Boxes are
+// enlarged by BOX_SLACK for rounding errors.
 TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState state, vec3 origin, vec3 inverse_ray) {
     int at = 2 * (first_node + state.node);
     uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
@@ -43,8 +45,8 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
         enter = max(enter, unpack_bytes(back ? high[k] : low[k]) * step[k] + first[k]);
         leave = min(leave, unpack_bytes(back ? low[k] : high[k]) * step[k] + first[k]);
     }
-    uvec4 met = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
-    uint hits = met.x | met.y | met.z | met.w;
+    uvec4 bits = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
+    uint hits = bits.x | bits.y | bits.z | bits.w;
     uvec2 trail = uvec2(state.trail.x << 4 | (hits & (hits - 1u)), state.trail.y << 4 | state.trail.x >> 28);
     return hits > 0u ? TraversalState(4 * state.node + findLSB(hits), trail) : pop(state);
 }
@@ -57,20 +59,21 @@ bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
 }
 
-// Whether an instance of the group `blockers` occludes the segment. The triangle on which it starts does not.
+// Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
 bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
-    vec3 whole_ray = avoid_zero(to - from), whole_inverse = 1.0 / (whole_ray * tlas_scale);
-    vec3 whole_origin = (from - tlas_centre) * tlas_scale;
+    vec3 anchor_ray = avoid_zero(to - from), tlas_inverse_ray = 1.0 / (anchor_ray * tlas_scale);
+    vec3 tlas_origin = (from - tlas_centre) * tlas_scale;
     TraversalState outer = TraversalState(1, uvec2(0u));
     bool hit = false;
     while (outer.node > 0) {
         while (outer.node > 0 && outer.node < tlas_leaves)
-            outer = next_leaf(tlas_nodes, 0, outer, whole_origin, whole_inverse);
+            outer = next_leaf(tlas_nodes, 0, outer, tlas_origin, tlas_inverse_ray);
         if (outer.node == 0) break;
         Caster caster = fetch_Caster(casters, outer.node - tlas_leaves);
-        mat4x3 inside = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
-        vec3 origin = inside * vec4(from, 1.0), ray = avoid_zero(inside * vec4(whole_ray, 0.0)), inverse_ray = 1.0 / ray;
-        int own = caster.instance == instance ? triangle : -1;
+        mat4x3 blas_from_anchor = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
+        vec3 origin = blas_from_anchor * vec4(from, 1.0);
+        vec3 ray = avoid_zero(blas_from_anchor * vec4(anchor_ray, 0.0)), inverse_ray = 1.0 / ray;
+        int ignored = caster.instance == instance ? triangle : -1;
         TraversalState state = TraversalState(is_linked(caster.link_groups, blockers) ? 1 : 0, uvec2(0u));
         while (state.node > 0) {
             while (state.node > 0 && state.node < caster.leaves)
@@ -78,7 +81,7 @@ bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
             int start = caster.first_leaf + state.node - caster.leaves;
             int first = caster.first_triangle + int(texelFetch(blas_leaf_starts, start).x);
             int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != own);
+            for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != ignored);
             state = hit ? TraversalState(0, uvec2(0u)) : pop(state);
         }
         outer = hit ? TraversalState(0, uvec2(0u)) : pop(outer);

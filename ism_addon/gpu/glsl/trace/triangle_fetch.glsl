@@ -1,7 +1,7 @@
-// Triangles in quanta of their meshes, two rows each: see packed_corners in mesh_buffers.py.
+// Triangles in quanta of their meshes, two texels each: see packed_corners in mesh_buffers.py.
 uniform usamplerBuffer corners;
 
-struct TriangleVertices { vec3 first; vec3 u; vec3 v; int material; }; // a corner, and from it to the other two
+struct TriangleVertices { vec3 first; vec3 u; vec3 v; int material; }; // first corner; edges from it to the others
 
 TriangleVertices fetch_triangle(int triangle) {
     uvec4 one = texelFetch(corners, 2 * triangle), other = texelFetch(corners, 2 * triangle + 1);

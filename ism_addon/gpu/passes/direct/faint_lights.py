@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faint lights of tiles, which SelectFaintLights selects, and those of them that a sample draws."""
+"""Pairs of a tile and a light that is faint there, and which of these pairs a sample draws."""
 
 import numpy as np
 
-#: A light that is faint in a tile: predicted visibility, probability that a sample draws it, and phase of that.
+#: A light that is faint in a tile: its predicted visibility, and the probability and phase with which samples draw it.
 FAINT_LIGHT = np.dtype([("tile", "i8"), ("light", "i8"), ("visibility", "f4"), ("probability", "f4"), ("phase", "f4")])
 
 
 def drawn_pairs(pairs: np.ndarray, tiles: np.ndarray, columns: int, rows: int, sample: int) -> np.ndarray:
-    """Rows of TILE: the pairs that a sample draws in these tiles. The first sample draws all.
+    """Rows of TILE: the pairs that a sample draws in these tiles. The first sample draws all pairs.
 
     `sample_index` counts the samples that drew the pair.
     """

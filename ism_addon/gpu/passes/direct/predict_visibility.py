@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The visibility of each light at each pixel, from the rays of its neighbours on the same surface.
 
-The rays of a neighbourhood go to evenly spread points of the light, so together they estimate as well as many rays of
-one pixel. TraceShadows corrects the prediction, with the fewer rays the better it is.
+The rays of a neighbourhood go to evenly distributed points of the light. Together they estimate visibility as well as
+many rays of one pixel. TraceShadows corrects the prediction; the better it is, the fewer rays that takes.
 """
 
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ from ...gl.shader_compiler import bind
 from ...lights import is_narrow
 from ...tiles import PROBES_PER_TILE_SIDE, from_strips, tiles_where
 
-#: Of one light: whether any ray about a tile was unoccluded, and whether any was occluded.
+#: Of one light: whether any ray in or near a tile was unoccluded, and whether any was occluded.
 RAYS_OF_TILES = Target("rays_of_tiles", "any unoccluded, any occluded", format="rg8", divisor=TILE_SIZE, strips=True)
 
 
@@ -52,15 +52,15 @@ class PredictVisibility(Pass):
     outputs = outputs(PROBE_PREDICTION, PREDICTION_SURFACE, PREDICTED_VISIBILITY, TILE_VISIBILITY, ALL_PROBES)
 
     @cached_property
-    def at_probes(self) -> moderngl.Program:
+    def probe_program(self) -> moderngl.Program:
         return self.tile_program(suffix="probes", probe_spacing=PROBE_SPACING)
 
     @cached_property
-    def at_pixels(self) -> moderngl.Program:
+    def pixel_program(self) -> moderngl.Program:
         return self.tile_program(probe_spacing=PROBE_SPACING)
 
     @cached_property
-    def of_tiles(self) -> moderngl.VertexArray:
+    def tile_shader(self) -> moderngl.VertexArray:
         return self.full_screen_program(suffix="tiles", tile_size=TILE_SIZE)
 
     def needed(self, frame: Frame) -> bool:
@@ -82,10 +82,10 @@ class PredictVisibility(Pass):
         frame[PREDICTED_VISIBILITY], frame[TILE_VISIBILITY], frame[ALL_PROBES] = predictions, visibility, probes
 
     def first_visibility(self, frame: Frame) -> dict[int, np.ndarray]:
-        """By light that is visible anywhere, (rows,columns,2) bool: any probe unoccluded; any occluded."""
+        """(rows,columns,2) bool by light: any probe unoccluded; any occluded. Only lights that are visible anywhere."""
         visibility = self.rays_of_tiles(frame, frame[PROBES], PROBE_SPACING)
         for light in np.flatnonzero(is_narrow(frame.scene.lights)).tolist():
-            if light in visibility:  # its cone can light what lies between probes that it does not light
+            if light in visibility:  # it may illuminate points between probes that it does not illuminate
                 visibility[light][frame[LIGHT_INFLUENCE][light].to_probe & ~visibility[light].any(2)] = True
         if not frame.settings.shortcuts:
             visibility = {light: np.ones_like(tiles) for light, tiles in visibility.items()}
@@ -94,7 +94,7 @@ class PredictVisibility(Pass):
     def add_rediscovered(
         self, frame: Frame, visibility: dict[int, np.ndarray], probes: dict[int, moderngl.Texture]
     ) -> None:
-        """Add lights that retests found: their tiles, and probes without rays."""
+        """Add the lights that became visible by retests: their tiles, and probes without rays."""
         for light, tiles in frame[REDISCOVERED].items():
             if light in visibility or not (tiles & ~frame[LIGHT_INFLUENCE][light].is_faint).any():
                 continue
@@ -103,11 +103,11 @@ class PredictVisibility(Pass):
             self.device.gl.framebuffer([probes[light]]).clear()
 
     def rays_of_tiles(self, frame: Frame, rays: Mapping[int, moderngl.Texture], spacing: int) -> dict[int, np.ndarray]:
-        """By light, (rows,columns,2) bool: whether any ray about a tile was unoccluded; whether any was occluded."""
+        """(rows,columns,2) bool by light: any ray in or near a tile unoccluded; any occluded."""
         gl = self.device.gl
         textures = {light: create(gl, RAYS_OF_TILES, size_of(RAYS_OF_TILES, *frame.size)) for light in rays}
         for light, texture in textures.items():
-            draw_per_tile(frame, gl.framebuffer([texture]), self.of_tiles, rays=rays[light], spacing=spacing)
+            draw_per_tile(frame, gl.framebuffer([texture]), self.tile_shader, rays=rays[light], spacing=spacing)
         self.device.wait()
         return {light: from_strips(pixels(texture), frame.tiles) > 0.0 for light, texture in textures.items()}
 
@@ -119,31 +119,31 @@ class PredictVisibility(Pass):
         counts: moderngl.Texture | None,
         prediction: moderngl.Texture,
     ) -> None:
-        """Predict a light: 0 or 1 in tiles whose rays agree; in others first at the probes, then between them."""
+        """Predict a light: 0 or 1 in tiles whose rays agree; in others at probes, then interpolated between them."""
         surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "depth": frame[DEPTH]}
         rays = {"probes": probes, "traced": counts is not None, **({} if counts is None else {"ray_counts": counts})}
         gl, uncertain = self.device.gl, tiles_where(visibility.all(2))
-        at_probes = frame[PROBE_PREDICTION]
-        write_tiles(at_probes, size_of(PROBE_PREDICTION, *frame.size), visibility[..., 0], PROBES_PER_TILE_SIDE)
-        bind(self.at_probes, **surfaces, **rays)
-        draw_tiles(frame, frame.framebuffer(PROBE_PREDICTION), self.at_probes, uncertain, side=PROBES_PER_TILE_SIDE)
+        probe_prediction = frame[PROBE_PREDICTION]
+        write_tiles(probe_prediction, size_of(PROBE_PREDICTION, *frame.size), visibility[..., 0], PROBES_PER_TILE_SIDE)
+        bind(self.probe_program, **surfaces, **rays)
+        draw_tiles(frame, frame.framebuffer(PROBE_PREDICTION), self.probe_program, uncertain, side=PROBES_PER_TILE_SIDE)
         write_tiles(prediction, frame.size, visibility[..., 0], TILE_SIZE)
-        bind(self.at_pixels, **surfaces, probe_prediction=at_probes)
-        draw_tiles(frame, gl.framebuffer([prediction]), self.at_pixels, uncertain)
+        bind(self.pixel_program, **surfaces, probe_prediction=probe_prediction)
+        draw_tiles(frame, gl.framebuffer([prediction]), self.pixel_program, uncertain)
 
 
 def textures_per_light(
     frame: Frame, resource: Resource[dict[int, moderngl.Texture]], target: Target, lights: Mapping[int, object]
 ) -> dict[int, moderngl.Texture]:
-    """By light, a texture of the picture's size: that of the resource, if its size is right."""
-    kept, size = frame.get(resource) or {}, driver_variants.sides(frame.size)
-    fits = {light: texture for light, texture in kept.items() if texture.size == size}
+    """By light, a texture of the picture's size. Textures of the resource are reused if they have this size."""
+    previous, size = frame.get(resource) or {}, driver_variants.sides(frame.size)
+    fits = {light: texture for light, texture in previous.items() if texture.size == size}
     return {light: fits[light] if light in fits else create(frame.device.gl, target, frame.size) for light in lights}
 
 
 def write_tiles(prediction: moderngl.Texture, size: tuple[int, int], visible: np.ndarray, side: int) -> None:
-    """Predict for tiles (rows,columns) bool of `side` texels that a light is all visible or all occluded, certainly."""
+    """Write a certain prediction, visible or occluded, for each tile (rows,columns) bool of `side`×`side` texels."""
     texels = np.zeros((*visible.shape, 2), np.float16)
     texels[..., 0] = visible
-    whole = np.ascontiguousarray(texels.repeat(side, 1).repeat(side, 0)[: size[1], : size[0]])
-    prediction.write(whole, (0, 0, *size), alignment=1)
+    picture = np.ascontiguousarray(texels.repeat(side, 1).repeat(side, 0)[: size[1], : size[0]])
+    prediction.write(picture, (0, 0, *size), alignment=1)

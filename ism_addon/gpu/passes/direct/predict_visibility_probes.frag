@@ -11,29 +11,29 @@ float tent(ivec2 tap) { vec2 weight = 1.0 - vec2(abs(tap)) / float(RADIUS + 1); 
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel(), last_probe = last / PROBE_SPACING;
-    ivec2 own = min(PROBE_SPACING * at, last);
+    ivec2 pixel = min(PROBE_SPACING * at, last);
     int last_row = traced ? RADIUS : -RADIUS - 1; // of the loop over full resolution
-    Surface surface = surface_at(own);
-    vec2 all = vec2(0.0), similar = vec2(0.0);
+    Surface surface = surface_at(pixel);
+    vec2 total = vec2(0.0), similar = vec2(0.0);
     vec2 texel = texel_size(position), probe_texel = texel_size(probes);
     for (int y = -RADIUS; y <= RADIUS; ++y) {
         for (int x = -RADIUS; x <= RADIUS; ++x) {
             ivec2 other = clamp(at + ivec2(x, y), ivec2(0), last_probe);
             vec2 counts = fetch(probes, other, probe_texel).xy;
-            all += counts;
+            total += counts;
             similar += tent(ivec2(x, y)) * similarity(surface, min(PROBE_SPACING * other, last), texel) * counts;
         }
     }
     for (int y = -RADIUS; y <= last_row; ++y) {
         for (int x = -RADIUS; x <= RADIUS; ++x) {
-            ivec2 other = clamp(own + ivec2(x, y), ivec2(0), last);
+            ivec2 other = clamp(pixel + ivec2(x, y), ivec2(0), last);
             vec2 counts = fetch(ray_counts, other, texel).xy; // its texels are those of `position`
-            all += counts;
+            total += counts;
             similar += tent(ivec2(x, y)) * similarity(surface, other, texel) * counts;
         }
     }
-    bool certain = all.x == 0.0 || all.x == all.y || !surface.exists;
-    if (similar.y < 1e-3) similar = all;
-    prediction = certain ? vec2(all.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(similar.x / similar.y, 1.0);
-    if (all.y == 0.0 && surface.exists) prediction = vec2(0.5, 1.0); // no ray was traced: nothing is known
+    bool certain = total.x == 0.0 || total.x == total.y || !surface.exists;
+    if (similar.y < 1e-3) similar = total;
+    prediction = certain ? vec2(total.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(similar.x / similar.y, 1.0);
+    if (total.y == 0.0 && surface.exists) prediction = vec2(0.5, 1.0); // no ray was traced: visibility is unknown
 }

@@ -1,4 +1,4 @@
-// Whether any ray about a tile was unoccluded, and whether any was occluded.
+// Whether any ray in or near a tile was unoccluded, and whether any was occluded.
 #include "textures/tile_index.glsl"
 uniform sampler2D rays; // unoccluded, traced
 uniform int spacing;    // pixels from one texel of `rays` to the next

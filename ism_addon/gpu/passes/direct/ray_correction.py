@@ -12,10 +12,10 @@ from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_poi
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
 
-#: A pixel traces a ray in each sample if a ray can change it by this fraction of the picture's mean luminance.
+#: A pixel traces a ray in each sample if the ray can change the pixel by this fraction of the picture's mean luminance.
 RAY_THRESHOLD = 0.1
 
-#: Uncertainty of a prediction on which all rays of a neighbourhood agree. Both: `dev.py bench constants`, see
+#: Uncertainty of a prediction if all rays of a neighbourhood agree. For both see `dev.py bench constants` in
 #: docs/benchmarks.md.
 MIN_DOUBT = 0.03
 
@@ -26,7 +26,7 @@ RECORDS = LIGHT, CASTER, MEMBERSHIP
 def shader_constants(
     variant: dict[str, int], rays: int, subpixel_offsets: int, min_probability: float
 ) -> dict[str, Any]:
-    """Constants of the shader for a variant of lights. `rays`: 1 if it traces any."""
+    """Constants of the shader for a variant of lights. `rays`: 1 if it traces rays, or 0."""
     return {
         "trace": rays,
         "subpixel_offsets": subpixel_offsets,
@@ -38,27 +38,27 @@ def shader_constants(
 
 @cache
 def ray_sequence() -> Mapping[str, tuple[int, ...]]:
-    """Uniforms: increments of the points on a light, and of the samples in which rays are traced."""
-    turns = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
+    """Uniforms: increments of the sequences of points on a light, and of phases of the rays' schedule."""
+    increments = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
     return {
         "pixel_steps": fixed_increments(Dimension.LIGHT_POINT, "pixel"),
         "ray_steps": fixed_increments(Dimension.LIGHT_POINT, "ray"),
-        "turn_steps": tuple(step for steps in turns for step in steps),
+        "schedule_steps": tuple(step for steps in increments for step in steps),
     }
 
 
 @cache
 def light_shift(light: int) -> tuple[int, ...]:
-    """(3,) of a light: the same for the first ray of the first pixel, in 32-bit fixed point."""
+    """(3,) start values of these sequences for a light, in 32-bit fixed point."""
     return fixed_point([*draw(Dimension.LIGHT_POINT, light=light), *draw(Dimension.RAY_TURN, light=light)])
 
 
 @cache
 def light_steps() -> tuple[int, ...]:
-    """(3,) increments of light_shift from light to light."""
+    """(3,) increments of light_shift from each light to the next."""
     return fixed_increments(Dimension.LIGHT_POINT, "light") + fixed_increments(Dimension.RAY_TURN, "light")
 
 
 def ray_threshold(frame: Frame) -> float:
-    """Change of a pixel's luminance for which a ray is traced in each sample."""
+    """Change of a pixel's luminance from which on a ray is traced in each sample."""
     return RAY_THRESHOLD * frame[MEAN_LUMINANCE] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)

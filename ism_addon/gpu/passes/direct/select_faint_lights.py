@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that bring a small fraction of a tile's light.
+"""Lights that contribute a small fraction of a tile's light.
 
-One visibility is predicted for all pixels of the tile, the coarse visibility of CullLights. The fainter a light is, the
-lower is the probability that a sample draws it, and the higher its weight.
+The coarse visibility of CullLights is the prediction for all pixels of the tile. The fainter a light is, the lower is
+the probability that a sample draws it, and the higher its weight.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from ...culling.light_influence import LightInfluence, visibilities
 from ...frame import Frame, Pass, Schedule, outputs
 from .faint_lights import FAINT_LIGHT
 
-#: Least probability that a sample draws a faint light in a tile. See `dev.py bench constants` in docs/benchmarks.md.
+#: Minimum probability that a sample draws a faint light in a tile. See `dev.py bench constants` in docs/benchmarks.md.
 MIN_LIGHT_PROBABILITY = 0.25
 
 
@@ -35,9 +35,9 @@ class SelectFaintLights(Pass):
 
 def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Mapping[int, np.ndarray]) -> np.ndarray:
     """Rows of FAINT_LIGHT for all tiles and the lights that are faint there; `rediscovered` as in resources.py."""
-    tables, coarse = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
+    tables, coarse_visibility = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
     for light, influence in influences.items():
-        visibility = (influence.is_faint * coarse[light]).ravel()
+        visibility = (influence.is_faint * coarse_visibility[light]).ravel()
         tile = np.flatnonzero(visibility)
         pairs = np.zeros(len(tile), FAINT_LIGHT)
         pairs["tile"], pairs["light"], pairs["visibility"] = tile, light, visibility[tile]

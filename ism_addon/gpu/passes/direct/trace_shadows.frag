@@ -9,22 +9,23 @@ uniform sampler2D prediction;         // visibility, whether it is uncertain
 uniform sampler2D prediction_surface; // positions and normals for which it was predicted
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
 flat in float tile_probability;
-layout(location = 0) out vec4 direct_prediction; // in alpha, most by which its luminance can rise
+layout(location = 0) out vec4 direct_prediction; // in alpha, upper bound of its luminance's increase
 #if TRACE
 layout(location = 1) out vec4 direct_residual; // in alpha, unshadowed luminance of the light, if it is uncertain
 layout(location = 2) out vec2 rays;            // unoccluded, traced
 #endif
 
-// A pixel's prediction is of the surface that it showed then. If it shows another one now, a neighbour's may be of this one.
+// A prediction belongs to the surface that was visible at its pixel then. If another one is visible now, the prediction
+// of a neighbour on that surface is used instead.
 vec2 predicted_visibility_at(Surface surface, ivec2 at) {
 #if TRACE
     ivec2 last = last_pixel();
     vec2 predicted = vec2(0.0, 1.0), texel = texel_size(prediction_surface);
     float best = 0.0;
-    for (int k = 0, taps = 9; k < taps; ++k) { // the pixel's own first
+    for (int k = 0, taps = 9; k < taps; ++k) { // the pixel itself first
         ivec2 other = clamp(at + ivec2((k + 4) % 3 - 1, (k + 4) % 9 / 3 - 1), ivec2(0), last);
-        vec4 there = fetch(prediction_surface, other, texel);
-        float same_surface = similarity(surface.position, surface.normal, surface.depth, there);
+        vec4 other_surface = fetch(prediction_surface, other, texel);
+        float same_surface = similarity(surface.position, surface.normal, surface.depth, other_surface);
         if (k == 0 || same_surface > best) predicted = fetch(prediction, other, texel).xy;
         best = max(best, same_surface);
         if (k == 0 && best > 0.5) taps = 1;
@@ -54,7 +55,7 @@ void main() {
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if TRACE
     direct_residual.a = uncertain ? abs(amount) : 0.0;
-    // A ray to a certain prediction only tests it: as a correction, its weight 1 / probability would be too noisy.
+    // If the prediction is certain, a ray only tests it: a correction of weight 1 / probability would be too noisy.
     bool tests = tile_probability > 0.0;
     float probability = tests ? tile_probability
                               : ray_probability(amount, predicted.x, uncertain);

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radiance towards the camera by each light: a prediction, and by shadow rays how far that is wrong.
+"""Radiance of each light towards the camera: a prediction, and its correction by shadow rays.
 
 With U the unshadowed radiance and p the predicted visibility, p U is the prediction. A ray to a sample of the light has
-the visibility v, 0 or 1, and estimates U by x. The residual x (v - p) corrects the prediction, as a control variate:
-it is right on average, and 0 where the light is all visible or all occluded and p says so. This is the ratio estimator
-of Heitz, Hill & McGuire 2018 in a form whose samples can be summed. The probability of a ray follows how much it can
-change the picture, and its weight is the inverse. Where the prediction is certain, rare rays only test it. Where U is
-not exact, the residual is x v - p U, and no prediction is certain. Faint lights have one prediction a tile, see
-faint_lights.py.
+the visibility v, 0 or 1, and estimates U by x. The residual x (v - p) corrects the prediction, which is a control
+variate: the sum is unbiased, and the residual is 0 where v = p. This is the ratio estimator of Heitz, Hill & McGuire
+2018 in a form whose samples can be summed. The probability of a ray is proportional to how much it can change the
+picture, and its weight is the inverse. Where the prediction is certain, a few rays only test it. Where U is not exact,
+the residual is x v - p U, and no prediction is certain. Faint lights have one prediction per tile, see faint_lights.py.
 """
 
 from typing import Any
@@ -50,12 +49,12 @@ from .ray_correction import RECORDS, light_shift, light_steps, ray_sequence, ray
 
 # How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
 
-#: Least probability of a ray that corrects a prediction, and of one to a faint light.
+#: Minimum probability of a ray that corrects a prediction, and of a ray to a faint light.
 MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
 
-#: Probability that a sample tests a tile whose prediction is certain, if the light's bound there is the picture's mean.
-#: It is in proportion to the bound, as errors are, up to MAX_CERTAIN_PROBABILITY.
+#: Probability that a sample tests a tile whose prediction is certain, if the light's bound there equals the picture's
+#: mean. It is proportional to the bound, as errors are, up to MAX_CERTAIN_PROBABILITY.
 CERTAIN_PROBABILITY = 0.03125
 MAX_CERTAIN_PROBABILITY = 0.5
 
@@ -88,14 +87,14 @@ class TraceShadows(Pass):
         frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
 
     def ray_counts(self, frame: Frame) -> dict[int, moderngl.Texture]:
-        """By light, the RAY_COUNT texture, of all lights that rays are traced to. Cleared before the second sample."""
-        before, room = frame.get(RAY_COUNTS) or {}, driver_variants.sides(frame.size)
+        """By light, the RAY_COUNT textures of lights that rays are traced to. Cleared before the second sample."""
+        previous, texture_size = frame.get(RAY_COUNTS) or {}, driver_variants.sides(frame.size)
         if frame.sample == 0:
-            return before
+            return previous
         counts = {}
         for light in frame[TILE_VISIBILITY] if frame.casts_shadows else ():
-            fits = light in before and before[light].size == room
-            counts[light] = before[light] if fits else create(self.device.gl, RAY_COUNT, frame.size)
+            fits = light in previous and previous[light].size == texture_size
+            counts[light] = previous[light] if fits else create(self.device.gl, RAY_COUNT, frame.size)
             if not fits or frame.sample == 1:
                 self.device.gl.framebuffer([counts[light]]).clear()
         return counts
@@ -103,7 +102,8 @@ class TraceShadows(Pass):
     def draw_lights(self, frame: Frame) -> set[int]:
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
         predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
-        for light in range(len(frame.scene.lights.shape)):  # first all of one framebuffer, as changing it takes time
+        # All draws to one framebuffer come first, as changing it takes time.
+        for light in range(len(frame.scene.lights.shape)):
             traced, untraced = self.tiles_to_draw(frame, light)
             if not len(traced) + len(untraced):
                 continue
@@ -136,10 +136,10 @@ class TraceShadows(Pass):
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:
-        """Framebuffer for the rays to a light, cached as long as its textures stay."""
+        """Framebuffer for the rays to a light, cached while its textures are the same."""
         textures = frame[DIRECT_PREDICTION], frame[DIRECT_RESIDUAL], frame[RAY_COUNTS][light]
-        kept = self.framebuffers.get(light)
-        if kept is None or kept.color_attachments != textures:
+        cached = self.framebuffers.get(light)
+        if cached is None or cached.color_attachments != textures:
             for unused in self.framebuffers.keys() - frame[RAY_COUNTS].keys():
                 del self.framebuffers[unused]
             self.framebuffers[light] = self.device.gl.framebuffer(textures)
@@ -147,14 +147,14 @@ class TraceShadows(Pass):
 
     @staticmethod
     def tiles_to_draw(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, if that is not 0."""
+        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0."""
         tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE].get(light)
         has_shadow = casts_shadow(frame, light)
         if influence is None or (has_shadow and light not in frame[TILE_VISIBILITY]):
             return tiles[:0], tiles[:0]
         column, row = tiles["tile"].astype(np.int64).T
-        own = (influence.contributes & ~influence.is_faint)[row, column]
-        tiles, row, column = tiles[own], row[own], column[own]
+        predicted = (influence.contributes & ~influence.is_faint)[row, column]
+        tiles, row, column = tiles[predicted], row[predicted], column[predicted]
         if not has_shadow:
             return tiles[:0], tiles
         any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
@@ -178,7 +178,7 @@ class TraceShadows(Pass):
         lights = np.unique(tiles["light"]).astype(int)
         variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
-        for variant in {tuple(own.items()): own for own in variants.values()}.values():
+        for variant in {tuple(each.items()): each for each in variants.values()}.values():
             constants = shader_constants(variant, rays, len(frame.grid.subpixel_offsets), MIN_FAINT_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, suffix="faint", **constants)
             bind(
@@ -190,8 +190,8 @@ class TraceShadows(Pass):
                 ray_threshold=ray_threshold(frame) if rays else 0.0,
                 **(frame[TLAS] if rays else {}),
             )
-            of_variant = [light for light, own in variants.items() if own == variant]
-            draw_tiles(frame, target, program, tiles[np.isin(tiles["light"], of_variant)])
+            variant_lights = [light for light, each in variants.items() if each == variant]
+            draw_tiles(frame, target, program, tiles[np.isin(tiles["light"], variant_lights)])
         return set(variants)
 
     def faint_tiles(self, frame: Frame) -> np.ndarray:
@@ -200,5 +200,5 @@ class TraceShadows(Pass):
 
 
 def casts_shadow(frame: Frame, light: int) -> bool:
-    """Whether a light has shadows in this picture."""
+    """Whether a light casts shadows in this picture."""
     return frame.casts_shadows and bool(frame.scene.lights.casts_shadow[light])

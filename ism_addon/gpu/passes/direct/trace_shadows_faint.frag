@@ -1,4 +1,4 @@
-// A faint light: one visibility is predicted for all pixels of the tile.
+// A faint light: one predicted visibility for all pixels of a tile.
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
@@ -20,14 +20,14 @@ void main() {
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
     vec3 unshadowed = bsdf_unshadowed(surface, light) / tile_probability;
-    float amount = luminance(unshadowed); // always uncertain, as the prediction is from few rays
+    float amount = luminance(unshadowed); // always uncertain: the prediction is from few rays
     direct_prediction = vec4(unshadowed * visibility, light.casts_shadow == 0 ? 0.0 : headroom(amount, visibility));
 #if TRACE
     if (light.casts_shadow == 0 || (EXACT == 1 && unshadowed == vec3(0.0))) return;
     direct_residual.a = abs(amount);
     uvec3 start = uint(tile_light + 1) * light_steps;
     float probability = ray_probability(amount, visibility, EXACT == 0 || visibility < 1.0);
-    // On average as many rays as if all samples drew the light.
+    // So there are as many rays on average as if all samples drew the light.
     ScheduledRay ray = schedule_ray(at, start.z, max(probability, MIN_PROBABILITY / tile_probability));
     if (!ray.trace) return;
     vec2 light_uv = pixel_sequence(at, start.xy + uint(ray.index) * ray_steps);

@@ -3,8 +3,8 @@
 
 Beck-Norén & Valter 2013, sections 2.2 and 3.3, after Mittring 2007: points within a radius and a cone about the normal
 are projected to the screen. A point behind the visible surface there is occluded; attenuation reduces that by the
-occluder's distance. A tiled 64×64 random texture rotates the points from pixel to pixel. Points are distributed by the
-cosine, so that without attenuation the result is the visible fraction of a uniform world's irradiance.
+occluder's distance. A tiled 64×64 random texture rotates the points from pixel to pixel. Their density is in proportion
+to the cosine, so that without attenuation the result is the visible fraction of a uniform world's irradiance.
 """
 
 from functools import cached_property
@@ -28,7 +28,7 @@ NOISE_SIZE = 64
 #: Points per pixel and sample, about as many as in the report.
 SAMPLES = 16
 
-#: px. Points less far than this from a pixel's centre, in x and in y, are in the pixel, with a margin for rounding.
+#: px. Points closer than this to a pixel's centre, in x and in y, are in the pixel, with a margin for rounding.
 SUBPIXEL_RADIUS = 0.49
 
 
@@ -79,11 +79,11 @@ class AmbientOcclusion(Pass):
 def projected_radius(frame: Frame, radius: float) -> float:
     """Upper bound, px in x or y, of the projected distance of visible points to points within `radius` m of them."""
     instances, clip = frame[INSTANCE_BUFFERS], clip_from_anchor(frame.view, frame.anchor)
-    across, up, ahead = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
-    of_boxes = clip[3, :3] @ instances.matrices
-    w = of_boxes[:, 3] + clip[3, 3] - np.einsum("nj,nj->n", np.abs(of_boxes[:, :3]), instances.half_sizes)
-    nearest = w.min(initial=np.inf) - radius * ahead
+    x, y, w = np.linalg.norm(clip[[0, 1, 3], :3], axis=1)
+    w_of_boxes = clip[3, :3] @ instances.matrices
+    min_w = w_of_boxes[:, 3] + clip[3, 3] - np.einsum("nj,nj->n", np.abs(w_of_boxes[:, :3]), instances.half_sizes)
+    nearest = min_w.min(initial=np.inf) - radius * w
     if nearest <= 0.0:
         return float(np.inf)
     # A visible point is at most half a picture from its centre, so a change of depth moves it by that at most.
-    return float(radius / nearest * max((across + ahead) * frame.view.width, (up + ahead) * frame.view.height) / 2.0)
+    return float(radius / nearest * max((x + w) * frame.view.width, (y + w) * frame.view.height) / 2.0)

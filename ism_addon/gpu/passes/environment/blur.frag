@@ -1,4 +1,4 @@
-// One step of the separable filter: a triangle of seven pixels.
+// One axis of the separable filter: a triangle (tent) of seven pixels, weighted by the similarity of surfaces.
 #include "textures/half_resolution.glsl"
 #include "surfaces/surface.glsl"
 uniform sampler2D occlusion;

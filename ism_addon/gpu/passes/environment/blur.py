@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bilateral blur of the ambient occlusion, along rows, then along columns.
 
-The weight of a neighbour is the similarity of its surface (Beck-Norén & Valter 2013, section 3.3, blur their result at
-half resolution likewise).
+The weight of a neighbour is the similarity of its surface. Beck-Norén & Valter 2013, section 3.3, blur their result at
+half resolution too.
 """
 
 from functools import cached_property
@@ -30,7 +30,7 @@ class BlurOcclusion(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.gl.enable_only(moderngl.NOTHING)
-        for source, into, along in (
+        for source, target, along in (
             (RAW_OCCLUSION, HALF_BLURRED_OCCLUSION, (1, 0)),
             (HALF_BLURRED_OCCLUSION, AMBIENT_OCCLUSION, (0, 1)),
         ):
@@ -42,4 +42,4 @@ class BlurOcclusion(Pass):
                 occlusion=frame[source],
                 along=along,
             )
-            draw_pixels(frame, frame.framebuffer(into), self.pixels)
+            draw_pixels(frame, frame.framebuffer(target), self.pixels)

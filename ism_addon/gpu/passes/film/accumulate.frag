@@ -1,10 +1,10 @@
-// The samples of one tile, added by blending to all pixels whose filter reaches them.
+// Adds the samples of one tile, by blending, to all pixels whose filters cover them.
 #include "maths/blackman_harris.glsl"
 #include "maths/luminance.glsl"
 uniform sampler2D sample_color;
 uniform sampler2D sample_residual;
 uniform sampler2D sample_headroom; // see shade.frag
-uniform sampler2D tile_probabilities; // that a tile takes part; the same, or 0 for a tile that has converged
+uniform sampler2D tile_probabilities; // that a tile takes part; the same, but 0 for a converged tile
 uniform float filter_radius;        // px
 flat in vec2 tile;
 flat in vec4 visibility_texel_and_offset;
@@ -13,12 +13,12 @@ layout(location = 1) out vec4 sum_residual; // in alpha, squares of weighted lum
 layout(location = 2) out vec4 sum_weights;  // of squared luminances, samples, absolute residuals, uncertain luminances
 layout(location = 3) out float sum_headroom;
 
-// Without a margin the samples themselves are distributed as the filter is.
+// Without a margin the samples are distributed according to the filter.
 float weight_at(float x) { return MARGIN == 0 ? 1.0 : blackman_harris(x, filter_radius); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(tile) * TILE_SIZE, last = min(first + TILE_SIZE - 1, last_pixel());
-#if FIRST_SAMPLE // all tiles have the same subpixel offset, so each can fetch the samples of its neighbours
+#if FIRST_SAMPLE // all tiles have the same subpixel offset, so a tile's draw can fetch the samples of its neighbours
     first = ivec2(0);
     last = last_pixel();
 #endif
@@ -27,12 +27,13 @@ void main() {
     sum_headroom = 0.0;
     vec2 texel = texel_size(sample_color), filters[2 * MARGIN + 1];
     for (int k = -MARGIN; k <= MARGIN; ++k)
-        filters[k + MARGIN] = vec2(weight_at(float(k) + visibility_texel_and_offset.z), tile_weight * weight_at(float(k) + visibility_texel_and_offset.w));
+        filters[k + MARGIN] = vec2(weight_at(float(k) + visibility_texel_and_offset.z),
+                                   tile_weight * weight_at(float(k) + visibility_texel_and_offset.w));
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
-            bool is_own = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
-            float weight = is_own ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
+            bool is_inside = all(greaterThanEqual(from, first)) && all(lessThanEqual(from, last));
+            float weight = is_inside ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
             from = clamp(from, first, last);
             vec4 color = fetch(sample_color, from, texel);
             vec4 residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, from, texel) : vec4(0.0);

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sums of the samples of a picture, filtered.
 
-A sample is added to all pixels whose Blackman-Harris filter reaches it, with the filter's weight. In other tiles than
-its own the weight is multiplied by the ratio of the tiles' probabilities: otherwise pixels near the border of two tiles
-would look like the tile that is drawn more often. In tiles that have converged the weight is 0.
+A sample is added to all pixels whose Blackman-Harris filter covers it, with the filter's weight. In neighbouring tiles
+the weight is multiplied by the ratio of the tiles' probabilities: otherwise pixels near the border of two tiles would
+look like the tile that is drawn more often. In converged tiles the weight is 0.
 
-A wide filter is separable: it is drawn along rows, then along columns. Samples then count as if they lay at the pixels'
-centres, which widens the filter by a pixel, so its radius is reduced by as much.
+A wide filter is applied along rows, then along columns. Samples are then treated as if they lay at the pixels' centres.
+That widens the filter by a pixel, so its radius is reduced accordingly.
 """
 
 import math
@@ -34,40 +34,40 @@ from ...frame import Frame, Pass, outputs
 from ...gl.draw_limit import TEXELS_PER_RAY
 from ...gl.shader_compiler import bind
 
-#: Pixels of margin from which on a filter is wide.
+#: A filter is wide from this margin on, in pixels.
 WIDE_MARGIN = 5
 
 #: Samples that are fetched and weighted in the time of one blend operation.
 SAMPLES_PER_BLEND = 4
 
-#: A pixel's variance, over that of a Blackman-Harris filter that reaches 1 px: 1 / 12 / 0.076736.
+#: A pixel's variance, relative to that of a Blackman-Harris filter of radius 1 px: 1 / 12 / 0.076736.
 RELATIVE_VARIANCE = 1.08598
 
 SUMS = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM
 
 
-def _of_wide_filters(prefix: str, about: str) -> tuple[Target, ...]:
+def _wide_filter_targets(prefix: str, about: str) -> tuple[Target, ...]:
     return tuple(
         replace(target, name=f"{prefix}_{target.name}", about=about, lifetime=Lifetime.SAMPLE, divisor=0, neutral=None)
         for target in SUMS
     )
 
 
-#: Of wide filters: what a sample adds to its own pixels, and the same after it is filtered in rows.
-SAMPLES = _of_wide_filters("sample", "What a sample adds to its own pixels")
-ROWS = _of_wide_filters("row", "The same, filtered in rows")
+#: For wide filters: what a sample adds to its own pixels, and the same filtered in rows.
+SAMPLES = _wide_filter_targets("sample", "What a sample adds to its own pixels")
+ROWS = _wide_filter_targets("row", "The same, filtered in rows")
 
 
-def filter_margin(reach: float) -> int:
-    """Distance in pixels to which samples are filtered. They lie up to half a pixel off their pixel's centre.
+def filter_margin(radius: float) -> int:
+    """Maximum distance in pixels at which samples have weight. They lie up to half a pixel from their pixel's centre.
 
-    If it is 0, the samples are distributed as the filter is, and have equal weights.
+    If it is 0, the samples are distributed according to the filter, and have equal weights.
     """
-    return max(math.ceil(reach - 0.5), 0)
+    return max(math.ceil(radius - 0.5), 0)
 
 
 def rays_for(samples: int) -> float:
-    """Time to add this many samples to a pixel's sums, in rays."""
+    """Time to add this many samples to a pixel's sums, in units of the time of a ray."""
     return len(SUMS) * (samples + SAMPLES_PER_BLEND) / TEXELS_PER_RAY
 
 
@@ -85,7 +85,7 @@ class Accumulate(Pass):
         is_first, is_render = frame.sample == 0, frame.settings.debug_view == SAMPLE_COLOR.name
         margin, adding = filter_margin(frame.view.filter_width), moderngl.NOTHING if is_first else moderngl.BLEND
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        has_residual = int(is_render and not is_first)  # the first sample is a prediction, of all tiles
+        has_residual = int(is_render and not is_first)  # the first sample has only predictions
         samples = {
             "sample_color": frame[SAMPLE_COLOR if is_render else DEBUG_IMAGE],
             "sample_residual": frame[SAMPLE_RESIDUAL],
@@ -106,19 +106,19 @@ class Accumulate(Pass):
         gl.enable_only(moderngl.NOTHING)
         for target in (*SAMPLES, *ROWS):
             frame.allocate(target, frame.size)
-        own = frame.framebuffer(*SAMPLES)
-        own.clear()
+        sample_framebuffer = frame.framebuffer(*SAMPLES)
+        sample_framebuffer.clear()
         program = self.tile_program(suffix="taken", has_residual=has_residual)
         bind(program, **samples, tile_probabilities=frame[TILE_PROBABILITIES])
-        draw_tiles(frame, own, program, rays=rays_for(1))
+        draw_tiles(frame, sample_framebuffer, program, rays=rays_for(1))
         self.draw_lines(frame, SAMPLES, ROWS)
         gl.enable_only(adding)
         self.draw_lines(frame, ROWS, SUMS)
 
-    def draw_lines(self, frame: Frame, source: tuple[Target, ...], into: tuple[Target, ...]) -> None:
-        """Filter along rows or, into the sums, along columns."""
+    def draw_lines(self, frame: Frame, source: tuple[Target, ...], destination: tuple[Target, ...]) -> None:
+        """Filter along rows; along columns if the destination is SUMS."""
         radius = frame.view.filter_width
-        lines = self.full_screen_program(suffix="lines", tile_size=TILE_SIZE, columns=int(into is SUMS))
+        lines = self.full_screen_program(suffix="lines", tile_size=TILE_SIZE, columns=int(destination is SUMS))
         samplers = "lines_color", "lines_residual", "lines_weights", "lines_headroom"
         bind(
             lines.program,
@@ -127,4 +127,4 @@ class Accumulate(Pass):
             filter_radius=math.sqrt(radius * radius - RELATIVE_VARIANCE),
             margin=filter_margin(radius),
         )
-        draw_pixels(frame, frame.framebuffer(*into), lines, rays_for(2 * filter_margin(radius) + 1))
+        draw_pixels(frame, frame.framebuffer(*destination), lines, rays_for(2 * filter_margin(radius) + 1))

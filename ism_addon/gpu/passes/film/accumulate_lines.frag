@@ -13,8 +13,8 @@ layout(location = 2) out vec4 sum_weights;
 layout(location = 3) out float sum_headroom;
 
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), last_taken = last_pixel(), to_next = COLUMNS == 1 ? ivec2(0, 1) : ivec2(1, 0);
-    int first = max(-margin, -at[COLUMNS]), last = min(margin, last_taken[COLUMNS] - at[COLUMNS]);
+    ivec2 at = ivec2(gl_FragCoord.xy), last_texel = last_pixel(), to_next = COLUMNS == 1 ? ivec2(0, 1) : ivec2(1, 0);
+    int first = max(-margin, -at[COLUMNS]), last = min(margin, last_texel[COLUMNS] - at[COLUMNS]);
     float tile_weight = COLUMNS == 1 ? fetch(tile_probabilities, at / TILE_SIZE).y : 1.0;
     vec2 texel = texel_size(lines_color);
     sum_color = sum_residual = sum_weights = vec4(0.0);

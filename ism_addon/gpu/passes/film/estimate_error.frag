@@ -1,4 +1,4 @@
-// Of a block's pixels, the mean of their squared differences, and of their brightness.
+// Means over a tile's pixels of their squared differences and of their brightness.
 #include "textures/tile_index.glsl"
 uniform sampler2D image;
 uniform sampler2D half_samples_image;
@@ -10,8 +10,8 @@ void main() {
     difference_and_mean = vec2(0.0);
     for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
         ivec2 at = min(tile * TILE_SIZE + ivec2(k % TILE_SIZE, k / TILE_SIZE), last);
-        vec3 now = fetch(image, at, texel).rgb, difference = now - fetch(half_samples_image, at, earlier_texel).rgb;
-        difference_and_mean += vec2(dot(difference, difference), dot(abs(now), vec3(1.0))) / 3.0;
+        vec3 color = fetch(image, at, texel).rgb, difference = color - fetch(half_samples_image, at, earlier_texel).rgb;
+        difference_and_mean += vec2(dot(difference, difference), dot(abs(color), vec3(1.0))) / 3.0;
     }
     difference_and_mean /= float(TILE_SIZE * TILE_SIZE);
 }

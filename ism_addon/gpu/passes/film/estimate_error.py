@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The error of each tile, from the difference of the image to the image of half as many samples.
+"""The error of each tile, from the difference between the image and the image of half as many samples.
 
 See convergence.py for the derivation. Tiles whose error is below the threshold have converged.
 """
@@ -33,8 +33,8 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 def is_due(sample: int, samples: int) -> bool:
     """Whether the error is estimated after this sample: when the number of samples has doubled.
 
-    After the first sample that is half of MIN_SAMPLES_TO_STOP, as no tile can be good enough before; or of `samples`,
-    if all are fewer. Tiles that are drawn least often may have no sample in a doubling: they keep the first estimate.
+    After the first sample, the earliest is half of MIN_SAMPLES_TO_STOP, as no tile can converge before, or half of
+    `samples` if that is less. Tiles that get no sample in a doubling keep their earlier estimate.
     """
     count = sample + 1
     return has_doubled(count) and (sample == 0 or 4 * count > min(samples, MIN_SAMPLES_TO_STOP))
@@ -47,7 +47,7 @@ class EstimateError(Pass):
     outputs = outputs(CONVERGENCE, HALF_SAMPLES_IMAGE, DOUBLING_DIFFERENCE)
 
     @cached_property
-    def of_tiles(self) -> moderngl.VertexArray:
+    def tile_shader(self) -> moderngl.VertexArray:
         return self.full_screen_program(tile_size=TILE_SIZE)
 
     def execute(self, frame: Frame) -> None:
@@ -64,9 +64,9 @@ class EstimateError(Pass):
         frame[CONVERGENCE] = convergence
 
     def squared_difference(self, frame: Frame) -> np.ndarray:
-        """(rows,columns) mean squares of the tiles' differences, over the image's squared mean luminance."""
+        """(rows,columns): mean squared differences of tiles, divided by the square of the image's mean luminance."""
         images = {"image": frame[IMAGE], "half_samples_image": frame[HALF_SAMPLES_IMAGE]}
-        draw_per_tile(frame, frame.framebuffer(DOUBLING_DIFFERENCE), self.of_tiles, **images)
+        draw_per_tile(frame, frame.framebuffer(DOUBLING_DIFFERENCE), self.tile_shader, **images)
         self.device.wait()
         texels = from_strips(frame.read(DOUBLING_DIFFERENCE), frame.tiles)
         square, luminance = np.moveaxis(texels, -1, 0)

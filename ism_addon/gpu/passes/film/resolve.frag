@@ -5,8 +5,8 @@ uniform sampler2D sum_residual;
 uniform sampler2D sum_weights;
 uniform sampler2D sum_headroom;
 uniform sampler2D tile_sample_counts;
-uniform float min_light;          // least luminance
-uniform sampler2D neighbour_mean;      // see resolve_neighbours.frag
+uniform float min_light;          // minimum luminance
+uniform sampler2D neighbour_mean; // see resolve_neighbours.frag
 uniform sampler2D signal_and_noise;
 out vec4 image;
 
@@ -20,19 +20,19 @@ void main() {
     // A loop of no rows instead of an "if": some drivers execute both branches, but skip empty loops.
     bool has_residual = fetch(tile_sample_counts, at / TILE_SIZE).x > 1.0;
     int last_row = has_residual ? 2 : -3;
-    vec4 found = vec4(0.0);
+    vec4 signal_sum = vec4(0.0);
     vec2 texel = texel_size(signal_and_noise);
     for (int y = -2; y <= last_row; ++y) {
         for (int x = -2; x <= 2; ++x)
-            found += fetch(signal_and_noise, clamp(at + ivec2(x, y), ivec2(0), last), texel);
+            signal_sum += fetch(signal_and_noise, clamp(at + ivec2(x, y), ivec2(0), last), texel);
     }
     vec4 mean = fetch(neighbour_mean, at);
     vec3 difference = fetch(sum_residual, at).rgb / mean.a - mean.rgb;
-    vec3 change = shrinkage(found.z, found.w) * mean.rgb + shrinkage(found.x, found.y) * difference;
-    // Residuals add at most the headroom, and remove at most the uncertain luminance and the pixel's own.
-    float amount = luminance(change), all = fetch(sum_weights, at).y;
-    float most = amount > 0.0 ? fetch(sum_headroom, at).x / all : fetch(sum_weights, at).w / mean.a;
-    change *= min(most / max(abs(amount), 1e-37), 1.0);
+    vec3 change = shrinkage(signal_sum.z, signal_sum.w) * mean.rgb + shrinkage(signal_sum.x, signal_sum.y) * difference;
+    // Residuals add at most the headroom. They remove at most the uncertain luminance, and at most what the pixel has.
+    float amount = luminance(change), weight_sum = fetch(sum_weights, at).y;
+    float max_change = amount > 0.0 ? fetch(sum_headroom, at).x / weight_sum : fetch(sum_weights, at).w / mean.a;
+    change *= min(max_change / max(abs(amount), 1e-37), 1.0);
     if (has_residual) image.rgb = max(image.rgb + change, min(image.rgb, min_light));
 #endif
 }

@@ -30,7 +30,7 @@ from ...gl.shader_compiler import bind
 #: of the scenes objects, lamps, atrium and thin of `bench error` at 4 to 16 samples.
 STRATIFICATION_EXPONENT = 0.4
 
-#: Sharpness of the weight by which neighbours of another mean predicted luminance count less. At edges of surfaces it
+#: Sharpness of the weight that neighbours have by similarity of mean predicted luminance. At edges of surfaces this
 #: distinguishes better than the last sample's positions and normals. See `dev.py bench constants`.
 SIMILARITY_SHARPNESS = 20.0
 
@@ -67,7 +67,7 @@ class Resolve(Pass):
             "tile_sample_counts": frame[TILE_SAMPLE_COUNTS],
         }
         if frame.sample > 0:  # the first one has no residual
-            # The neighbours' mean residual; it and the difference from it, with their noise.
+            # The neighbours' mean residual; squares of it and of the difference from it, with their noise.
             bind(self.neighbours.program, **sums)
             draw_pixels(frame, frame.framebuffer(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE), self.neighbours)
         shader = self.with_residual if frame.sample > 0 else self.without_residual
@@ -83,5 +83,5 @@ class Resolve(Pass):
 
 
 def min_light(lights: Lights) -> float:
-    """Least luminance of a pixel: 0, or no bound if there are negative lights."""
+    """Minimum luminance of a pixel: 0, or no bound if there are negative lights."""
     return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0

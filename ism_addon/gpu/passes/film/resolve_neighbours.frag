@@ -1,4 +1,4 @@
-// Mean residual of similar neighbours; it and the difference from it, with their noise.
+// Mean residual of similar neighbours; squares of it and of the pixel's difference from it, with their noise.
 #include "maths/luminance.glsl"
 uniform sampler2D sum_color; // as predicted
 uniform sampler2D sum_residual; // in alpha, the squares of their weighted luminances
@@ -15,7 +15,7 @@ float residual_weight(ivec2 at, float weight, vec2 texel) {
 
 // Similarity of two luminances: 1 if they are equal, small if one is twice the other.
 float luminance_similarity(float a, float b) {
-    float apart = (a - b) / max(a + b, 1e-37), square = 1.0 + SIMILARITY_SHARPNESS * apart * apart;
+    float difference = (a - b) / max(a + b, 1e-37), square = 1.0 + SIMILARITY_SHARPNESS * difference * difference;
     return 1.0 / (square * square);
 }
 
@@ -24,7 +24,8 @@ void main() {
     vec4 own_sums = fetch(sum_weights, at);
     float own_luminance = luminance(fetch(sum_color, at).rgb) / own_sums.y;
     vec2 texel = texel_size(sum_color), texel_of_counts = texel_size(tile_sample_counts);
-    float all = 0.0, squares = 0.0, uncertain = 0.0, own_weight = residual_weight(at, own_sums.y, texel_of_counts);
+    float weight_sum = 0.0, square_sum = 0.0, uncertain_sum = 0.0;
+    float own_weight = residual_weight(at, own_sums.y, texel_of_counts);
     neighbour_mean = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
@@ -32,18 +33,18 @@ void main() {
         float similarity = luminance_similarity(own_luminance, luminance(fetch(sum_color, other, texel).rgb) / sums.x);
         float weight = residual_weight(other, sums.x, texel_of_counts);
         neighbour_mean += similarity * fetch(sum_residual, other, texel);
-        all += similarity * weight;
-        uncertain += similarity * sums.y;
-        squares += similarity * similarity * weight * weight;
+        weight_sum += similarity * weight;
+        uncertain_sum += similarity * sums.y;
+        square_sum += similarity * similarity * weight * weight;
     }
-    // In proportion to the uncertain luminance, so that edges of textures stay.
-    neighbour_mean *= uncertain > 1e-37 ? own_sums.w / (own_weight * uncertain) : 1.0 / all;
+    // Scaled in proportion to the uncertain luminance, which keeps edges of textures.
+    neighbour_mean *= uncertain_sum > 1e-37 ? own_sums.w / (own_weight * uncertain_sum) : 1.0 / weight_sum;
     vec4 residual = fetch(sum_residual, at) / own_weight;
     float difference = luminance(residual.rgb - neighbour_mean.rgb), mean = luminance(neighbour_mean.rgb);
     float variance = residual.a / own_weight;
     // Effective sample count: (sum |x|)^2 / sum x^2.
     variance *= pow(max(own_sums.z * own_sums.z / max(residual.a * own_weight, 1e-37), 1.0), -STRATIFICATION_EXPONENT);
     neighbour_mean.a = own_weight;
-    signal_and_noise = vec4(difference * difference, variance * (1.0 - own_weight / all),
-                     mean * mean, variance * squares / (all * all));
+    signal_and_noise = vec4(difference * difference, variance * (1.0 - own_weight / weight_sum),
+                     mean * mean, variance * square_sum / (weight_sum * weight_sum));
 }

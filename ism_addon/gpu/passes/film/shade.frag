@@ -7,9 +7,9 @@ uniform vec3 world;
 uniform float background;
 layout(location = 0) out vec4 sample_color;
 layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
-layout(location = 2) out float sample_headroom; // most by which the luminance can rise
+layout(location = 2) out float sample_headroom; // upper bound of the increase of luminance
 
-// Visibility of the world. Occlusion is at half resolution.
+// Visibility of the world. Ambient occlusion has half resolution.
 float ambient_visibility(ivec2 at, Surface surface) {
 #if OCCLUDED
     float sum = 0.0, weights = 0.0;
@@ -24,7 +24,7 @@ float ambient_visibility(ivec2 at, Surface surface) {
 #endif
 }
 
-// Of a target that is a few neutral texels where no pass draws it.
+// Fetches a target that is a few neutral texels if no pass draws it.
 vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
 void main() {
@@ -37,7 +37,7 @@ void main() {
         return;
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
-    // A Lambertian surface reflects the base color's part of a world of one radiance.
+    // A Lambertian surface reflects the fraction base_color of a world of constant radiance.
     sample_color = vec4(direct.rgb + surface.material.base_color * world * ambient_visibility(at, surface), 1.0);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;

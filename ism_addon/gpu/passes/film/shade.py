@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The radiance of a pixel towards the camera, in linear light.
 
-The radiance by the lights, plus base color times the world's radiance as far as the ambient occlusion leaves it open;
-behind everything, the world itself. The occlusion is brought to full resolution here,
-from the half-resolution pixels that show the same surface.
+It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
+background it is the world's. Occlusion is upsampled to full resolution from the half-resolution pixels that show the
+same surface.
 """
 
 import moderngl

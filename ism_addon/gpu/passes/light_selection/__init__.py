@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which lights matter in which tile, and which of them arrive there."""
+"""Which lights contribute to which tile, and which of them are visible there."""

@@ -3,8 +3,8 @@
 
 As in tiled shading (Olsson & Assarsson 2011), a tile's surfaces are bounded by boxes, and their normals by cones: see
 culling/surface_bounds.py. A few coarse shadow rays then estimate where each light is visible. A light that may be
-occluded is probed by ProbeVisibility if it could be a large part of a tile's light, and else by RetestOccluded in some
-samples. Lights whose bounds together are negligible in a tile are culled there.
+occluded is probed by ProbeVisibility if it could be a large fraction of a tile's light, and otherwise by RetestOccluded
+in some samples. Lights whose bounds together are negligible in a tile are culled there.
 """
 
 from dataclasses import dataclass
@@ -46,34 +46,35 @@ from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
 # How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
 
-#: The culled lights of a tile together bring at most this fraction of its light.
+#: The culled lights of a tile together contribute at most this fraction of its irradiance.
 MAX_CULLED_FRACTION = 1e-3
 
-#: For that, a tile's light counts as at least this fraction of the picture's mean.
+#: For culling, a tile's irradiance counts as at least this fraction of the picture's mean.
 MIN_RELATIVE_IRRADIANCE = 0.1
 
-#: A light is faint in a tile if its bound is at most this fraction of the tile's light. It has one prediction a tile.
+#: A light is faint in a tile if its bound is at most this fraction of the tile's irradiance. It has one prediction per
+#: tile.
 FAINT_FRACTION = 0.01
 
-#: A tile has two bounding boxes, of near and of far surfaces, if the farthest depth is the nearest times this or more.
+#: A tile has two bounding boxes, of near and of far surfaces, if its maximum depth is more than its minimum times this.
 DEPTH_SPLIT_RATIO = 1.1
 
 #: Coarse shadow rays start in every FINE_TILE_SPACING-th tile, in x and in y. More than FEW_LIGHTS lights are first
-#: tested from every COARSE_TILE_SPACING-th, if these are MANY_LIGHTS tiles or more: in a small picture, that few rays
-#: would miss visible lights.
+#: tested from every COARSE_TILE_SPACING-th tile, if these are at least MANY_LIGHTS tiles: in a small picture, so few
+#: rays would miss visible lights.
 FINE_TILE_SPACING = 2
 COARSE_TILE_SPACING = 4
 FEW_LIGHTS = 16
 MANY_LIGHTS = 64
 
-#: What bounds a tile: of near surfaces, then of far ones.
+#: Targets with the bounds of each tile's near surfaces, and of its far ones.
 NEAR_BOUNDS = TILE_MIN, TILE_MAX, TILE_NORMAL_CONE
 FAR_BOUNDS = FAR_TILE_MIN, FAR_TILE_MAX, FAR_TILE_NORMAL_CONE
 
-#: Pairs of a light and a tile that are bounded at a time, so that the arrays stay in a processor's cache.
+#: Pairs of a light and a tile whose bounds are computed at a time, so that the arrays fit a processor's cache.
 PAIRS_AT_A_TIME = 1 << 15
 
-#: Bounds are clamped to this many times the picture's mean light.
+#: Bounds are clamped to this multiple of the picture's mean irradiance.
 MAX_BOUND_OVER_MEAN = 100.0
 
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
@@ -81,18 +82,18 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 @dataclass
 class CullingState:
-    """Lights and surfaces, after all samples so far. Irradiance is a luminance, W/m²."""
+    """Bounds and visibility of lights, from all samples so far. Irradiance is a luminance, W/m²."""
 
     surfaces: SurfaceBounds  # of the visible surfaces of each tile
     bounds: np.ndarray  # (L,rows,columns) float32: upper bounds of each light's irradiance
     coarse_visibility: dict[int, np.ndarray]  # (rows,columns) by light
-    irradiance: np.ndarray  # (rows,columns): estimate of all lights
+    irradiance: np.ndarray  # (rows,columns): estimated sum over all lights
 
 
 class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
-    schedule = Schedule.DOUBLING  # further samples show further surfaces
+    schedule = Schedule.DOUBLING  # further samples show additional surfaces
     inputs = *SURFACE, DEPTH, LIGHT_BUFFER, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     feedback = (REDISCOVERED,)
     outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS)
@@ -117,16 +118,16 @@ class CullLights(Pass):
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
     def first_state(self, frame: Frame) -> CullingState:
-        """From the first sample."""
+        """The state after the first sample."""
         surfaces = self.bound_tiles(frame)
         bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
         visibility = self.probe_coarsely(frame, bounds)
-        none = np.zeros(frame.tiles[::-1])
-        irradiance = sum((visibility[light] * estimates[light] for light in visibility), none)
+        zeros = np.zeros(frame.tiles[::-1])
+        irradiance = sum((visibility[light] * estimates[light] for light in visibility), zeros)
         return CullingState(surfaces, bounds, visibility, neighbourhood(irradiance).mean((2, 3)))
 
     def next_state(self, frame: Frame) -> CullingState:
-        """From the state before, the surfaces of this sample, and the rediscovered lights."""
+        """The state updated with the surfaces of this sample and the rediscovered lights."""
         state, visible, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
         visibility = dict(state.coarse_visibility)
         rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
@@ -135,29 +136,29 @@ class CullLights(Pass):
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
             coarse = neighbourhood_visibility(rays, narrow[light])
             visibility[light] = np.maximum(visibility[light], self.per_tile(frame, coarse))
-        new = np.flatnonzero(~state.surfaces.contains(visible))
+        grown = np.flatnonzero(~state.surfaces.contains(visible))
         surfaces = state.surfaces.joined(visible)
-        bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, new)[0])
+        bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, grown)[0])
         return CullingState(surfaces, bounds, visibility, state.irradiance)
 
-    def irradiance(self, frame: Frame, surfaces: SurfaceBounds, which: np.ndarray) -> list[np.ndarray]:
-        """Bounds and estimates (L,rows,columns) of the lights' irradiance on some surfaces: see LightBounds."""
-        some, lights = surfaces.select(which), frame.scene.lights
-        step = max(PAIRS_AT_A_TIME // max(len(which), 1), 1)
+    def irradiance(self, frame: Frame, surfaces: SurfaceBounds, chosen: np.ndarray) -> list[np.ndarray]:
+        """Bounds and estimates (L,rows,columns) of lights' irradiance on the chosen surfaces: see LightBounds."""
+        chosen_surfaces, lights = surfaces.select(chosen), frame.scene.lights
+        step = max(PAIRS_AT_A_TIME // max(len(chosen), 1), 1)
         columns, rows = frame.tiles
-        found = np.zeros((2, len(lights.shape), rows, columns), np.float32)
-        for light_type, indices, own in by_type(lights):
-            bounds = light_type.bounds(own, frame.anchor, frame.scene.working_space)
+        irradiance = np.zeros((2, len(lights.shape), rows, columns), np.float32)  # bounds, estimates
+        for light_type, indices, type_lights in by_type(lights):
+            bounds = light_type.bounds(type_lights, frame.anchor, frame.scene.working_space)
 
             def fill(first: int, indices: np.ndarray = indices, bounds: LightBounds = bounds) -> None:
-                part = indices[first : first + step]
-                near_and_far = np.zeros((2, len(part), 2, rows * columns), np.float32)
-                irradiance = bounds[first : first + step].irradiance(some)
-                near_and_far.reshape(2, -1, 2 * rows * columns)[..., which] = irradiance
-                found[:, part] = near_and_far.max(2).reshape(2, -1, rows, columns)
+                batch = indices[first : first + step]
+                near_and_far = np.zeros((2, len(batch), 2, rows * columns), np.float32)
+                batch_irradiance = bounds[first : first + step].irradiance(chosen_surfaces)
+                near_and_far.reshape(2, -1, 2 * rows * columns)[..., chosen] = batch_irradiance
+                irradiance[:, batch] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
-            parallel_map(fill, range(0, len(indices), step), len(indices) * len(which))
-        return list(found)
+            parallel_map(fill, range(0, len(indices), step), len(indices) * len(chosen))
+        return list(irradiance)
 
     def bound_tiles(self, frame: Frame) -> SurfaceBounds:
         """Bounds of the near and of the far surfaces of each tile."""
@@ -165,12 +166,12 @@ class CullLights(Pass):
         samplers = {"position": frame[POSITION], "depth": frame[DEPTH]}
         draw_per_tile(frame, frame.framebuffer(*targets), self.surface_bounds, **samplers)
         self.device.wait()
-        found = [from_strips(frame.read(target), frame.tiles) for target in targets]
-        near_and_far = np.array(found).reshape(2, 3, -1, 4)
+        texels = [from_strips(frame.read(target), frame.tiles) for target in targets]
+        near_and_far = np.array(texels).reshape(2, 3, -1, 4)
         return SurfaceBounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
     def probe_coarsely(self, frame: Frame, bounds: np.ndarray) -> dict[int, np.ndarray]:
-        """Coarse visibility (rows,columns) by light, of all whose bounds (L,rows,columns) are not 0 everywhere."""
+        """Coarse visibility (rows,columns) by light, if its bounds, of (L,rows,columns), are not 0 everywhere."""
         casts_shadow, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, is_narrow(frame.scene.lights)
         bounded = np.flatnonzero(bounds.any((1, 2)))
         probed = bounded[casts_shadow[bounded]]
@@ -180,11 +181,11 @@ class CullLights(Pass):
             is_lit = {light: rays.any() for light, rays in coarse.items()}
             probed = np.array([k for k in probed if coarse[k][..., 0].any() or (narrow[k] and not is_lit[k])], int)
         rays = self.probe_rays(frame, probed, FINE_TILE_SPACING)
-        certain = {
+        unprobed = {
             light: np.full(frame.tiles[::-1], 0.0 if casts_shadow[light] else 1.0, np.float32)
             for light in bounded.tolist()
         }
-        return certain | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
+        return unprobed | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
     def per_tile(frame: Frame, values: np.ndarray) -> np.ndarray:
@@ -200,23 +201,23 @@ class CullLights(Pass):
         light_uv_steps = fixed_increments(Dimension.CULLING_POINT, "culling_tile")
         grid = ProbeGrid((columns, rows), px, (px // 2, px // 2), light_uv_steps)
         step = self.device.texture_size // rows
-        of_lights: dict[int, np.ndarray] = {}
+        rays_by_light: dict[int, np.ndarray] = {}
         for first in range(0, len(lights), step):
-            some = lights[first : first + step]
+            batch = lights[first : first + step]
             texture = trace_blocks(frame, blocks[first : first + step], grid)
             self.device.wait()
-            rays = pixels(texture)[: len(some) * rows, :columns]
-            of_lights |= zip(some, rays.reshape(len(some), rows, columns, 2), strict=True)
-        return of_lights
+            rays = pixels(texture)[: len(batch) * rows, :columns]
+            rays_by_light |= zip(batch, rays.reshape(len(batch), rows, columns, 2), strict=True)
+        return rays_by_light
 
 
 def light_influences(state: CullingState) -> dict[int, LightInfluence]:
-    """By light, its influence on the tiles, of all lights that are not culled everywhere."""
+    """By light, its influence on the tiles, for all lights that contribute to any tile."""
     exists, influences = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
     mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
     local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
     relative_bounds = state.bounds / np.maximum(state.irradiance, mean)
-    for light in np.argsort(relative_bounds.sum((1, 2))):  # the faintest first
+    for light in np.argsort(relative_bounds.sum((1, 2))):  # faintest first
         bound = state.bounds[light]
         culled += bound
         contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
@@ -240,12 +241,12 @@ def without_culling(frame: Frame) -> dict[int, LightInfluence]:
 def neighbourhood_visibility(rays: np.ndarray, narrow: bool) -> np.ndarray:
     """(H,W) visibility, from unoccluded and traced rays (H,W,2) in 3×3 neighbourhoods.
 
-    A `narrow` light can be visible between points that it does not light. There its visibility is unknown.
+    A `narrow` light may illuminate points between rays that it does not illuminate: there its visibility is unknown.
     """
     unoccluded, traced = (neighbourhood(count).sum((2, 3)) for count in np.moveaxis(rays, 2, 0))
     return np.where(narrow & (traced == 0.0), UNKNOWN_VISIBILITY, unoccluded / np.maximum(traced, 1.0))
 
 
 def neighbourhood(values: np.ndarray) -> np.ndarray:
-    """(H,W,3,3): 3×3 neighbourhoods of (H,W). Beyond the border, values at the border are repeated."""
+    """(H,W,3,3): 3×3 neighbourhoods of (H,W). Values at the border are repeated beyond it."""
     return np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, mode="edge"), (3, 3))

@@ -1,4 +1,4 @@
-// Probe rays: each texel traces a ray from one pixel to a light. Texels lie in blocks, all rays of which go to one light.
+// Probe rays: each texel traces a ray from one pixel to a light. Texels lie in blocks; a block's rays go to one light.
 #include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
 uniform usamplerBuffer lights;
@@ -10,8 +10,8 @@ uniform int spacing;        // px, from the first pixel of a texel to that of th
 uniform ivec2 pixel_offset; // px, from a texel's first pixel to the one that the ray starts from
 out vec2 rays;              // unoccluded, traced
 
-// Where the light is above the horizon, but not the sampled point, its visibility is unknown: half a ray. Where the light
-// is below the horizon, no ray.
+// If the sampled point is below the horizon, but not all of the light, visibility is unknown: half of the ray counts as
+// unoccluded. If all of the light is below the horizon, no ray is counted.
 vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);

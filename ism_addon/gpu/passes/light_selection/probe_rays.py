@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Probe rays: coarse shadow rays that estimate a light's visibility about a tile or a pixel. One shader traces all.
+"""Probe rays: coarse shadow rays that estimate a light's visibility near a tile or a pixel. One shader traces all.
 
-Each texel of a target is a ray. Texels lie in blocks, and all rays of a block go to one light.
+Each texel of a target stands for a ray. Texels lie in blocks, and all rays of a block go to one light.
 """
 
 from collections.abc import Iterable
@@ -31,7 +31,7 @@ NO_LIGHT = -1
 
 
 def light_blocks(lights: Iterable[int], light_uvs: np.ndarray) -> np.ndarray:
-    """Rows of PROBE_BLOCK that begin at the picture's first texel: of lights (L,), with light_uv (L,2) in [0,1)."""
+    """Rows of PROBE_BLOCK for lights (L,), with light_uvs (L,2) in [0,1). Blocks begin at the picture's first texel."""
     rows = np.zeros(len(light_uvs), PROBE_BLOCK.dtype)
     rows["light"] = list(lights)
     rows["light_uv"] = np.reshape([fixed_point(light_uv) for light_uv in light_uvs], (-1, 2))
@@ -45,12 +45,12 @@ class ProbeGrid:
     block_size: tuple[int, int]  # texels
     spacing: int  # px from the first pixel of a texel to that of the next
     pixel_offset: tuple[int, int]  # px from a texel's first pixel to the one that the ray starts from
-    light_uv_steps: tuple[int, ...]  # of light_uv from texel to texel, in 32-bit fixed point
+    light_uv_steps: tuple[int, ...]  # increments of light_uv from texel to texel, in 32-bit fixed point
     block_columns: int = 1  # blocks side by side
 
 
 def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Texture:
-    """A PROBE texture of all blocks of the rows (N,) of PROBE_BLOCK."""
+    """Trace all blocks of the rows (N,) of PROBE_BLOCK into a PROBE texture."""
     device, lines = frame.device, -(-len(rows) // grid.block_columns)
     table = np.zeros(lines * grid.block_columns, PROBE_BLOCK.dtype)
     table["light"] = NO_LIGHT
@@ -75,7 +75,7 @@ def trace_tiles(
     first: int,
     grid: ProbeGrid,
 ) -> None:
-    """The rays of a light in rows of TILE, into its PROBE texture, which is the `first` of the blocks."""
+    """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`."""
     variant = shader_variant(frame.scene.lights, light)
     program = compile_program(frame.device, "glsl/tiles.vert", SHADER, records=RECORDS, **variant)
     bind(program, **uniforms(frame, blocks, first, grid))
@@ -83,7 +83,7 @@ def trace_tiles(
 
 
 def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -> dict[str, Any]:
-    """Of the shader, whose blocks are those from the `first` on."""
+    """Uniforms of the shader, which draws the blocks from row `first` on."""
     return {
         **surface_samplers(frame),
         **frame[TLAS],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Coarse visibility of each light: one shadow ray from one pixel in 2×2, in the tiles that CullLights chose."""
+"""Coarse visibility of each light: a shadow ray from one pixel of every 2×2, in the tiles that CullLights selects."""
 
 import moderngl
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Probes again pairs of a tile and a light that all rays found occluded.
+"""Retests pairs of a tile and a light for which all rays so far were occluded.
 
-Each sample tests a few pairs. The probability of a pair follows the light's bound, so many negligible lights cost no
-more than one. From the next doubling on, PredictVisibility and TraceShadows draw the lights that were found.
+Each sample tests a few pairs. The probability of a pair is proportional to the light's bound, so many negligible lights
+cost no more than one. From the next doubling on, PredictVisibility and TraceShadows draw the lights that were visible.
 """
 
 import math
@@ -30,8 +30,8 @@ from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, TILE
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 
-#: Probability that a sample retests a light in a tile, if its bound is all of the tile's light. See `dev.py bench
-#: constants` in docs/benchmarks.md.
+#: Probability that a sample retests a light in a tile, if the light's bound equals the tile's irradiance. See `dev.py
+#: bench constants` in docs/benchmarks.md.
 RETEST_PROBABILITY = 0.25
 
 
@@ -75,7 +75,7 @@ class RetestOccluded(Pass):
 
     @staticmethod
     def trace(frame: Frame, tiles: np.ndarray) -> moderngl.Texture:
-        """A PROBE texture with a block for each row of TILE: a ray from each of its texels to the tile's light."""
+        """Trace a PROBE texture with a block for each row of TILE. From each texel a ray goes to the tile's light."""
         lights = tiles["light"].astype(int)
         blocks = light_blocks(lights, draw(Dimension.RETEST_POINT, sample=frame.sample, light=lights))
         blocks["first_texel"] = tiles["tile"] * PROBES_PER_TILE_SIDE
@@ -86,7 +86,7 @@ class RetestOccluded(Pass):
 
     @staticmethod
     def candidates(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-        """Lights (N,) believed occluded, and cumulative probabilities (N rows columns,) of their tiles."""
+        """Lights (N,) assumed occluded, and cumulative probabilities (N rows columns,) of their tiles."""
         coarse = visibilities(frame[LIGHT_INFLUENCE], frame[REDISCOVERED])
         probabilities = {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
@@ -98,7 +98,7 @@ class RetestOccluded(Pass):
 
     @staticmethod
     def pairs_to_retest(frame: Frame) -> np.ndarray:
-        """Rows of TILE: each pair of a light and a tile by its probability (systematic sampling)."""
+        """Rows of TILE: pairs of a light and a tile, drawn by their probabilities (systematic sampling)."""
         lights, sums = frame[RETEST_CANDIDATES]
         if not len(lights):
             return np.zeros(0, TILE)
@@ -111,7 +111,7 @@ class RetestOccluded(Pass):
         return tiles
 
     def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
-        """By light, the tiles (rows,columns) bool in which retests since the last doubling found it visible."""
+        """By light, the tiles (rows,columns) bool where any retest since the last doubling was unoccluded."""
         self.device.wait()
         visible: dict[int, np.ndarray] = {}
         for retest in frame[RETESTS]:

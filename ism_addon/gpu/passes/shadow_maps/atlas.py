@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the shadow maps of many virtual lights share one texture, or several one after the other."""
+"""Layout of the shadow maps of many virtual lights in one texture, which several batches use in turn if necessary."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,8 @@ import numpy as np
 #: Sides of maps are multiples of this, so that pull-push can halve them (see fill_holes).
 MAP_SIZE_MULTIPLE = 8
 
-#: Most texels of an atlas; more maps are drawn in further batches.
-ATLAS_TEXELS = 1 << 24
+#: Limit of an atlas; more maps are drawn in further batches.
+MAX_ATLAS_TEXELS = 1 << 24
 
 
 @dataclass(frozen=True)
@@ -32,14 +32,14 @@ class Batch:
 
 
 def batches(virtual_lights: int, map_size: int, texture_size: int) -> list[Batch]:
-    """As few atlases as hold a map for each of so many virtual lights, within the GL's limit; at least one."""
+    """The fewest atlases, within the GL's texture size, with a map for each virtual light; at least one."""
     side = min(
         -(-map_size // MAP_SIZE_MULTIPLE) * MAP_SIZE_MULTIPLE, texture_size // MAP_SIZE_MULTIPLE * MAP_SIZE_MULTIPLE
     )
-    most_columns = max(1, min(texture_size, int(ATLAS_TEXELS**0.5)) // side)
-    most = most_columns * most_columns
-    found = []
-    for first in range(0, max(virtual_lights, 1), most):
-        count = min(most, virtual_lights - first)
-        found.append(Batch(first, count, side, max(1, min(most_columns, int(np.ceil(np.sqrt(count)))))))
-    return found
+    max_columns = max(1, min(texture_size, int(MAX_ATLAS_TEXELS**0.5)) // side)
+    max_count = max_columns * max_columns
+    result = []
+    for first in range(0, max(virtual_lights, 1), max_count):
+        count = min(max_count, virtual_lights - first)
+        result.append(Batch(first, count, side, max(1, min(max_columns, int(np.ceil(np.sqrt(count)))))))
+    return result

@@ -3,9 +3,9 @@
 
 Marroquim, Kraus & Cavalcanti 2007. Pull: a coarser texel averages those of its four finer ones whose depth lies
 within a threshold of the nearest. Push: a finer texel that is empty, or lies behind the coarser surface by more than
-the threshold, takes the coarser depth. We add a coverage to each texel, the part of it that its surface fills, and
-push only where more than half is covered: a hole is filled, an outline does not grow. Three levels bridge eight
-texels; each halving stays within a map, as maps' sides are multiples of eight.
+the threshold, takes the coarser depth. We also store each texel's coverage, the fraction of it that its surface fills,
+and push only where more than half is covered: holes are filled, but outlines do not grow. Three levels bridge eight
+texels. As maps' sides are multiples of eight, no coarser texel spans two maps.
 """
 
 from functools import cached_property
@@ -26,7 +26,7 @@ def _level(name: str) -> Target:
     return Target(name, "Depth in metres, coverage", format=SHADOW_MAPS.format, divisor=0, neutral=None)
 
 
-#: Of each level below the maps, 1 … LEVELS.
+#: Targets of the coarser levels, 1 … LEVELS.
 PULLED = [_level(f"pulled_{level}") for level in range(1, LEVELS + 1)]
 PUSHED = [_level(f"pushed_{level}") for level in range(1, LEVELS)]
 
@@ -67,7 +67,7 @@ class FillHoles(Pass):
             coarse = into
 
     def step(self, name: str, frame: Frame, fine: Target, coarse: Target, into: Target, level: int) -> None:
-        """Pull from `level` to the next coarser, or push to `level` from there."""
+        """Pull from `level` to the next coarser one, or push from there to `level`."""
         vertices = self.steps[name]
         uniforms = {"fine": frame[fine], "finest": level == 0, "threshold": frame.settings.shadow.fill_threshold}
         if name == "push":

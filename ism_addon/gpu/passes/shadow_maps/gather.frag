@@ -1,5 +1,5 @@
-// Radiance towards the camera: a light's unshadowed radiance times the part of its virtual lights that the pixel sees,
-// weighted by their irradiance.
+// Radiance towards the camera: each light's unshadowed radiance times the fraction of its virtual lights, weighted by
+// their irradiance, that are visible from the pixel.
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 
@@ -15,8 +15,8 @@ uniform bool shadows;
 uniform float bias;
 out vec4 direct_prediction;
 
-// 1 where the virtual light whose map is number `index` sees the receiver, else 0. v goes from the virtual light to the
-// receiver, whose geometric normal is n, both in the light's space.
+// 1 if the virtual light whose map has this index in the atlas is visible from the receiver, else 0. v goes from the
+// virtual light to the receiver, whose geometric normal is n, both in the light's space.
 float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
     mat2 map_from_light = mat2(rotation.x, -rotation.y, rotation.y, rotation.x);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
@@ -26,7 +26,7 @@ float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
     vec3 centre = hemisphere_from_square((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0);
     float plane = dot(n, v) / dot(vec3(map_from_light * n.xy, n.z), centre);
     float distance = length(v);
-    // Seen edge-on, the plane's depth varies without bound within a texel: the receiver's own distance is used instead.
+    // At grazing angles the plane's depth varies without bound within a texel: the receiver's distance is used instead.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
     int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
     ivec2 corner = ivec2(index - row * columns, row) * side;
@@ -34,12 +34,13 @@ float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
 }
 
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
-    bool masked = shadows && light.casts_shadow != 0;
+    bool is_shadowed = shadows && light.casts_shadow != 0;
     vec3 unshadowed = bsdf_unshadowed(surface, light);
-    if (!masked) return batch.x == 0 ? unshadowed : vec3(0.0);
+    if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
-    // Where none of its virtual lights is above a receiver's horizon, those closest to the part that is stand for it.
-    vec3 middle = light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
+    // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
+    vec3 middle =
+        light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
     vec3 p = light_from_anchor * (surface.position - light.position), n = light_from_anchor * surface.normal;
     vec3 geometric_normal = light_from_anchor * surface.geometric_normal;
     float sum = 0.0, visible_sum = 0.0, close_sum = 0.0, visible_close_sum = 0.0;
@@ -48,8 +49,8 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
         VirtualLight virtual_light = fetch_VirtualLight(virtual_lights, k);
         vec3 v = p - virtual_light.offset;
         float weight = light_virtual_weight(light, v, n);
-        vec3 off = virtual_light.offset - middle;
-        float closeness = 1.0 / max(dot(off, off) * dot(off, off), 1e-30);
+        vec3 from_middle = virtual_light.offset - middle;
+        float closeness = 1.0 / max(dot(from_middle, from_middle) * dot(from_middle, from_middle), 1e-30);
         sum += weight;
         close_sum += closeness;
         int index = k - batch.x;

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow from all virtual lights at each pixel.
+"""Radiance of each pixel, with shadows from the maps of all virtual lights.
 
-Beck-Norén & Valter 2013, section 3.2. What differs: a light's unshadowed radiance is in closed form (see
-gpu/lights), and virtual lights say which part of it is visible, a ratio (Heitz, Hill & McGuire 2018): without occluders
-there is no error. The depth of the receiver is its plane's in the direction of the texel's centre, where the disc's was
-taken too, so a plane does not shadow itself. Matrices come from a table, so their number has no limit.
+Beck-Norén & Valter 2013, section 3.2. What differs: a light's unshadowed radiance is computed in closed form (see
+gpu/lights), and virtual lights only estimate which fraction of it is visible (a ratio estimator, Heitz, Hill & McGuire
+2018): without occluders there is no error. The receiver's depth is that of its plane in the direction of the texel's
+centre, like the depth of discs, so that a plane does not shadow itself. Matrices come from a table, so their number has
+no limit.
 """
 
 from functools import cached_property
@@ -33,7 +34,7 @@ from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...material_inputs import MATERIAL, material_samplers
 
-#: Virtual lights that are evaluated, or lights, or pixels, in the time of a ray, see draw_limit.
+#: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
 VIRTUAL_LIGHTS_PER_RAY = 20
 
 

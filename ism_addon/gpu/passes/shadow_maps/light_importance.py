@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which part of the virtual lights each light should have.
+"""Importance of lights: the fraction of the virtual lights that each should get.
 
 Virtual lights estimate a light's visibility. Their error is in its penumbrae, whose width grows with the solid angle of
 the light, and is in proportion to its irradiance there. Of a given number of virtual lights, the allocation in
-proportion to the standard deviation of each light's error has the least variance (Neyman 1934). The mean is over the
-scene's surfaces, seen or not, so that a move of the camera draws no map anew. Over the visible ones there is less noise
-(lamps: RMSE 4 % less after a sample), but nine of ten rotations of the camera by a hundredth of the picture change the
-allocation among twenty lights, and so all maps.
+proportion to the standard deviation of each light's error has the least variance (Neyman 1934). The mean is over all of
+the scene's surfaces, so that no map has to be drawn again when the camera moves. A mean over the visible ones would
+give less noise (lamps: RMSE 4 % less after a sample), but nine of ten rotations of the camera by a hundredth of the
+picture would change the allocation among twenty lights, and so all maps.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ from ...frame import Frame, Pass, outputs
 from ...lights import by_type
 from .point_cloud import PointCloud
 
-#: Points of the cloud that the lights are seen from. See `dev.py bench constants` in docs/benchmarks.md.
+#: Points of the cloud at which irradiance is estimated. See `dev.py bench constants` in docs/benchmarks.md.
 IMPORTANCE_POINTS = 4096
 
 
@@ -31,16 +31,16 @@ def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_sp
     either_side = SurfaceBounds.around(np.tile(points, 2), np.concatenate([normals, -normals], 1))
     estimates = np.zeros((len(lights.shape), 2 * len(chosen)), np.float32)
     peaks = np.zeros((len(lights.shape), 1), np.float32)
-    for light_type, rows, own in by_type(lights):
-        bounds = light_type.bounds(own, anchor, working_space)
+    for light_type, rows, type_lights in by_type(lights):
+        bounds = light_type.bounds(type_lights, anchor, working_space)
         estimates[rows], peaks[rows] = bounds.irradiance(either_side)[1], bounds.peak
     total = estimates.sum(0)
     if not total.any():
         return np.ones(len(estimates))
-    part = estimates / np.maximum(total, total[total > 0.0].mean())
+    fraction = estimates / np.maximum(total, total[total > 0.0].mean())
     relative = np.divide(estimates, peaks, out=np.zeros_like(estimates), where=peaks > 0.0)
     size = np.sqrt(np.minimum(relative, 1.0))
-    return np.sqrt((part * part * size).sum(1, dtype=np.float64))
+    return np.sqrt((fraction * fraction * size).sum(1, dtype=np.float64))
 
 
 class WeighLights(Pass):

@@ -9,7 +9,7 @@ import numpy as np
 from ....sampling.points import points_on_triangles, proportional_counts, triangle_areas
 from ....scene import Mesh, Scene
 
-#: Points that are placed at a time.
+#: Points that are computed at a time.
 POINTS_AT_A_TIME = 1 << 17
 
 
@@ -27,7 +27,7 @@ class PointCloud:
 
 
 def similarity(linear: np.ndarray) -> np.ndarray:
-    """(I,) scale of linear maps (I,3,3) that keep angles; 0 where they do not."""
+    """(I,) scales of linear maps (I,3,3) that are similarity transforms; 0 for others."""
     gram = np.einsum("nki,nkj->nij", linear, linear)
     square = np.trace(gram, axis1=1, axis2=2) / 3.0
     stretched = np.abs(gram - square[:, None, None] * np.eye(3)).max((1, 2)) > 1e-5 * square
@@ -39,16 +39,16 @@ def make_point_cloud(
 ) -> PointCloud:
     """Points on all instances that cast shadows, in proportion to their world area.
 
-    Between batches it calls `check_cancelled`. An instance's points are the first of its mesh's infinite
-    sequence: they keep their positions on it while it, or anything else, moves.
+    `check_cancelled` is called between batches. An instance's points are the first ones of its mesh's infinite
+    sequence, so they keep their positions on it when it or another instance moves.
     """
     instances = scene.instances
     rows = np.flatnonzero(instances.casts_shadow)
     matrices = instances.world_from_object[rows]
     scales = similarity(matrices[:, :3, :3])
     corners = {k: object_corners(scene.meshes[k]) for k in np.unique(instances.mesh[rows])}
-    own_area = {k: triangle_areas(c).sum() for k, c in corners.items()}
-    areas = np.array([own_area[k] for k in instances.mesh[rows]]) * scales**2
+    mesh_areas = {k: triangle_areas(c).sum() for k, c in corners.items()}
+    areas = np.array([mesh_areas[k] for k in instances.mesh[rows]]) * scales**2
     for i in np.flatnonzero(scales == 0.0):
         areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
     total = areas.sum()
@@ -77,7 +77,7 @@ def fill(
     if not counts.sum():
         return
     linear = matrices[:, :3, :3]
-    # Similarity transforms keep the proportions of areas, so such instances share one sequence. Others have their own.
+    # Similarity transforms keep the ratios of areas, so such instances share one sequence. Each other one has its own.
     scaled = corners if len(matrices) > 1 or similarity(linear)[0] > 0.0 else corners @ linear[0].T
     chosen, on_mesh = points_on_triangles(scaled, int(counts.max()))
     if scaled is not corners:
@@ -89,10 +89,10 @@ def fill(
     for first in range(0, len(all_rows), POINTS_AT_A_TIME):
         check_cancelled()
         row, index = (numbers[first : first + POINTS_AT_A_TIME] for numbers in (all_rows, all_index))
-        to = (ends - counts)[row] + index
-        positions[to] = np.einsum("nij,nj->ni", linear[row], on_mesh[index]) + matrices[row, :3, 3]
+        target = (ends - counts)[row] + index
+        positions[target] = np.einsum("nij,nj->ni", linear[row], on_mesh[index]) + matrices[row, :3, 3]
         rotated = np.einsum("nij,nj->ni", linear[row], face_normals[index])
-        normals[to] = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-300)
+        normals[target] = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-300)
 
 
 def object_corners(mesh: Mesh) -> np.ndarray:

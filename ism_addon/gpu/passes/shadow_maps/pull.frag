@@ -1,4 +1,4 @@
-// The nearest surface of four finer texels, and how much of them it covers.
+// The mean depth of the nearest surface in four finer texels, and the fraction of them that it covers.
 #include "textures/pull_push_level.glsl"
 out vec2 texel;
 

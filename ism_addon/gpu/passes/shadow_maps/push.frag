@@ -1,4 +1,4 @@
-// A finer texel that is a hole in the coarser surface takes its depth, interpolated from four texels of its map.
+// Fills a finer texel that is a hole with the coarser level's depth, interpolated between four texels of the same map.
 #include "textures/pull_push_level.glsl"
 uniform sampler2D coarse;
 uniform int coarse_side;
@@ -7,9 +7,9 @@ out vec2 texel;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     texel = fine_texel(at);
-    vec2 here = 0.5 * (vec2(at) + 0.5) - 0.5;
-    ivec2 low = ivec2(floor(here));
-    vec2 f = here - vec2(low);
+    vec2 coarse_position = 0.5 * (vec2(at) + 0.5) - 0.5;
+    ivec2 low = ivec2(floor(coarse_position));
+    vec2 f = coarse_position - vec2(low);
     ivec2 first = (at / 2) / coarse_side * coarse_side;
     vec2 four[4];
     float nearest = EMPTY;

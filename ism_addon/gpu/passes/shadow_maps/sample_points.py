@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene as random points on its triangles, each standing for the same share of its area.
+"""The scene as random points on its triangles, each representing the same fraction of its area.
 
 Beck-Norén & Valter 2013, section 3.2, after Ritschel et al. 2008: a triangle is chosen with probability in
-proportion to its area, a point uniformly on it. Which of the points are drawn into a shadow map, see select_points.
+proportion to its area, and a point uniformly on it. select_points chooses those that are drawn into a shadow map.
 """
 
 from ....resources import POINT_CLOUD
@@ -10,7 +10,7 @@ from ....scene import Change
 from ...frame import Frame, Pass, outputs
 from .point_cloud import make_point_cloud
 
-#: Points in the cloud for each point of a map, and the most in the cloud, unless a map has more. See `dev.py bench
+#: Points in the cloud for each point of a map, and the cloud's limit, unless a map has more. See `dev.py bench
 #: constants` in docs/benchmarks.md.
 POINTS_PER_MAP_POINT = 16
 MAX_POINTS = 1 << 20

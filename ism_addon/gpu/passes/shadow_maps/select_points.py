@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which surface points stand for the scene in the shadow maps of a light.
+"""Selects the surface points that represent the scene in the shadow maps of a light.
 
-Ritschel et al. 2008 give each map a random subset of the points. Ours is importance sampled: the probability of a point
-is in proportion to the solid angle of its area as seen from the light, and its disc has the area divided by the
-probability. So all discs of a map have about the same solid angle, one covers about a texel where there are as many
-points as texels, and surfaces near the light are drawn in detail (compare the view-adaptive maps of Ritschel et al.
-2011). A point keeps its random number, so that subsets change only where solid angles do. The virtual lights of a light
-use several such subsets in turn.
+Ritschel et al. 2008 give each map a random subset of the points. Our subsets are importance sampled: the probability of
+a point is in proportion to the solid angle of its area as seen from the light, and its disc has the area divided by the
+probability. So all discs of a map have about the same solid angle, one covers about a texel if there are as many points
+as texels, and surfaces near the light are drawn in detail (compare the view-adaptive maps of Ritschel et al. 2011). A
+point keeps its random number, so that subsets change only where solid angles do. The virtual lights of a light use
+several such subsets in turn.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class PointRange:
 
     first: int
     count: int
-    maps: float  # upper bound of the area of all discs, in maps, overlaps counted each
+    maps: float  # upper bound of the summed area of all discs, in maps
 
 
 @dataclass(frozen=True)
@@ -48,23 +48,23 @@ class MapPoints:
 
 
 def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
-    """(P,) float32: see LightType.solid_angles; 0 for points that are not linked."""
+    """(P,) float32: see LightType.solid_angles; 0 for points on objects that do not cast this light's shadows."""
     light_type = type_of(lights, light)
-    found = light_type.solid_angles(lights, light, anchor, cloud.positions, cloud.normals, cloud.area)
+    angles = light_type.solid_angles(lights, light, anchor, cloud.positions, cloud.normals, cloud.area)
     blockers = lights.blockers[light]
     linked = True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1
-    return np.where(linked, found, np.float32(0.0))
+    return np.where(linked, angles, np.float32(0.0))
 
 
 def selection_probabilities(weights: np.ndarray, count: int) -> np.ndarray:
-    """(P,) probabilities in proportion to weights (P,), no more than 1, that sum to `count` if they can."""
+    """(P,) probabilities in proportion to weights (P,), at most 1, that sum to `count` if possible."""
     scale = count / max(float(weights.sum()), 1e-30)
-    for _ in range(8):  # what is clamped at 1 is given to the others
-        full = weights * scale >= 1.0
-        remaining = float(weights[~full].sum())
+    for _ in range(8):  # the excess of those clamped to 1 goes to the others
+        clamped = weights * scale >= 1.0
+        remaining = float(weights[~clamped].sum())
         if remaining <= 0.0:
             break
-        scale = (count - int(full.sum())) / remaining
+        scale = (count - int(clamped.sum())) / remaining
     return np.minimum(weights * np.float32(max(scale, 0.0)), np.float32(1.0))
 
 
@@ -75,31 +75,31 @@ def select_subsets(
     splat_size: float,
     check_cancelled: Callable[[], None] = lambda: None,
 ) -> list[np.ndarray]:
-    """SUBSETS_PER_LIGHT subsets of about `count` points for a light of weights (P,), as arrays of MAP_POINT.
+    """SUBSETS_PER_LIGHT subsets of about `count` points each, as arrays of MAP_POINT, by their weights (P,).
 
-    Before each it calls `check_cancelled`.
+    `check_cancelled` is called before each.
     """
     probabilities = selection_probabilities(weights, count)
     uniform = draw(Dimension.POINT_CHOICE, point=np.arange(len(cloud)))[:, 0].astype(np.float32)
-    found = []
+    subsets = []
     for subset in range(SUBSETS_PER_LIGHT):
         check_cancelled()
-        taken = np.flatnonzero(np.modf(uniform + np.float32(subset / SUBSETS_PER_LIGHT))[0] < probabilities)
-        points = np.zeros(len(taken), MAP_POINT)
-        points["position"], points["normal"] = cloud.positions[taken], cloud.normals[taken]
-        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / probabilities[taken])
-        found.append(points)
-    return found
+        selected = np.flatnonzero(np.modf(uniform + np.float32(subset / SUBSETS_PER_LIGHT))[0] < probabilities)
+        points = np.zeros(len(selected), MAP_POINT)
+        points["position"], points["normal"] = cloud.positions[selected], cloud.normals[selected]
+        points["radius"] = splat_size * np.sqrt(cloud.area / np.pi / probabilities[selected])
+        subsets.append(points)
+    return subsets
 
 
 def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
-    """Area of the discs of MAP_POINTs (P,) in maps, overlaps counted each, as seen from a light's centre (3,).
+    """Summed area, in maps, of the discs of MAP_POINTs (P,), as seen from a light's centre (3,).
 
-    An upper bound of the texels that splat.vert draws: squares where the mapping has the largest derivative, and all of
-    the map for a disc close by.
+    An upper bound of the texels that splat.vert draws: squares by the mapping's largest derivative, and the full map
+    for a disc close by.
     """
-    to: np.ndarray = points["position"] - light.astype(np.float32)
-    distance = np.sqrt(np.einsum("nk,nk->n", to, to))
+    offset: np.ndarray = points["position"] - light.astype(np.float32)
+    distance = np.sqrt(np.einsum("nk,nk->n", offset, offset))
     side = 2.0 * points["radius"] / np.maximum(distance, 2.0 * points["radius"])
     return float(np.minimum((side + side * side) ** 2, 1.0).sum(dtype=np.float64))
 
@@ -118,23 +118,23 @@ class SelectPoints(Pass):
         count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
         check_cancelled, contributing = frame.submission.check_cancelled, frame[CONTRIBUTING_LIGHTS]
 
-        def of_light(light: int) -> list[tuple[np.ndarray, float]]:
+        def light_subsets(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
             weights = solid_angles(cloud, lights, light, frame.anchor)
             subsets = select_subsets(cloud, weights, count, size, check_cancelled)
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
-        chosen = parallel_map(of_light, range(len(lights.shape)), len(lights.shape) * len(cloud))
+        of_lights = parallel_map(light_subsets, range(len(lights.shape)), len(lights.shape) * len(cloud))
         check_cancelled()
-        points = np.concatenate([subset for subsets in chosen for subset, _ in subsets])
-        ends = np.cumsum([len(subset) for subsets in chosen for subset, _ in subsets]).reshape(-1, SUBSETS_PER_LIGHT)
+        points = np.concatenate([subset for subsets in of_lights for subset, _ in subsets])
+        ends = np.cumsum([len(subset) for subsets in of_lights for subset, _ in subsets]).reshape(-1, SUBSETS_PER_LIGHT)
         table = [
             [
                 PointRange(int(end) - len(points), len(points), maps)
                 for end, (points, maps) in zip(row, subsets, strict=True)
             ]
-            for row, subsets in zip(ends, chosen, strict=True)
+            for row, subsets in zip(ends, of_lights, strict=True)
         ]
         check_cancelled()
         buffer: moderngl.Buffer | None = self.device.gl.buffer(points) if len(points) else None

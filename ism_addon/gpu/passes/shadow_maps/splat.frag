@@ -10,7 +10,7 @@ out float nearest;
 void main() {
     vec2 square = 2.0 * (gl_FragCoord.xy - vec2(corner)) / float(side) - 1.0;
     vec3 direction = hemisphere_from_square(square);
-    float along = dot(disc_normal, disc_centre) / dot(disc_normal, direction);
-    vec3 off = along * direction - disc_centre;
-    nearest = along > 0.0 && dot(off, off) <= disc_radius * disc_radius ? along : EMPTY;
+    float distance = dot(disc_normal, disc_centre) / dot(disc_normal, direction);
+    vec3 offset = distance * direction - disc_centre;
+    nearest = distance > 0.0 && dot(offset, offset) <= disc_radius * disc_radius ? distance : EMPTY;
 }

@@ -3,11 +3,11 @@
 
 Beck-Norén & Valter 2013, sections 2.1 and 3.2: a surface point is drawn as a square in which the fragment shader
 discards what is outside a disc with the triangle's normal. Their squares come from a geometry shader; ours are OpenGL's
-points, 1.6 to 2 times as fast on llvmpipe. A map covers its virtual light's hemisphere, by the upper half of an
-octahedron, which wastes no texel. As that mapping bends planes, each fragment intersects the disc's plane itself. All
-maps lie in one atlas; blending with the minimum keeps the nearest distance, in metres. A disc wider than the driver's
-largest point (llvmpipe: 255 texels) is clipped to that. It cannot happen in maps of half as many texels a side; in
-larger ones it happens to discs close to the light.
+points, 1.6 to 2 times as fast on llvmpipe. A map covers its virtual light's hemisphere by the upper half of an
+octahedron, which uses every texel. The mapping does not keep planes, so each fragment intersects its ray with the
+disc's plane. All maps are in one atlas; blending with the minimum keeps the nearest distance, in metres. A disc wider
+than the driver's largest point (llvmpipe: 255 texels) is clipped to that size. This cannot happen in maps with at most
+half as many texels a side; in larger ones it happens to discs close to the light.
 """
 
 from __future__ import annotations
@@ -52,13 +52,13 @@ class SplatMaps(Pass):
         gl, batch, points = frame.device.gl, frame[ATLAS_BATCH], frame[MAP_POINTS]
         frame.allocate(SHADOW_MAP_SPLATS, batch.size)
         atlas = frame.framebuffer(SHADOW_MAP_SPLATS)
-        whole = atlas.viewport
+        full_viewport = atlas.viewport
         atlas.clear(NO_OCCLUDER)
         if points.buffer is None:
             return
         atlas.use()
         gl.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
-        gl.blend_equation = moderngl.MIN  # type: ignore[assignment] # moderngl wants two, and takes one
+        gl.blend_equation = moderngl.MIN  # type: ignore[assignment] # typed as two values, accepts one
         bind(self.discs, side=batch.side)
         discs = gl.vertex_array(self.discs, [(points.buffer, "3f 3f 1f", "position", "normal", "radius")])
         try:
@@ -68,20 +68,20 @@ class SplatMaps(Pass):
                 if subset.count:
                     self.draw_map(frame, atlas, discs, index, subset)
         finally:
-            atlas.viewport, atlas.scissor = whole, None  # type: ignore[assignment] # takes None too
+            atlas.viewport, atlas.scissor = full_viewport, None  # type: ignore[assignment] # accepts None
             gl.blend_equation = moderngl.FUNC_ADD  # type: ignore[assignment] # see above
 
     def draw_map(
         self, frame: Frame, atlas: moderngl.Framebuffer, discs: moderngl.VertexArray, index: int, subset: PointRange
     ) -> None:
-        """The map of one of the batch's virtual lights, from one subset of the points."""
+        """Draw the map of one of the batch's virtual lights from one subset of the points."""
         batch = frame[ATLAS_BATCH]
         view, corner = frame[SHADOW_MAP_VIEWS][batch.first + index], batch.corner(index)
         atlas.viewport = atlas.scissor = (*corner, batch.side, batch.side)
-        rotation = view["map_from_anchor"].T.ravel()  # column by column, as GLSL has it
+        rotation = view["map_from_anchor"].T.ravel()  # column-major, as in GLSL
         bind(self.discs, virtual_light=view["position"], map_from_anchor=rotation, corner=corner)
         rays = RAYS_PER_DISC + subset.maps * batch.side**2 / subset.count / MAP_TEXELS_PER_RAY
-        for part in portions(subset.count, rays):
-            count = part.stop - part.start
+        for portion in portions(subset.count, rays):
+            count = portion.stop - portion.start
             frame.submission.before_draw(rays * count)
-            discs.render(moderngl.POINTS, vertices=count, first=subset.first + part.start)
+            discs.render(moderngl.POINTS, vertices=count, first=subset.first + portion.start)

@@ -1,4 +1,4 @@
-// A surface point becomes a square of the map that holds its disc. Map space: z along the light's normal, in metres.
+// Turns a surface point into a square of the map that contains its disc. Map space: z along the light's normal, metres.
 #include "maths/octahedron.glsl"
 uniform vec3 virtual_light;
 uniform mat3 map_from_anchor;
@@ -10,15 +10,15 @@ flat out vec3 disc_centre;
 flat out vec3 disc_normal;
 flat out float disc_radius;
 
-// The largest derivative of the map's coordinates by the angle of a direction d. It jumps between octants, where x or y
-// is 0: within `angle` of there the larger one counts.
+// The largest derivative of the map's coordinates by the angle of a direction d. It is discontinuous between octants,
+// where x or y is 0: within `angle` of there the larger value of both sides is used.
 float largest_derivative(vec3 d, float angle) {
     float sum = abs(d.x) + abs(d.y) + abs(d.z);
     vec2 q = vec2(d.x + d.y, d.x - d.y) / sum; // square_from_hemisphere
-    bvec2 meet = lessThan(abs(d.xy), vec2(angle));
-    vec2 side = vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
-    vec2 u = mix(1.0 - q.x * side, 1.0 + abs(q.xx), meet);
-    vec2 v = mix(1.0 + q.y * vec2(-side.x, side.y), 1.0 + abs(q.yy), meet);
+    bvec2 spans_octants = lessThan(abs(d.xy), vec2(angle));
+    vec2 signs = vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    vec2 u = mix(1.0 - q.x * signs, 1.0 + abs(q.xx), spans_octants);
+    vec2 v = mix(1.0 + q.y * vec2(-signs.x, signs.y), 1.0 + abs(q.yy), spans_octants);
     return sqrt(max(dot(u, u) + q.x * q.x, dot(v, v) + q.y * q.y)) / sum;
 }
 
@@ -30,8 +30,8 @@ void main() {
     disc_radius = radius;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 2.0 * float(side);
-    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or the virtual light itself
-        gl_Position.x = 2.0;
+    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or at the virtual light
+        gl_Position.x = 2.0; // outside the map
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
         gl_Position.xy = clamp(square_from_hemisphere(d), -1.0, 1.0); // OpenGL drops points whose centre is outside

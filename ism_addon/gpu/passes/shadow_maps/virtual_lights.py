@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Virtual point lights on the lights: other ones each sample.
+"""Virtual point lights on the lights, other ones for each sample.
 
 Beck-Norén & Valter 2013, section 3.1. The virtual lights of a sample are allocated by importance (see
-light_importance). A light's unshadowed radiance is in closed form (see gather); its virtual lights estimate visibility
-alone.
+light_importance). A light's unshadowed radiance has a closed form (see gather); its virtual lights only estimate its
+visibility.
 """
 
 import numpy as np
@@ -28,10 +28,10 @@ SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("map_from_anchor", "f4", (3,
 
 
 def allocate_virtual_lights(lights: list[int], importance: np.ndarray, count: int) -> dict[int, int]:
-    """How many of `count` virtual lights each of these lights has, by importance (L,) of all lights; at least one."""
+    """How many of `count` virtual lights each of these lights gets, by importance (L,) of all lights; at least one."""
     weights = importance[lights] if importance[lights].any() else np.ones(len(lights))
-    further = proportional_counts(weights, max(count - len(lights), 0))
-    return {light: 1 + int(number) for light, number in zip(lights, further, strict=True)}
+    additional = proportional_counts(weights, max(count - len(lights), 0))
+    return {light: 1 + int(number) for light, number in zip(lights, additional, strict=True)}
 
 
 def virtual_light_tables(
@@ -45,8 +45,8 @@ def virtual_light_tables(
 
     light_of = np.repeat(list(counts_of_lights), counts).astype(int)
     tangents, normals = np.zeros((2, len(lights.shape), 3))
-    for light_type, rows, own in by_type(lights):
-        tangents[rows], normals[rows] = light_type.axes(own)
+    for light_type, rows, type_lights in by_type(lights):
+        tangents[rows], normals[rows] = light_type.axes(type_lights)
     axes = np.stack([tangents, np.cross(normals, tangents), normals])
     shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(normals)), sample=sample)
     squares = {light: lattice(count, shifts[light]) for light, count in counts_of_lights.items()}
@@ -78,9 +78,9 @@ class PlaceVirtualLights(Pass):
 
     def execute(self, frame: Frame) -> None:
         lights, counts = frame.scene.lights, dict.fromkeys(frame[CONTRIBUTING_LIGHTS], 0)
-        casting = [light for light in counts if frame.casts_shadows and lights.casts_shadow[light]]
-        if casting:
-            counts |= allocate_virtual_lights(casting, frame[LIGHT_IMPORTANCE], frame.settings.quality.virtual_lights)
+        casters = [light for light in counts if frame.casts_shadows and lights.casts_shadow[light]]
+        if casters:
+            counts |= allocate_virtual_lights(casters, frame[LIGHT_IMPORTANCE], frame.settings.quality.virtual_lights)
         ranges, virtual_lights, views = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
         frame[VIRTUAL_LIGHT_COUNTS] = counts
         frame[VIRTUAL_LIGHT_RANGES] = VIRTUAL_LIGHT_RANGE.upload(self.device, ranges)

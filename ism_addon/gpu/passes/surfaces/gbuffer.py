@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the camera sees: depth, position, normals and base color, fetched from the visibility buffer's triangles.
+"""The visible surfaces: depth, position, normals and base color, fetched from the visibility buffer's triangles.
 
-Beck-Norén & Valter 2013, section 3.3, store depth, normals and positions likewise.
+Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 """
 
 from typing import Any

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adaptive sampling: which tiles take part in a sample.
 
-After the first samples, the probability of a tile follows the standard deviation of its samples: for a given number of
-pixels that leaves the least error (Neyman allocation, Neyman 1934). A tile is the mean of the samples in which it took
-part. A tile that has converged takes part only for the pixels of its neighbours, which its samples are filtered to.
+After the first samples, the probability of a tile follows the standard deviation of its samples, which minimises the
+error for a given number of pixels (Neyman allocation, Neyman 1934). A tile's value is the mean of the samples in which
+it took part. A converged tile takes part only for neighbours whose pixels its samples are filtered to.
 """
 
 from dataclasses import dataclass
@@ -35,20 +35,21 @@ from ...tiles import from_strips, tiles_where
 #: Samples in which every tile takes part. See `dev.py bench constants` in docs/benchmarks.md.
 UNIFORM_SAMPLES = 2
 
-#: Least probability of a tile after them, and the fraction of the tiles whose probability is 1. See `dev.py bench
-#: constants` in docs/benchmarks.md.
+#: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
+#: `dev.py bench constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
 
-#: The variance of the mean of n samples falls as this power of 1 / n: samples are stratified, and most of the variance
-#: is at edges (Mitchell 1996).
+#: The variance of the mean of n samples is proportional to this power of 1 / n: samples are stratified, and most of
+#: the variance is at edges (Mitchell 1996).
 VARIANCE_EXPONENT = 1.5
 
-#: For a given sum of n, the sum of deviation² / n^VARIANCE_EXPONENT is least if n follows this power of the deviation.
+#: For a given sum of n, the sum of deviation² / n^VARIANCE_EXPONENT is minimal if n is proportional to this power of
+#: the deviation.
 ALLOCATION_EXPONENT = 2.0 / (1.0 + VARIANCE_EXPONENT)
 
-#: Least ratio of a tile's probability to its neighbours'. Its samples are filtered to their pixels, with the inverse of
-#: the ratio as weight, and large weights would make visible seams. See `dev.py bench constants`.
+#: Minimum ratio of a tile's probability to a neighbour's. Its samples are filtered to the neighbour's pixels with the
+#: inverse of the ratio as weight; large weights would make seams visible. See `dev.py bench constants`.
 MIN_NEIGHBOUR_RATIO = 0.25
 
 #: Standard deviation that rounding of float32 sums leaves where there is no noise, as a fraction of the mean luminance.
@@ -60,7 +61,7 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 class TileSelection:
     """How often each tile takes part: arrays (rows,columns) float32."""
 
-    sample_counts: np.ndarray  # samples so far, of a tile that has converged those for its neighbours too
+    sample_counts: np.ndarray  # samples so far, including those of a converged tile for its neighbours
     probabilities: np.ndarray
 
 
@@ -82,15 +83,15 @@ class SelectTiles(Pass):
         columns, rows = frame.tiles
         if frame.sample == 0:
             self.reset(frame)
-        selection, first = frame[TILE_SELECTION], frame.sample == 0
-        converged = np.zeros((rows, columns), bool) if first else frame[CONVERGENCE].converged
+        selection = frame[TILE_SELECTION]
+        converged = np.zeros((rows, columns), bool) if frame.sample == 0 else frame[CONVERGENCE].converged
         if has_doubled(frame.sample):
             deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
             adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
             if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged)
-        numbers = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
-        takes_part = numbers.reshape(rows, columns) < selection.probabilities
+        random = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
+        takes_part = random.reshape(rows, columns) < selection.probabilities
         takes_part &= neighbourhood_max(~converged)
         frame[TILES] = self.tiles(frame, takes_part)
         frame.counts["pixels_drawn"] += len(frame[TILES]) * TILE_SIZE**2
@@ -102,15 +103,15 @@ class SelectTiles(Pass):
 
     @staticmethod
     def reset(frame: Frame) -> None:
-        """All tiles, none drawn yet."""
+        """Begin an image: each tile has probability 1 and no samples."""
         columns, rows = frame.tiles
-        none, all_tiles = (np.full((rows, columns), value, np.float32) for value in (0.0, 1.0))
-        frame[TILE_SELECTION] = TileSelection(none, all_tiles)
-        frame[SAMPLES_PER_TILE] = none.copy()
+        zeros, ones = (np.full((rows, columns), value, np.float32) for value in (0.0, 1.0))
+        frame[TILE_SELECTION] = TileSelection(zeros, ones)
+        frame[SAMPLES_PER_TILE] = zeros.copy()
 
     @staticmethod
     def tiles(frame: Frame, takes_part: np.ndarray) -> np.ndarray:
-        """Rows of TILE. The subpixel offset of a tile follows from the number of its own samples."""
+        """Rows of TILE. The subpixel offset of a tile depends on how many samples it has had."""
         tiles = tiles_where(takes_part)
         tiles["sample_index"] = frame[TILE_SELECTION].sample_counts[takes_part]
         grid = frame.grid
@@ -119,7 +120,7 @@ class SelectTiles(Pass):
         return tiles
 
     def tile_statistics(self, frame: Frame) -> tuple[np.ndarray, float]:
-        """Standard deviation (rows,columns) of the luminance of tiles' samples, and the image's mean luminance."""
+        """Standard deviation (rows,columns) of the luminance of each tile's samples; the image's mean luminance."""
         sums = {"sum_color": frame[SUM_COLOR], "sum_residual": frame[SUM_RESIDUAL], "sum_weights": frame[SUM_WEIGHTS]}
         draw_per_tile(frame, frame.framebuffer(TILE_VARIANCE), self.variance, **sums)
         self.device.wait()
@@ -128,11 +129,12 @@ class SelectTiles(Pass):
         return np.sqrt(variance), float(luminance.mean())
 
 
-def allocate(deviation: np.ndarray, mean_luminance: float, unfinished: np.ndarray) -> np.ndarray:
-    """Probabilities (rows,columns) of tiles from their deviation, where they or neighbours are unfinished."""
+def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray) -> np.ndarray:
+    """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods."""
     rounding = SUM_ROUNDING * mean_luminance / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
-    always = max(float(np.quantile(deviation[unfinished], 1.0 - ALWAYS_SAMPLED_FRACTION)), rounding, FLOAT32_TINY)
-    probability = np.where(unfinished, deviation / always, 0.0) ** ALLOCATION_EXPONENT
+    quantile = float(np.quantile(deviation[unconverged], 1.0 - ALWAYS_SAMPLED_FRACTION))
+    reference_deviation = max(quantile, rounding, FLOAT32_TINY)  # of tiles with probability 1
+    probability = np.where(unconverged, deviation / reference_deviation, 0.0) ** ALLOCATION_EXPONENT
     probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
     return np.clip(probability, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
 
@@ -142,7 +144,7 @@ def neighbourhood_max(values: np.ndarray) -> np.ndarray:
     rows = values.copy()
     np.maximum(rows[1:], values[:-1], out=rows[1:])
     np.maximum(rows[:-1], values[1:], out=rows[:-1])
-    found = rows.copy()
-    np.maximum(found[:, 1:], rows[:, :-1], out=found[:, 1:])
-    np.maximum(found[:, :-1], rows[:, 1:], out=found[:, :-1])
-    return found
+    maxima = rows.copy()
+    np.maximum(maxima[:, 1:], rows[:, :-1], out=maxima[:, 1:])
+    np.maximum(maxima[:, :-1], rows[:, 1:], out=maxima[:, :-1])
+    return maxima

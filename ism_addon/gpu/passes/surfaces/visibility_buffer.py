@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The visible triangle at each sample position: a visibility buffer (Burns & Hunt 2013).
 
-Triangles are drawn with their positions and indices alone. GBuffer fetches the rest, once a pixel. The grid is finer
-than the pixels', so that several samples share one drawing.
+Triangles are drawn with only their positions and indices. GBuffer fetches the other attributes, once per pixel. The
+buffer has a higher resolution than the image, so that several samples share it.
 """
 
 import math
@@ -20,11 +20,12 @@ from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import INSTANCE
 
-#: OpenGL clips triangles this far beyond the picture, as a fraction of its sides: it clips vast triangles imprecisely.
+#: OpenGL clips triangles at this distance outside the picture, as a fraction of its sides: it clips very large
+#: triangles imprecisely.
 GUARD_BAND = 0.125
 
-#: Triangles that are submitted at a time. A software driver shades them on all cores while it transforms the next ones,
-#: and needs no memory for all of them.
+#: Triangles per submission. A software driver shades them on all cores while it transforms the next ones, and doesn't
+#: need memory for all triangles at once.
 TRIANGLES_AT_A_TIME = 1 << 16
 
 
@@ -43,23 +44,23 @@ class VisibilityBuffer(Pass):
         gl = frame.device.gl
         width, height = map(int, frame.grid.bounds(*frame.size)[1])
         size = width, height
-        most_columns, most_rows = map(int, np.minimum(frame.grid.max_size(*frame.size), self.device.texture_size))
+        max_columns, max_rows = map(int, np.minimum(frame.grid.max_size(*frame.size), self.device.texture_size))
         for target in (VISIBILITY_BUFFER, VISIBILITY_DEPTH):
-            frame.reserve(target, (most_columns, most_rows))
+            frame.reserve(target, (max_columns, max_rows))
         framebuffer = frame.framebuffer(VISIBILITY_BUFFER, VISIBILITY_DEPTH)
         framebuffer.clear(depth=0.0, viewport=(0, 0, *size))
-        most = self.device.texture_size  # viewports may be as large
-        beyond = [min(math.ceil(GUARD_BAND * side), (most - side) // 2) for side in size]
-        framebuffer.viewport = *np.negative(beyond), *np.add(size, np.multiply(2, beyond))
+        max_side = self.device.texture_size  # also the limit of viewports
+        guard_band = [min(math.ceil(GUARD_BAND * side), (max_side - side) // 2) for side in size]
+        framebuffer.viewport = *np.negative(guard_band), *np.add(size, np.multiply(2, guard_band))
         framebuffer.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         rotation, shift = frame.grid.fine_from_clip(*frame.size)
-        part = np.divide(size, framebuffer.viewport[2:])
+        viewport_fraction = np.divide(size, framebuffer.viewport[2:])
         instances = frame[INSTANCE_BUFFERS]
         bind(
             self.program,
-            rotation=tuple((part[:, None] * rotation).T.ravel()),
-            shift=tuple(part * shift),
+            rotation=tuple((viewport_fraction[:, None] * rotation).T.ravel()),
+            shift=tuple(viewport_fraction * shift),
             depth=(nearness if self.device.reversed_depth else logarithm)(frame.view.clip_from_view),
             corners=frame[MESH_BUFFERS].samplers["corners"],
             instances=instances.table,
@@ -70,9 +71,9 @@ class VisibilityBuffer(Pass):
             draws = instances.visible_draw_calls(clip_from_anchor(frame.view, frame.anchor), pixel)
         else:
             draws = instances.draw_calls(np.ones(len(instances.mesh), np.bool_))
-        vertices, waiting = gl.vertex_array(self.program, []), 0
+        vertices, unsubmitted = gl.vertex_array(self.program, []), 0
         for draw in portions(draws, TRIANGLES_AT_A_TIME):
-            bind(self.program, together=isinstance(draw, MultiDrawCall))
+            bind(self.program, is_multi_draw=isinstance(draw, MultiDrawCall))
             if isinstance(draw, MultiDrawCall):
                 count = int(draw.triangles.sum())
                 self.device.draw_ranges(vertices, draw.first_triangle, draw.triangles)
@@ -81,7 +82,7 @@ class VisibilityBuffer(Pass):
                 bind(self.program, first_instance=draw.first_instance)
                 self.device.draw(vertices, draw.first_triangle, draw.triangles, draw.instances)
             frame.counts["triangles_drawn"] += count
-            waiting += count
-            if waiting >= TRIANGLES_AT_A_TIME:
+            unsubmitted += count
+            if unsubmitted >= TRIANGLES_AT_A_TIME:
                 frame.submission.submit()
-                waiting = 0
+                unsubmitted = 0

@@ -1,24 +1,24 @@
-// Object to clip space of the fine picture, see sampling.pixel_grid.PixelGrid. The mesh stands where its instance's rows
-// say. Without vertices or indices: they would take as much memory as the corners, which is all that there is of a large
-// scene.
+// From object space to clip space of the visibility buffer, see sampling.pixel_grid.PixelGrid. An instance's rows are
+// its transformation. There are no vertex and index buffers: they would take as much memory as `corners`, which is the
+// largest buffer of a large scene.
 #include "trace/triangle_fetch.glsl"
 uniform usamplerBuffer instances;
 uniform int first_instance;
-uniform bool together; // small meshes that stand once: their triangles say whose they are
+uniform bool is_multi_draw; // of small meshes with one instance each: `owners` has each triangle's instance
 uniform usamplerBuffer owners;
 uniform mat2 rotation;
 uniform vec2 shift;
 uniform vec2 depth; // see depth.py
-flat out uvec2 numbers; // of the triangle and the instance
+flat out uvec2 triangle_and_instance; // index of the triangle plus 1; index of the instance
 
 void main() {
     int triangle = gl_VertexID / 3, corner = gl_VertexID - 3 * triangle;
-    int instance = together ? int(texelFetch(owners, triangle).x) : first_instance + gl_InstanceID;
-    Instance here = fetch_Instance(instances, instance);
-    numbers = uvec2(triangle + 1, instance);
-    TriangleVertices corners_here = fetch_triangle(triangle);
-    vec4 p = vec4(corners_here.first + (corner == 0 ? vec3(0.0) : corner == 1 ? corners_here.u : corners_here.v), 1.0);
-    gl_Position = clip_from_anchor * vec4(dot(here.row0, p), dot(here.row1, p), dot(here.row2, p), 1.0);
+    int index = is_multi_draw ? int(texelFetch(owners, triangle).x) : first_instance + gl_InstanceID;
+    Instance instance = fetch_Instance(instances, index);
+    triangle_and_instance = uvec2(triangle + 1, index);
+    TriangleVertices vertices = fetch_triangle(triangle);
+    vec4 p = vec4(vertices.first + (corner == 0 ? vec3(0.0) : corner == 1 ? vertices.u : vertices.v), 1.0);
+    gl_Position = clip_from_anchor * vec4(dot(instance.row0, p), dot(instance.row1, p), dot(instance.row2, p), 1.0);
 #if REVERSED_DEPTH
     gl_Position.z = depth.x > 0.0 ? depth.x + depth.y * gl_Position.w : 0.5 * (gl_Position.w - gl_Position.z);
 #endif

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What changed in the scene goes to the GPU."""
+"""Uploads to the GPU what has changed in the scene."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Acceleration structures for shadow rays: a BVH over each mesh's triangles, and one over instances that cast shadows.
 
-Two levels, so that a mesh keeps its BVH when its instances move.
+There are two levels, so that a mesh keeps its BVH when its instances move.
 """
 
 from typing import ClassVar
@@ -12,7 +12,7 @@ import numpy as np
 from ....resources import BLAS, BLAS_BUFFERS, INSTANCE_BUFFERS, MESH_BUFFERS, RESIDENT_MESHES, TLAS
 from ....scene import Change, Mesh
 from ...accel import blas
-from ...accel.blas_table import BLASBuffers, BLASTable, rows_of
+from ...accel.blas_table import BLASBuffers, BLASTable, node_texels
 from ...accel.bvh import EMPTY_BOX, build, packed
 from ...accel.small_blas import build_all_blas
 from ...accel.tlas import instance_bounds, inverse_of, on_grid
@@ -22,25 +22,25 @@ from ...gl.shader_records import CASTER
 
 
 class BuildBLAS(Pass):
-    """A BVH for each resident mesh, finished or being built; a mesh that did not change keeps its own."""
+    """A BVH for each resident mesh, finished or being built; an unchanged mesh keeps its BVH."""
 
     inputs = Change.MESHES, RESIDENT_MESHES
     outputs = outputs(BLAS)
 
-    #: The BVHs of all meshes that exist, for all renderers.
-    kept: ClassVar[WeakKeyDictionary[Mesh, blas.BLAS | blas.DeferredBLAS]] = WeakKeyDictionary()
+    #: The BVHs of all meshes that exist, shared by all renderers.
+    cache: ClassVar[WeakKeyDictionary[Mesh, blas.BLAS | blas.DeferredBLAS]] = WeakKeyDictionary()
 
     def needed(self, frame: Frame) -> bool:
-        """Once triangles are in the order of BVH leaves, they stay so, even where no rays are traced."""
-        before = frame.get(BLAS)
-        return frame.traces_shadows or (before is not None and before.meshes == frame.scene.meshes)
+        """Also without rays, if a BVH has already sorted the triangles: they keep the order of its leaves."""
+        previous = frame.get(BLAS)
+        return frame.traces_shadows or (previous is not None and previous.meshes == frame.scene.meshes)
 
     def execute(self, frame: Frame) -> None:
         meshes = frame.scene.meshes
         resident = {index: meshes[index] for index in frame[RESIDENT_MESHES].indices}
-        new = [mesh for mesh in resident.values() if mesh not in self.kept]
-        self.kept.update(zip(new, build_all_blas(new), strict=True))
-        frame[BLAS] = BLASTable(meshes, {index: self.kept[mesh] for index, mesh in resident.items()})
+        new = [mesh for mesh in resident.values() if mesh not in self.cache]
+        self.cache.update(zip(new, build_all_blas(new), strict=True))
+        frame[BLAS] = BLASTable(meshes, {index: self.cache[mesh] for index, mesh in resident.items()})
 
 
 class UploadBLAS(Pass):
@@ -53,13 +53,13 @@ class UploadBLAS(Pass):
         return frame.traces_shadows
 
     def execute(self, frame: Frame) -> None:
-        buffers = BLASBuffers(self.device, frame[BLAS].trees)
+        buffers = BLASBuffers(self.device, frame[BLAS].blases)
         frame.counts["bytes_uploaded"] += buffers.bytes
         frame[BLAS_BUFFERS] = buffers
 
 
 class BuildTLAS(Pass):
-    """Build the BVH over the instances that cast shadows; to move one uploads no mesh."""
+    """Build the BVH over the instances that cast shadows; moving an instance uploads no mesh."""
 
     inputs = BLAS, BLAS_BUFFERS, MESH_BUFFERS, INSTANCE_BUFFERS, Change.INSTANCES
     outputs = outputs(TLAS)
@@ -69,18 +69,21 @@ class BuildTLAS(Pass):
 
     def execute(self, frame: Frame) -> None:
         table, buffers, instances = frame[BLAS], frame[BLAS_BUFFERS], frame.scene.instances
-        chosen = np.flatnonzero(instances.casts_shadow & (table.rows[instances.mesh] >= 0))
-        mesh = instances.mesh[chosen]
+        indices = np.flatnonzero(instances.casts_shadow & (table.rows[instances.mesh] >= 0))
+        mesh = instances.mesh[indices]
         row, meshes = table.rows[mesh], frame[MESH_BUFFERS]
-        linear, offsets = anchor_from_quanta(meshes, instances, chosen, frame.anchor)
-        low, high = (np.empty((len(chosen), 3), np.float32) for _ in range(2))
-        for which, middles, halves in table.boxes:
-            own = np.flatnonzero(which[row] >= 0)
-            low[own], high[own] = instance_bounds(linear[own], offsets[own], which[row[own]], middles, halves)
-        centre, scale, boxes = on_grid(low, high) if len(chosen) else (np.zeros(3), np.ones(3), EMPTY_BOX)
-        tree = build(boxes, 1)
-        nodes = rows_of(packed(tree.nodes))
-        casters = np.zeros(len(chosen), CASTER.dtype)
+        linear, offsets = anchor_from_quanta(meshes, instances, indices, frame.anchor)
+        low, high = (np.empty((len(indices), 3), np.float32) for _ in range(2))
+        for group_rows, centres, half_sizes in table.boxes:
+            members = np.flatnonzero(group_rows[row] >= 0)
+            boxes_of = group_rows[row[members]]
+            low[members], high[members] = instance_bounds(
+                linear[members], offsets[members], boxes_of, centres, half_sizes
+            )
+        centre, scale, boxes = on_grid(low, high) if len(indices) else (np.zeros(3), np.ones(3), EMPTY_BOX)
+        bvh = build(boxes, 1)
+        nodes = node_texels(packed(bvh.nodes))
+        casters = np.zeros(len(indices), CASTER.dtype)
         inverse = inverse_of(linear, offsets)
         for k in range(3):
             casters[f"row{k}"] = inverse[:, k]
@@ -89,15 +92,15 @@ class BuildTLAS(Pass):
         casters["leaves"] = table.leaves[row]
         casters["triangles_per_leaf"] = table.triangles_per_leaf[row]
         casters["first_triangle"] = meshes.first_triangle[mesh]
-        casters["instance"] = frame[INSTANCE_BUFFERS].rows[chosen]
-        casters["link_groups"] = instances.groups[chosen]
+        casters["instance"] = frame[INSTANCE_BUFFERS].rows[indices]
+        casters["link_groups"] = instances.groups[indices]
         frame[TLAS] = {
             "blas_nodes": buffers.nodes,
             "blas_leaf_starts": buffers.leaf_starts,
             "corners": meshes.samplers["corners"],
             "tlas_nodes": self.device.buffer_from(nodes),
-            "casters": CASTER.upload(self.device, np.append(casters, np.zeros(1, CASTER.dtype))[tree.order]),
-            "tlas_leaves": tree.leaves,
+            "casters": CASTER.upload(self.device, np.append(casters, np.zeros(1, CASTER.dtype))[bvh.order]),
+            "tlas_leaves": bvh.leaves,
             "tlas_centre": tuple(centre),
             "tlas_scale": tuple(scale),
         }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes a picture needs: those in it, and those that may occlude a light from what is in it.
+"""Which meshes a picture needs: visible ones, and those that may cast a shadow on visible surfaces.
 
-The others are not uploaded, and have no BVH. A mesh that was needed once stays resident as long as the scene has it.
+The others are not uploaded and get no BVH. A mesh that was needed once stays resident as long as the scene has it.
 """
 
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ from ...lights import by_type
 #: Relative rounding error of positions on the GPU.
 POSITION_ROUNDING = 1e-6
 
-#: Pairs of a box and a shaft that are tested at a time, so that they stay in the processor's cache.
+#: Pairs of a box and a shaft that are tested at a time: few enough for the processor's cache.
 PAIRS_AT_A_TIME = 1 << 14
 
 
 @dataclass(frozen=True)
 class ResidentMeshes:
-    """Meshes of a scene that a picture of it has needed so far, by index, ascending."""
+    """The meshes of a scene that its pictures have needed so far."""
 
     meshes: tuple[Mesh, ...]  # all of the scene
-    indices: tuple[int, ...]
+    indices: tuple[int, ...]  # of the needed ones, ascending
 
 
 class CullMeshes(Pass):
@@ -42,10 +42,10 @@ class CullMeshes(Pass):
     outputs = outputs(RESIDENT_MESHES)
 
     def execute(self, frame: Frame) -> None:
-        meshes, mesh, before = frame.scene.meshes, frame.scene.instances.mesh, frame.get(RESIDENT_MESHES)
+        meshes, mesh, previous = frame.scene.meshes, frame.scene.instances.mesh, frame.get(RESIDENT_MESHES)
         resident = np.zeros(len(meshes), bool)
-        if before is not None and before.meshes is meshes:
-            resident[list(before.indices)] = True
+        if previous is not None and previous.meshes is meshes:
+            resident[list(previous.indices)] = True
         if not frame.settings.shortcuts:
             resident[mesh] = True
         elif not resident[mesh].all():
@@ -57,16 +57,16 @@ class CullMeshes(Pass):
         """(I,) bool: which of the candidates, (I,) bool, the picture needs."""
         scene = frame.scene
         boxes = instance_boxes(scene, frame.anchor)
-        seen = scene.instances.visible & boxes_in_view(frame, boxes)
-        needed, unseen = candidates & seen, np.flatnonzero(candidates & scene.instances.casts_shadow & ~seen)
-        if frame.traces_shadows and len(unseen) and seen.any():
-            slices = visible_slices(boxes[..., seen], frame.view, frame.anchor)
-            needed[unseen] = are_occluders(scene, frame.anchor, boxes, slices, unseen)
+        visible = scene.instances.visible & boxes_in_view(frame, boxes)
+        needed, casters = candidates & visible, np.flatnonzero(candidates & scene.instances.casts_shadow & ~visible)
+        if frame.traces_shadows and len(casters) and visible.any():
+            slices = visible_slices(boxes[..., visible], frame.view, frame.anchor)
+            needed[casters] = are_occluders(scene, frame.anchor, boxes, slices, casters)
         return needed
 
 
 def instance_boxes(scene: Scene, anchor: np.ndarray) -> np.ndarray:
-    """(2,3,I) float64, anchor space: lowest and highest corners of all instances."""
+    """(2,3,I) float64: lowest and highest corners of the bounding boxes of all instances, in anchor space."""
     instances, corners = scene.instances, bounding_boxes(scene.meshes)
     low, high = corners[instances.mesh].swapaxes(0, 1)
     linear, offsets = instances.world_from_object[:, :3, :3], instances.world_from_object[:, :3, 3]
@@ -77,7 +77,7 @@ def instance_boxes(scene: Scene, anchor: np.ndarray) -> np.ndarray:
 
 
 def boxes_in_view(frame: Frame, boxes: np.ndarray) -> np.ndarray:
-    """(I,) bool: which of them (2,3,I) may be in the picture."""
+    """(I,) bool: which of the boxes (2,3,I) may be in the picture."""
     view, middle, half = frame.view, boxes.sum(0) / 2.0, (boxes[1] - boxes[0]) / 2.0
     clip = np.repeat(clip_from_anchor(view, frame.anchor)[None], boxes.shape[2], 0)
     clip[..., 3] += np.einsum("nij,jn->ni", clip[..., :3], middle)
@@ -87,36 +87,36 @@ def boxes_in_view(frame: Frame, boxes: np.ndarray) -> np.ndarray:
 def are_occluders(
     scene: Scene, anchor: np.ndarray, boxes: np.ndarray, slices: np.ndarray, instances: np.ndarray
 ) -> np.ndarray:
-    """(B,) bool: which of these instances (B,) may occlude a light from visible slices (2,3,K).
+    """(B,) bool: which of these instances (B,) may occlude a light as seen from the visible slices (2,3,K).
 
-    Where the test would take as long as to upload the mesh, it is taken to be an occluder.
+    Instances whose test would take longer than the upload of their mesh are not tested: they count as occluders.
     """
     light_boxes, slice_boxes, light = shadow_shafts(scene.lights, anchor, slices)
     mesh = scene.instances.mesh[instances]
     triangles = np.array([len(mesh.triangles) for mesh in scene.meshes])
-    found = np.bincount(mesh, minlength=len(triangles))[mesh] * len(light) > triangles[mesh]
-    untested = np.flatnonzero(~found)
+    occluders = np.bincount(mesh, minlength=len(triangles))[mesh] * len(light) > triangles[mesh]
+    untested = np.flatnonzero(~occluders)
     step = max(PAIRS_AT_A_TIME // max(len(light), 1), 1)
     for first in range(0, len(untested), step):
         batch = untested[first : first + step]
-        own = boxes[..., instances[batch]]
-        may = may_occlude(scene.lights, anchor, own, scene.instances.groups[instances[batch]])
-        found[batch] = (may[:, light] & meets_shaft(own, light_boxes, slice_boxes)).any(1)
-    return found
+        batch_boxes = boxes[..., instances[batch]]
+        may = may_occlude(scene.lights, anchor, batch_boxes, scene.instances.groups[instances[batch]])
+        occluders[batch] = (may[:, light] & meets_shaft(batch_boxes, light_boxes, slice_boxes)).any(1)
+    return occluders
 
 
 def shadow_shafts(lights: Lights, anchor: np.ndarray, slices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Shafts from boxes of lights (2,3,S) to the slices (2,3,S) that they may light, and the lights (S,)."""
+    """Shafts from lights to slices that they may light: boxes of both, (2,3,S) each, and the lights (S,)."""
     ends = np.zeros((2, 3, len(lights.shape)))
-    for light_type, rows, own in by_type(lights):
-        ends[..., rows] = light_type.shadow_ends(own, anchor)
-    shining = lights.casts_shadow & lights.radiance.any(1)
-    light, which = np.nonzero(shining[:, None] & (heights(lights, anchor, slices) > 0.0).T)
-    return ends[..., light], slices[..., which], light
+    for light_type, rows, type_lights in by_type(lights):
+        ends[..., rows] = light_type.shadow_ends(type_lights, anchor)
+    casts_shadow = lights.casts_shadow & lights.radiance.any(1)
+    light, slice_ = np.nonzero(casts_shadow[:, None] & (heights(lights, anchor, slices) > 0.0).T)
+    return ends[..., light], slices[..., slice_], light
 
 
 def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """(B,L) bool: if instances of link groups (B,) cast a light's shadows, and their boxes reach in front of it."""
+    """(B,L) bool: whether instances of link groups (B,) cast a light's shadows, and extend in front of it."""
     group = np.maximum(lights.blockers, 0).astype(np.uint32)
     linked = (lights.blockers < 0) | (groups[:, None] >> group & 1 == 1)
     return linked & (heights(lights, anchor, boxes) > 0.0)
@@ -124,7 +124,7 @@ def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: n
 
 def heights(lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     """(N,L) m: see LightType.heights."""
-    found = np.zeros((boxes.shape[2], len(lights.shape)))
-    for light_type, rows, own in by_type(lights):
-        found[:, rows] = light_type.heights(own, anchor, boxes)
-    return found
+    result = np.zeros((boxes.shape[2], len(lights.shape)))
+    for light_type, rows, type_lights in by_type(lights):
+        result[:, rows] = light_type.heights(type_lights, anchor, boxes)
+    return result

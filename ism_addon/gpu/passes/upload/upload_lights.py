@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lights as shader records."""
+"""Upload the lights as shader records."""
 
 import numpy as np
 
@@ -13,8 +13,8 @@ from ...lights import by_type
 def light_table(lights: Lights, anchor: np.ndarray) -> np.ndarray:
     """Rows (L,) of LIGHT."""
     table = np.zeros(len(lights.shape), LIGHT.dtype)
-    for light_type, rows, own in by_type(lights):
-        table[rows] = light_type.records(own, anchor)
+    for light_type, rows, type_lights in by_type(lights):
+        table[rows] = light_type.records(type_lights, anchor)
     return table
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Upload meshes, instances and materials, each when it changed."""
+"""Upload meshes, instances and materials, each when it has changed."""
 
 from ....resources import (
     BLAS,
@@ -24,9 +24,9 @@ class UploadMeshes(Pass):
 
     def execute(self, frame: Frame) -> None:
         blas = frame.get(BLAS)
-        trees = blas.built if blas is not None and blas.meshes == frame.scene.meshes else None
-        buffers = frame.shared_resource(MeshBuffers, frame.scene.meshes, trees is not None)
-        frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, trees or {})
+        built = blas.built if blas is not None and blas.meshes == frame.scene.meshes else None
+        buffers = frame.shared_resource(MeshBuffers, frame.scene.meshes, built is not None)
+        frame.counts["bytes_uploaded"] += buffers.add(frame[RESIDENT_MESHES].indices, built or {})
         frame[MESH_BUFFERS] = buffers
 
 
