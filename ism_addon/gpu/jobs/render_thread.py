@@ -117,14 +117,14 @@ class RenderThread:
 
     def _run(self) -> None:
         """Draw until stop(). If the thread ends earlier, all jobs fail; the next request starts a new thread."""
-        error = "The thread that draws has ended unexpectedly: render again"
+        sentence = "The thread that draws has ended unexpectedly: render again"
         try:
             try:
                 moderngl_version.check()
                 from ..gl.context import open_device
                 from .render_loop import RenderLoop
             except (ImportError, OSError) as reason:
-                error = (
+                sentence = (
                     f"moderngl, which comes with the extension, could not be loaded ({reason}): "
                     "install the extension again"
                 )
@@ -132,9 +132,9 @@ class RenderThread:
             with closing(RenderLoop(open_device(), self.shader_version)) as loop:
                 self._draw(loop)
         except (NoOpenGL, ContextLost) as reason:
-            error = str(reason)
+            sentence = str(reason)
         finally:
-            self._fail_jobs(error)
+            self._fail_jobs(sentence)
 
     def _draw(self, loop: "RenderLoop") -> None:
         """Draw all jobs, until stop()."""
