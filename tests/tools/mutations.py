@@ -193,8 +193,11 @@ def test_files(names: tuple[str, ...], root: Path) -> list[str]:
 
 
 def first_failure(tests: list[str], root: Path, seconds: float) -> str:
-    """The first test that fails; "" if none does within that many seconds."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "--tb=line", "-p", "no:cacheprovider", *tests]
+    """The first test that fails; "" if none does within that many seconds.
+
+    No bytecode is written: Python takes it for current if a source has the same size and second of change.
+    """
+    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "--tb=line", "-p", "no:cacheprovider", *tests]
     try:
         result = subprocess.run(command, cwd=root, capture_output=True, text=True, errors="replace", timeout=seconds)
     except subprocess.TimeoutExpired:
