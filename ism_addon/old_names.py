@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of settings in version 0.1.0. Files and presets saved by it keep their values."""
+"""Names of settings and of lights' fields in version 0.1.0. Files and presets saved by it keep their values."""
 
 import re
 from typing import Any
+
+import numpy as np
 
 #: Old and new names by section of settings; "" is for settings outside of sections.
 SETTINGS: dict[str, dict[str, str]] = {
@@ -53,6 +55,23 @@ def current(settings: Any) -> Any:
     shadow = converted.get("shadow")
     if isinstance(shadow, dict) and isinstance(method := shadow.get("method"), str):
         converted["shadow"] = shadow | {"method": METHODS.get(method, method)}
+    return converted
+
+
+def current_scene(scene: Any) -> Any:
+    """The scene of an old snapshot as JSON, with current names of the lights' fields."""
+    if not isinstance(scene, dict) or not isinstance(lights := scene.get("lights"), dict):
+        return scene
+    return scene | {"lights": {"emission" if name == "radiance" else name: value for name, value in lights.items()}}
+
+
+def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The arrays of an old snapshot with current names. All of its lights are area lights."""
+    lights = "scene/lights/"
+    converted = {name.replace(f"{lights}radiance", f"{lights}emission"): array for name, array in arrays.items()}
+    if f"{lights}shape" in arrays:
+        count = len(np.atleast_1d(arrays[f"{lights}shape"]))
+        converted |= {f"{lights}radius": np.zeros(count), f"{lights}soft_falloff": np.zeros(count, bool)}
     return converted
 
 

@@ -37,6 +37,17 @@ def area_light_radiance(power: np.ndarray, area: float) -> np.ndarray:
     return np.asarray(power, np.float64) / (np.pi * area)
 
 
+def point_light_factor(radius: float, normalized: bool) -> float:
+    """Intensity, W/sr, by W of a point light of this radius, m.
+
+    A sphere of radiance L has the intensity π r² L, and emits 4 π² r² L watts. Cycles without normalization takes the
+    power for π times the radiance.
+    """
+    if normalized:
+        return 0.25 / np.pi
+    return radius * radius if radius > 0.0 else 1.0 / np.pi
+
+
 def is_perpendicular(axis_u: np.ndarray, axis_v: np.ndarray) -> bool:
     """Whether a light's axes (3,) are at right angles, within the precision of Blender's float32 matrices."""
     return abs(float(axis_u @ axis_v)) <= 1e-5 * float(np.linalg.norm(axis_u) * np.linalg.norm(axis_v))

@@ -28,7 +28,7 @@ from .scene.quoting import shortened
 from .settings import Settings
 
 VERSION = 3
-#: The oldest version that can be read. Its settings have other names.
+#: The oldest version that can be read. Its settings have other names, and its lights fewer fields.
 PREVIOUS_VERSION = 2
 
 
@@ -65,6 +65,7 @@ def load(path: str | Path) -> tuple[Scene, View, Settings]:
             ) from error
     if version == PREVIOUS_VERSION:
         encoded["settings"] = old_names.current(encoded.get("settings"))
+        encoded["scene"], arrays = old_names.current_scene(encoded.get("scene")), old_names.current_arrays(arrays)
     elif version != VERSION:
         raise SnapshotError(
             f"{path} is a snapshot of version {shortened(str(version))}; this one reads version {VERSION}."

@@ -73,3 +73,10 @@ def lattice(count: int, shift: np.ndarray) -> np.ndarray:
     """
     row = draw(Dimension.VIRTUAL_LIGHT_ROW, virtual_light=np.arange(count))[:, 0]
     return np.modf(np.column_stack([(np.arange(count) + 0.5) / count, row]) + shift)[0]
+
+
+def sphere(squares: np.ndarray) -> np.ndarray:
+    """Directions (N,3) for points (N,2) of the unit square, by the equal-area cylindrical projection."""
+    height, angle = 1.0 - 2.0 * squares[:, 0], 2.0 * np.pi * squares[:, 1]
+    radius = np.sqrt(1.0 - height * height)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])

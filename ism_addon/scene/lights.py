@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights."""
+"""Lights: areas and points."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -9,37 +9,43 @@ import numpy as np
 
 from .arrays import UNIT_VECTOR, Arrays, array, array_specs, index
 from .instances import MAX_LINK_GROUPS
-from .limits import MAX_DISTANCE, MAX_RADIANCE
+from .limits import MAX_DISTANCE, MAX_EMISSION
 
 
 class LightShape(IntEnum):
-    """Blender's squares are rectangles, and its disks ellipses."""
+    """Blender's squares are rectangles, its disks ellipses. A point may have a radius, with which it is a sphere."""
 
     RECTANGLE = 0
     ELLIPSE = 1
+    POINT = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Lights(Arrays):
-    """One-sided Lambertian area lights in world space. The axes are full width and height, scale included."""
+    """Lights in world space. Fields that a shape does not use have valid values all the same."""
 
     #: LightShape.
     shape: np.ndarray = index("int32 L", into=len(LightShape))
     position: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
+    #: Of areas, full width and height, scale included.
     axis_u: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
     axis_v: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
-    #: On the side that emits.
+    #: Of areas, the side that emits.
     normal: np.ndarray = array("float64 L 3", UNIT_VECTOR)
-    #: In the direction of the normal.
-    radiance: np.ndarray = array("float32 L 3", "W/(sr m²)", max_abs=MAX_RADIANCE)
-    #: Blender's spread; pi: Lambertian.
+    #: Radiance of areas along the normal, W/(sr m²); intensity of points, W/sr.
+    emission: np.ndarray = array("float32 L 3", "W/(sr m²), W/sr", max_abs=MAX_EMISSION)
+    #: Blender's spread of areas; pi: Lambertian.
     spread: np.ndarray = array("float32 L", "rad")
+    #: Of points; 0: a point without extent.
+    radius: np.ndarray = array("float64 L", "m", max_abs=MAX_DISTANCE)
+    #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
+    soft_falloff: np.ndarray = array("bool L")
     casts_shadow: np.ndarray = array("bool L")
-    #: Group of the instances that receive the light; -1: all instances.
+    #: Group of the instances that receive its light; -1: all.
     receivers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
-    #: Group of the instances that cast shadows from the light; -1: all instances.
+    #: Group of the instances that cast its shadows; -1: all.
     blockers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
 
     def select(self, rows: np.ndarray | slice) -> Self:
-        """The lights in these rows."""
+        """A table of these rows."""
         return type(self)(**{name: getattr(self, name)[rows] for name in array_specs(type(self))})

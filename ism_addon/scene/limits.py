@@ -9,8 +9,8 @@ import numpy as np
 #: Limit of distances, m, and of other values, such as matrix elements and colours. Blender allows 3e38.
 MAX_DISTANCE = 1e9
 
-#: Limit of radiance, W/(sr m²).
-MAX_RADIANCE = 1e15
+#: Limit of the emission of lights: radiance, W/(sr m²), or intensity, W/sr.
+MAX_EMISSION = 1e15
 
 #: Minimum scale of an instance.
 MIN_SCALE = 1e-15

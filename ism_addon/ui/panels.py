@@ -119,7 +119,7 @@ class ISM_VIEWLAYER_PT_passes(ISMPanel, bpy.types.Panel):
 
 
 class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
-    """Each of Blender's light panels is for one engine, and none has all properties of an area light."""
+    """Each of Blender's light panels is for one engine, and none has all properties that this engine draws."""
 
     bl_label = "Light"
     bl_context = "data"
@@ -131,15 +131,19 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         light, layout = context.light, self.layout
         layout.row().prop(light, "type", expand=True)
-        if light.type != "AREA":
-            layout.label(text="ISM draws area lights; this light is left out", icon="INFO")
+        if light.type not in {"AREA", "POINT"}:
+            layout.label(text="ISM draws area and point lights; this light is left out", icon="INFO")
             return
         layout.use_property_split = True
         self._draw_power(light, layout.column())
-        self._draw_shape(light, layout.column())
+        if light.type == "AREA":
+            self._draw_shape(light, layout.column())
+        else:
+            layout.prop(light, "shadow_soft_size", text="Radius")
+            layout.prop(light, "use_soft_falloff")
 
     @staticmethod
-    def _draw_power(light: bpy.types.AreaLight, column: bpy.types.UILayout) -> None:
+    def _draw_power(light: bpy.types.Light, column: bpy.types.UILayout) -> None:
         if hasattr(light, "use_temperature"):  # from Blender 4.5 on, as exposure and normalize
             row = column.row(heading="Temperature")
             row.prop(light, "use_temperature", text="")

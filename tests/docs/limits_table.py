@@ -3,7 +3,7 @@
 
 from ism_addon.gpu.buffers.mesh_buffers import MAX_TRIANGLES
 from ism_addon.scene import MAX_LINK_GROUPS
-from ism_addon.scene.limits import MAX_DISTANCE, MAX_RADIANCE
+from ism_addon.scene.limits import MAX_DISTANCE, MAX_EMISSION
 from ism_addon.setting_limits import MAX_TEXTURE_LINES, TEXTURE_WIDTH, WIDEST_FILTER
 
 ROWS = {
@@ -11,7 +11,7 @@ ROWS = {
     "or a third of the driver's `GL_MAX_TEXTURE_BUFFER_SIZE` if that is less",
     "groups of objects that lights are linked to": f"{MAX_LINK_GROUPS}",
     "distance from the world's origin": f"{MAX_DISTANCE:,.0f} m",
-    "radiance of a light": f"{MAX_RADIANCE:g} W/(sr m²)",
+    "emission of a light": f"{MAX_EMISSION:g} W/(sr m²) or W/sr",
     "texels of all images at their size": f"{TEXTURE_WIDTH * MAX_TEXTURE_LINES:,}",
     "width of the pixel filter": f"{WIDEST_FILTER:g} px",
 }

@@ -90,7 +90,7 @@ def test_the_bound_notices_broken_shadow_maps(device, name, broken):
 def narrower(scene):
     """Lights of half the width and the same power."""
     lights = scene.lights
-    return replace(scene, lights=replace(lights, axis_u=0.5 * lights.axis_u, radiance=2.0 * lights.radiance))
+    return replace(scene, lights=replace(lights, axis_u=0.5 * lights.axis_u, emission=2.0 * lights.emission))
 
 
 def raised(scene):

@@ -89,9 +89,18 @@ def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, sla
 
 
 def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, float]:
-    """(side²,3) points, the centres of cells of equal area on the light; and the area of a cell, m²."""
+    """(N,3) points, the centres of cells of equal area on the light; and the area of a cell.
+
+    The area is in m², of points in π times the square of the radius: their emission is an intensity.
+    """
+    if lights.shape[light] == LightShape.POINT and lights.radius[light] == 0.0:
+        return lights.position[light][None], 1.0
     middle = (np.arange(side) + 0.5) / side
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
+    if lights.shape[light] == LightShape.POINT:
+        radius, angle = np.sqrt(1.0 - (2.0 * a - 1.0) ** 2), 2.0 * np.pi * b
+        directions = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 2.0 * a - 1.0])
+        return lights.position[light] + lights.radius[light] * directions, 4.0 / side**2
     area = np.linalg.norm(np.cross(lights.axis_u[light], lights.axis_v[light]))
     u, v = a - 0.5, b - 0.5
     if lights.shape[light] == LightShape.ELLIPSE:
@@ -118,6 +127,11 @@ def irradiance_per_area(
     to_light = emitters - points
     square = (to_light**2).sum(-1)
     receiver = np.maximum((normals * to_light).sum(-1), 0.0)
+    if lights.shape[light] == LightShape.POINT:
+        outwards = emitters - lights.position[light]
+        radius = lights.radius[light]
+        sender = np.sqrt(square) if radius == 0.0 else np.maximum(-(to_light * outwards).sum(-1) / radius, 0.0)
+        return receiver * sender / square**2
     sender = np.maximum(-to_light @ lights.normal[light], 0.0)
     return receiver * sender / square**2 * spread_factor(lights.spread[light], sender / np.sqrt(square))
 
@@ -234,7 +248,7 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
             contributions = contributions * visible(
                 surface.position[lit] + 1e-4 * surface.geometric_normal[lit], emitters, blockers
             )
-        total_irradiance[lit] += np.outer(contributions.sum(0) * cell_area, scene.lights.radiance[light])
+        total_irradiance[lit] += np.outer(contributions.sum(0) * cell_area, scene.lights.emission[light])
     base_color = scene.materials.base_color[0].astype(np.float64)
     color = base_color * (total_irradiance / np.pi + scene.world.radiance)
     return np.where(surface.exists[:, None], color, scene.world.radiance), surface

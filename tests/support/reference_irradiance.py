@@ -102,6 +102,34 @@ def spread_integral(point: np.ndarray, normal: np.ndarray, lights: Lights, angle
     return float((radial_weight * (level + slope * r) * factor * step).sum())
 
 
+def cap_integral(cosine: float, sine: float, angles: int = 4000) -> float:
+    """Irradiance of a spherical cap of radiance 1, as a sum over the angle to its centre.
+
+    `cosine`: of the angle between the receiver's normal and the centre; `sine`: of half of the cap's angle.
+    """
+    step = np.arcsin(sine) / angles
+    angle = (np.arange(angles) + 0.5) * step
+    mean, amplitude = cosine * np.cos(angle), np.sqrt(1.0 - cosine * cosine) * np.sin(angle)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        end = np.arccos(np.clip(-mean / amplitude, -1.0, 1.0))  # of the azimuths above the horizon
+    end = np.where(amplitude == 0.0, np.where(mean > 0.0, np.pi, 0.0), end)
+    return float(2.0 * ((mean * end + amplitude * np.sin(end)) * np.sin(angle)).sum() * step)
+
+
+def point_irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights) -> float:
+    """W/m² at one receiver (3,), (3,), by a point light of intensity 1 W/sr."""
+    to_light, radius = lights.position[0] - point, lights.radius[0]
+    square = to_light @ to_light
+    cosine = to_light @ normal / np.sqrt(square)
+    if radius == 0.0:
+        return max(cosine, 0.0) / square
+    if lights.soft_falloff[0]:
+        square += radius * radius
+    if square <= radius * radius:
+        return 1.0 / radius**2
+    return cap_integral(cosine, radius / np.sqrt(square)) / (np.pi * radius**2)
+
+
 def irradiance(point: np.ndarray, normal: np.ndarray, lights: Lights) -> float:
     """W/m² at one receiver (3,), (3,), without the light's spread."""
     plane = np.cross(lights.axis_u[0], lights.axis_v[0])

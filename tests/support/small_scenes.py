@@ -12,6 +12,9 @@ from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mes
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.small import basis, mesh, perspective
 
+#: The shapes of area lights.
+AREA_SHAPES = LightShape.RECTANGLE, LightShape.ELLIPSE
+
 #: One sample and few points, for tests of something else. No error threshold: all samples are drawn if there are more.
 SMALL_SETTINGS = Settings(
     quality=Quality(samples=1, error_threshold=0.0, virtual_lights=8, map_size=32, map_points=2048),
@@ -129,6 +132,8 @@ def light(
     casts_shadow: bool = True,
     receivers: int = -1,
     blockers: int = -1,
+    radius: float = 0.0,
+    soft_falloff: bool = False,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -138,8 +143,10 @@ def light(
         axis_u=np.array([axis_u], np.float64),
         axis_v=np.array([axis_v], np.float64),
         normal=np.array([normal / np.linalg.norm(normal)]),
-        radiance=np.full((1, 3), radiance, np.float32),
+        emission=np.full((1, 3), radiance, np.float32),
         spread=np.array([spread], np.float32),
+        radius=np.array([radius], np.float64),
+        soft_falloff=np.array([soft_falloff]),
         casts_shadow=np.array([casts_shadow]),
         receivers=np.array([receivers], np.int32),
         blockers=np.array([blockers], np.int32),

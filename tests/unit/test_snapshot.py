@@ -49,8 +49,10 @@ def a_scene():
             shape=np.array([0, 1], np.int32),
             **{name: generator.normal(size=(2, 3)) for name in ("position", "axis_u", "axis_v")},
             normal=directions(generator, 2),
-            radiance=generator.random((2, 3), np.float32),
+            emission=generator.random((2, 3), np.float32),
             spread=generator.random(2, np.float32),
+            radius=np.array([0.0, 2.0]),
+            soft_falloff=np.array([True, False]),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),
             blockers=np.array([0, -1], np.int32),
@@ -168,11 +170,11 @@ def rewritten(path, arrays=None, values=None):
         ("scene/instances/mesh", np.array([0, 1, 2], np.int32), "leads outside 0 to 1"),
         ("scene/instances/mesh", np.array([0, 1, -1], np.int32), "leads outside 0 to 1"),
         ("scene/materials/image", np.array([-2, 0], np.int32), "leads outside -1 to 0"),
-        ("scene/lights/shape", np.array([0, 2], np.int32), "leads outside 0 to 1"),
+        ("scene/lights/shape", np.array([0, 3], np.int32), "leads outside 0 to 2"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
         ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),
-        ("scene/lights/radiance", np.full((2, 3), 2e15, np.float32), "holds numbers beyond 1e[+]15"),
+        ("scene/lights/emission", np.full((2, 3), 2e15, np.float32), "holds numbers beyond 1e[+]15"),
         ("scene/meshes/1/normals", np.zeros((5, 3), np.float32), "not of unit length"),
         ("scene/lights/normal", np.full((2, 3), 1.0), "not of unit length"),
         ("scene/instances/world_from_object", np.ones((3, 4, 4)), "does not place it"),
@@ -269,17 +271,22 @@ def test_a_damaged_file_is_refused_or_loaded(path):
     assert refused > 300
 
 
-def test_a_snapshot_of_version_0_1_0_keeps_its_settings(path):
+def test_a_snapshot_of_version_0_1_0_keeps_its_settings_and_lights(path):
     old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"}
+    old |= {f"scene/lights/{name}": None for name in ("emission", "radius", "soft_falloff")}
     for section, names in old_names.SETTINGS.items():
         values = getattr(SETTINGS, section) if section else SETTINGS
         for name, new in names.items():
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
-    assert_same(snapshot.load(rewritten(path, values=old)), (a_scene(), VIEW, SETTINGS))
+    scene, lights = a_scene(), "scene/lights/"
+    arrays = {f"{lights}{name}": None for name in ("emission", "radius", "soft_falloff")}
+    arrays[f"{lights}radiance"] = scene.lights.emission
+    scene = replace(scene, lights=replace(scene.lights, radius=np.zeros(2), soft_falloff=np.zeros(2, bool)))
+    assert_same(snapshot.load(rewritten(path, arrays, old)), (scene, VIEW, SETTINGS))
     for name, current in old_names.DEBUG_VIEWS.items():
         loaded = snapshot.load(rewritten(path, values=old | {"settings/show": name}))
-        assert_same(loaded, (a_scene(), VIEW, replace(SETTINGS, debug_view=DebugView(current))))
+        assert_same(loaded, (scene, VIEW, replace(SETTINGS, debug_view=DebugView(current))))
 
 
 @pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])

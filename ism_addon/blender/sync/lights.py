@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads area lights as axes and radiance. Scaled lights look as in Cycles.
+"""Reads area and point lights. Scaled lights look as in Cycles.
 
 Sheared lights emit uniformly from their parallelogram or ellipse. In Cycles, points sampled on a sheared rectangle lie
 off its plane, and rays intersect another shape than is sampled.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -12,7 +13,7 @@ import numpy as np
 
 from ... import radiometry
 from ...scene import MAX_LINK_GROUPS, Lights, LightShape
-from ...scene.limits import MAX_RADIANCE, is_within, spans_plane
+from ...scene.limits import MAX_EMISSION, is_within, spans_plane
 from . import light_nodes
 from .diagnostics import Diagnostics
 from .light_linking import LightLinks
@@ -30,7 +31,7 @@ Row = dict[str, Any]
 
 
 class LightReader:
-    """Reads area lights, incrementally, with warnings about all other lights."""
+    """Reads area and point lights, incrementally, with warnings about all other lights."""
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
@@ -63,10 +64,10 @@ class LightReader:
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
-    """A light with its matrix (4,4); None if it is not an area light, has no size or emits nothing."""
+    """A light with its matrix (4,4); None if it is of another type, has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
-    if light.type != "AREA":
-        issue = f"Only area lights shine in this engine, {light.type.lower()} lights are left out"
+    if light.type not in ROWS:
+        issue = f"Only area and point lights shine in this engine, {light.type.lower()} lights are left out"
         findings.warn(issue, source.name)
         return None, findings
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
@@ -80,16 +81,20 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
     if None in linked:
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
-    row = _row(light, world_from_light, power, *(-1 if group is None else group for group in linked))
+    row = ROWS[light.type](light, world_from_light, power)
     if row is None:
-        findings.warn("Area lights without a size, or of one beyond measure, are left out", source.name)
+        issue = "Point lights of a radius or at a position beyond measure are left out"
+        if light.type == "AREA":
+            issue = "Area lights without a size, or of one beyond measure, are left out"
+        findings.warn(issue, source.name)
         return None, findings
-    if not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
+    if light.type == "AREA" and not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
         findings.warn("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
-    if not is_within(row["radiance"], MAX_RADIANCE).all():
-        findings.warn("Area lights too bright to be drawn are left out", source.name)
+    if not is_within(row["emission"], MAX_EMISSION).all():
+        findings.warn(f"{light.type.capitalize()} lights too bright to be drawn are left out", source.name)
         return None, findings
-    return row, findings
+    receivers, blockers = (-1 if group is None else group for group in linked)
+    return row | Row(casts_shadow=light.use_shadow, receivers=receivers, blockers=blockers), findings
 
 
 def watts(light: bpy.types.Light) -> np.ndarray:
@@ -100,10 +105,8 @@ def watts(light: bpy.types.Light) -> np.ndarray:
     return power
 
 
-def _row(
-    light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray, receivers: int, blockers: int
-) -> Row | None:
-    """The row of a light; None if it has no area or no direction."""
+def _area_row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:
+    """What describes an area light; None if it has no area or no direction."""
     shape, has_height = SHAPES[light.shape]
     axis_u = world_from_light[:3, 0] * light.size
     axis_v = world_from_light[:3, 1] * (light.size_y if has_height else light.size)
@@ -127,9 +130,30 @@ def _row(
         axis_u=axis_u,
         axis_v=axis_v,
         normal=-backwards / depth,
-        radiance=radiometry.area_light_radiance(power, radiant_area),
+        emission=radiometry.area_light_radiance(power, radiant_area),
         spread=light.spread,
-        casts_shadow=light.use_shadow,
-        receivers=receivers,
-        blockers=blockers,
+        radius=0.0,
+        soft_falloff=False,
     )
+
+
+def _point_row(light: bpy.types.PointLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:
+    """What describes a point light; None if it is nowhere."""
+    position, radius = world_from_light[:3, 3], light.shadow_soft_size
+    if not is_within(np.append(position, radius)).all():
+        return None
+    return Row(
+        shape=LightShape.POINT,
+        position=position,
+        axis_u=(1.0, 0.0, 0.0),
+        axis_v=(0.0, 1.0, 0.0),
+        normal=(0.0, 0.0, -1.0),
+        emission=power * radiometry.point_light_factor(radius, getattr(light, "normalize", True)),
+        spread=np.pi,
+        radius=radius,
+        soft_falloff=light.use_soft_falloff,
+    )
+
+
+#: By Blender's type of light: what reads the fields of Lights that depend on the type.
+ROWS: dict[str, Callable[[Any, np.ndarray, np.ndarray], Row | None]] = {"AREA": _area_row, "POINT": _point_row}

@@ -127,7 +127,7 @@ MATERIAL = Record(
     levels="int",
 )
 
-#: An area light in anchor space. Light space has its origin at the position, x along the tangent, z along the normal.
+#: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal.
 LIGHT = Record(
     "Light",
     position="vec3",
@@ -138,8 +138,10 @@ LIGHT = Record(
     casts_shadow="int",
     tangent="vec3",
     spread_tangent="float",
-    radiance="vec3",
+    emission="vec3",
     spread_scale="float",
+    radius="float",
+    soft_falloff="int",
     receivers="int",
     blockers="int",
 )
@@ -151,6 +153,6 @@ PROBE_BLOCK = Record("ProbeBlock", light="int", light_uv="uvec2", first_texel="i
 #: A contributing light, and the range of its virtual lights.
 VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")
 
-#: A virtual point light: its offset from the area light's position, in light space, and the cosine and sine of its
-#: shadow map's rotation.
-VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", rotation="vec2")
+#: A virtual point light: its offset from the light's position, and the axes x and z of its shadow map, along which it
+#: faces. In anchor space.
+VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", x_axis="vec3", axis="vec3")

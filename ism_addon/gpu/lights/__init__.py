@@ -5,7 +5,7 @@ LIGHT_TYPES lists them. The switch in GLSL, shader variants and the tests of the
 type needs a Python file, a GLSL file and an entry in the list.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Protocol
 
@@ -15,6 +15,7 @@ from ...scene import Lights
 from ..culling.surface_bounds import SurfaceBounds
 from ..gl import shader_compiler
 from .area import AreaLight
+from .point import PointLight
 
 
 class LightBounds(Protocol):
@@ -41,6 +42,8 @@ class LightType(Protocol):
     glsl: Path
     #: Whether its irradiance in GLSL is exact. Otherwise shadow rays correct its error too, if the light casts shadows.
     exact: bool
+    #: Number of virtual lights that together emit into all directions into which the light does.
+    min_virtual_lights: int
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         """Rows (K,) of LIGHT, about the anchor (3,) m."""
@@ -57,11 +60,11 @@ class LightType(Protocol):
     def is_narrow(self, lights: Lights) -> np.ndarray:
         """(K,) bool: whether a light may illuminate points between receivers that it does not illuminate."""
 
-    def points(self, lights: Lights, row: int, squares: np.ndarray) -> np.ndarray:
-        """(N,3) m: points on a light, relative to its position, for `squares` (N,2) in [0,1)."""
+    def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points on a light for `squares` (N,2) in [0,1): offsets (N,3) m from its position, and unit vectors (N,3).
 
-    def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
-        """(K,3) unit vectors each: the axes x and z of the lights' local spaces. Shadow maps look along z."""
+        A virtual light emits into the hemisphere around its vector.
+        """
 
     def solid_angles(
         self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
@@ -76,7 +79,7 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(),)
+LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight())
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """
@@ -94,7 +97,7 @@ GLSL_INTERFACE = (
     ("LightSample", "sample", "vec3 p, vec3 n, vec2 uv"),  # uv in [0,1)
     ("float", "pdf", "vec3 p, vec3 n, vec3 wi"),  # of the directions of `sample`; 0 if there is only one
     ("float", "emitted", "vec3 p, vec3 wi"),  # radiance along a ray from p
-    ("float", "virtual_weight", "vec3 v, vec3 n"),  # of a virtual light; v: from it, in the light's space
+    ("float", "virtual_weight", "vec3 v, vec3 n, vec3 axis"),  # of a virtual light; v: from it, in the light's space
 )
 
 
@@ -122,25 +125,31 @@ def type_of(lights: Lights, light: int) -> LightType:
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light."""
     light_type = type_of(lights, light)
-    chosen = {f"has_{each.name}": int(each is light_type) for each in LIGHT_TYPES} if len(LIGHT_TYPES) > 1 else {}
-    return chosen | {"exact": int(light_type.exact)} | light_type.variant(lights, light)
+    return types_variant({light_type.name}) | {"exact": int(light_type.exact)} | light_type.variant(lights, light)
+
+
+def types_variant(names: Collection[str]) -> dict[str, int]:
+    """Constants of a shader for lights of these types only."""
+    return {f"has_{each.name}": int(each.name in names) for each in LIGHT_TYPES}
 
 
 def switch(result: str, function: str, parameters: str) -> str:
-    """GLSL: a function that calls the function of the light's type."""
+    """GLSL: a function that calls the function of the light's type. The last type that a program has needs no test."""
     names = ", ".join(["light", *(parameter.split()[-1] for parameter in parameters.split(", "))])
     lines = [f"{result} light_{function}(Light light, {parameters}) {{"]
-    for light_type in LIGHT_TYPES[:-1]:
+    for index, light_type in enumerate(LIGHT_TYPES):
         is_type = " || ".join(f"light.shape == {shape}" for shape in light_type.shapes)
-        has = f"HAS_{light_type.name.upper()}"
-        lines += [f"#if {has}", f"    if ({is_type}) return {light_type.name}_{function}({names});", "#endif"]
-    return "\n".join([*lines, f"    return {LIGHT_TYPES[-1].name}_{function}({names});", "}"])
+        others = " || ".join(f"HAS_{later.name.upper()}" for later in LIGHT_TYPES[index + 1 :])
+        test = [f"#if {others}", f"    if ({is_type})", "#endif"] if others else []
+        call = f"        return {light_type.name}_{function}({names});"
+        lines += [f"#if HAS_{light_type.name.upper()}", *test, call, "#endif"]
+    return "\n".join([*lines, "}"])
 
 
 def glsl() -> str:
     """The generated file lights/light.glsl: the interface of all types."""
     lines = [LIGHT_SAMPLE]
-    for light_type in LIGHT_TYPES if len(LIGHT_TYPES) > 1 else ():
+    for light_type in LIGHT_TYPES:
         has = f"HAS_{light_type.name.upper()}"
         lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]

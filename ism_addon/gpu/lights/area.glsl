@@ -67,12 +67,12 @@ float area_irradiance(Light light, vec3 p, vec3 n) {
     return small ? without_spread * factor : max(irradiance, 0.0) * light.spread_scale;
 }
 
-// Weight of a virtual light among those of one light: its irradiance at a receiver of normal n. v: from the virtual
-// light to the receiver, in the light's space.
-float area_virtual_weight(Light light, vec3 v, vec3 n) {
-    float square = dot(v, v);
-    float weight = max(-dot(n, v), 0.0) * v.z / max(square * square, 1e-30);
-    return weight * spread_falloff(light, v.z, length(v.xy));
+// Weight of a virtual light that faces along `axis`, among those of one light: its irradiance at a receiver of normal n.
+// v: from the virtual light to the receiver.
+float area_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
+    float square = dot(v, v), height = dot(axis, v);
+    float weight = max(-dot(n, v), 0.0) * height / max(square * square, 1e-30);
+    return weight * spread_falloff(light, height, length(v - height * axis));
 }
 
 // The convex region of a light that is visible from a receiver: above the receiver's horizon, and within the spread's

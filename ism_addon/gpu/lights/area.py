@@ -18,7 +18,7 @@ from ...sampling.points import disk
 from ...scene import Lights, LightShape
 from ...spaces import orthonormal
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
-from ..gl.shader_records import LIGHT
+from .light_records import light_records
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class AreaLightBounds:
             plane_normals(lights).T,
             np.maximum(np.linalg.norm(u + v, axis=1), np.linalg.norm(u - v, axis=1)) / 2.0,
             light_areas(lights),
-            np.abs(lights.radiance) @ luminance(working_space),
+            np.abs(lights.emission) @ luminance(working_space),
             np.maximum(lights.spread, MIN_SPREAD) / 2.0,
             *spread_terms(lights.spread).T,
         )
@@ -107,13 +107,12 @@ class AreaLight:
     shapes: tuple[int, ...] = (LightShape.RECTANGLE, LightShape.ELLIPSE)
     glsl = Path(__file__).with_suffix(".glsl")
     exact = True
+    min_virtual_lights = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
-        table = np.zeros(len(lights.shape), LIGHT.dtype)
-        table["position"] = lights.position - anchor
-        table["tangent"], table["normal"] = self.axes(lights)
-        for name in ("shape", "axis_u", "axis_v", "casts_shadow", "radiance", "receivers", "blockers"):
-            table[name] = getattr(lights, name)
+        table = light_records(lights, anchor, "axis_u", "axis_v")
+        table["normal"] = plane_normals(lights)
+        table["tangent"] = orthonormal(table["normal"])[0]
         table["spread_tangent"], table["spread_scale"] = spread_terms(lights.spread).T
         return table
 
@@ -132,13 +131,10 @@ class AreaLight:
     def is_narrow(self, lights: Lights) -> np.ndarray:
         return lights.spread < np.pi
 
-    def points(self, lights: Lights, row: int, squares: np.ndarray) -> np.ndarray:
+    def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         across = disk(squares) if lights.shape[row] == LightShape.ELLIPSE else squares - 0.5
-        return across @ np.stack([lights.axis_u[row], lights.axis_v[row]])
-
-    def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
-        normals = plane_normals(lights)
-        return orthonormal(normals)[0], normals
+        offsets = across @ np.stack([lights.axis_u[row], lights.axis_v[row]])
+        return offsets, np.broadcast_to(plane_normals(lights.select(slice(row, row + 1))), offsets.shape)
 
     def solid_angles(
         self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares the unshadowed light of area lights with Cycles: all shapes, scaled, with different spreads."""
+"""Compares unshadowed light with Cycles: scaled area lights of all shapes and different spreads, and point lights."""
 
 import math
 from dataclasses import replace
@@ -22,11 +22,23 @@ SAMPLES = {"plain": 64, "wide": 64, "narrow": 384}
 BOUNDS = {"plain": (0.0002, 0.0005), "wide": (0.0003, 0.001), "narrow": (0.003, 0.008)}
 
 
+def area_light(shape: str, spread: float) -> bpy.types.Light:
+    light = bpy.data.lights.new("lamp", "AREA")
+    light.shape, light.size, light.size_y, light.spread, light.energy = shape, 1.0, 0.5, spread, 50.0
+    return light
+
+
+def point_light(radius: float, soft_falloff: bool) -> bpy.types.Light:
+    light = bpy.data.lights.new("lamp", "POINT")
+    light.shadow_soft_size, light.use_soft_falloff, light.energy = radius, soft_falloff, 50.0
+    return light
+
+
 @pytest.fixture
 def light_over_plane(empty_scene, add):
-    """light_over_plane(shape, spread): a tilted, scaled area light above a white plane, and a camera above both."""
+    """light_over_plane(light): a light, tilted and scaled, above a white plane, and a camera above both."""
 
-    def build(shape: str, spread: float) -> None:
+    def build(light: bpy.types.Light) -> None:
         plane = add("plane", ([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [(0, 1, 2, 3)]))
         white = bpy.data.materials.new("white")
         white.use_nodes = True
@@ -34,8 +46,6 @@ def light_over_plane(empty_scene, add):
         principled.inputs["Base Color"].default_value = (0.8, 0.6, 0.4, 1.0)
         principled.inputs["Specular IOR Level"].default_value = 0.0
         plane.data.materials.append(white)
-        light = bpy.data.lights.new("lamp", "AREA")
-        light.shape, light.size, light.size_y, light.spread, light.energy = shape, 1.0, 0.5, spread, 50.0
         light_object = add("lamp", light)
         light_object.location, light_object.rotation_euler = (0.4, 0.2, 1.5), (0.3, 0.2, 0.5)
         light_object.scale = (1.4, 0.8, 1.0)
@@ -52,7 +62,20 @@ def light_over_plane(empty_scene, add):
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
 def test_unshadowed_light_equals_that_of_cycles(device, light_over_plane, shape, spread):
-    light_over_plane(shape, SPREADS[spread])
+    light_over_plane(area_light(shape, SPREADS[spread]))
+    assert_equals_cycles(device, SAMPLES[spread], BOUNDS[spread])
+
+
+@pytest.mark.parametrize("soft_falloff", [False, True], ids=["sphere", "soft"])
+@pytest.mark.parametrize("radius", [0.0, 0.4, 1.3])
+def test_point_lights_equal_those_of_cycles(device, light_over_plane, radius, soft_falloff):
+    """The last one almost touches the plane."""
+    light_over_plane(point_light(radius, soft_falloff))
+    assert_equals_cycles(device, 64 if radius < 1.0 else 256, (0.0003, 0.002))
+
+
+def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> None:
+    """Compare tiles of the open scene: bounds of the median and of the 0.9 quantile of their relative errors."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     scene = scene_reader.scene(depsgraph)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the reference
@@ -62,7 +85,7 @@ def test_unshadowed_light_equals_that_of_cycles(device, light_over_plane, shape,
     )
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass
-    ours, theirs = renderer.picture()[..., :3], direct_light(SAMPLES[spread])[..., :3]
+    ours, theirs = renderer.picture()[..., :3], direct_light(samples)[..., :3]
     renderer.release()
     tiles = np.median(
         [np.reshape(p, (SIDE // TILE, TILE, SIDE // TILE, TILE, 3)).mean((1, 3)) for p in (ours, theirs)], -1
@@ -70,5 +93,4 @@ def test_unshadowed_light_equals_that_of_cycles(device, light_over_plane, shape,
     lit = tiles[1] > 0.05 * tiles[1].max()
     error = np.abs(tiles[0] / np.where(lit, tiles[1], 1.0) - 1.0)[lit]
     assert lit.sum() >= 8
-    median_bound, quantile_bound = BOUNDS[spread]
-    assert np.median(error) < median_bound and np.quantile(error, 0.9) < quantile_bound
+    assert np.median(error) < bounds[0] and np.quantile(error, 0.9) < bounds[1]

@@ -14,6 +14,7 @@ READ: dict[str, dict[str, object]] = {
     "light.cycles": {"is_portal": True},
     "tall light": {"size_y": 2.0},
     "warm light": {"temperature": 3000.0},
+    "point light": {"shadow_soft_size": 0.7, "use_soft_falloff": False},
     "material": {},
     "camera": {
         "clip_end": 50.0, "clip_start": 0.5, "lens": 20.0, "angle": 1.5, "angle_x": 1.5, "sensor_width": 20.0,
@@ -68,7 +69,6 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "shadow_maximum_resolution specular_factor transmission_factor use_absolute_resolution use_contact_shadow "
         "use_custom_distance use_shadow_jitter volume_factor",
         INDIRECT: "animation_data cycles node_tree size_y temperature temperature_color type",
-        "of other types of lights": "shadow_soft_size",
     },
     "light.cycles": {SAMPLING: "use_multiple_importance_sampling", BOUNCES: "max_bounces is_caustics_light"},
     "material": {

@@ -105,7 +105,7 @@ def test_sheared_lights_keep_their_power(device, light_object, add, read_scene, 
     scene = read_scene()
     lights = scene.lights
     area = np.linalg.norm(np.cross(lights.axis_u[0], lights.axis_v[0])) * (math.pi / 4 if shape == "ELLIPSE" else 1)
-    assert np.allclose(lights.radiance[0] * math.pi * area, 100.0)
+    assert np.allclose(lights.emission[0] * math.pi * area, 100.0)
     sentence = "Sheared area lights shine evenly from what they look like, which Cycles' do not: 'Lamp'."
     assert scene.warnings == (sentence,)
     if shape == "ELLIPSE":

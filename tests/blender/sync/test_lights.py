@@ -35,7 +35,7 @@ def test_axes_are_the_full_size_under_the_objects_scale(add, read_scene, shape):
     assert np.allclose(lights.axis_u, (4, 0, 0), atol=1e-6)
     assert np.allclose(lights.axis_v, (0, 0, 0.5 * height), atol=1e-6)
     assert np.allclose(lights.normal, (0, 1, 0), atol=1e-6)
-    assert np.allclose(lights.radiance, 40 / (math.pi * area))
+    assert np.allclose(lights.emission, 40 / (math.pi * area))
     assert lights.spread.tolist() == [np.float32(math.pi)]
     assert lights.casts_shadow.tolist() == [True]
 
@@ -65,7 +65,7 @@ def test_radiance_equals_that_of_cycles(add, read_scene, empty_scene, tmp_path, 
         light.normalize, light.exposure, light.use_temperature, light.temperature = normalize, 1.0, True, 4000.0
     thing = add("Lamp", light)
     thing.scale, thing.visible_camera = (1.5, 2, 1), True
-    ours = read_scene().lights.radiance[0]
+    ours = read_scene().lights.emission[0]
     assert np.allclose(ours, cycles_radiance(empty_scene, tmp_path), rtol=1e-4)
 
 
@@ -90,7 +90,37 @@ def test_spread_and_shadow_are_read(add, read_scene):
 
 def test_negative_power_gives_negative_radiance(add, read_scene):
     add("Lamp", area_light(energy=-40.0))
-    assert np.all(read_scene().lights.radiance < 0)
+    assert np.all(read_scene().lights.emission < 0)
+
+
+def test_a_point_light_is_read(add, read_scene):
+    light = bpy.data.lights.new("Lamp", "POINT")
+    light.energy, light.shadow_soft_size, light.use_soft_falloff = 40.0, 0.25, False
+    thing = add("Lamp", light)
+    thing.location, thing.scale = (1, 2, 3), (2, 0, 1)  # its scale changes nothing, as in Cycles
+    lights = read_scene().lights
+    assert lights.shape.tolist() == [LightShape.POINT]
+    assert lights.position.tolist() == [[1, 2, 3]]
+    assert (lights.radius.tolist(), lights.soft_falloff.tolist()) == ([0.25], [False])
+    assert np.allclose(lights.emission, 40 / (4 * math.pi))
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.5])
+def test_a_point_light_that_is_not_normalized_has_a_radiance_of_its_power(add, read_scene, radius):
+    light = bpy.data.lights.new("Lamp", "POINT")
+    light.energy, light.shadow_soft_size = 40.0, radius
+    if not hasattr(light, "normalize"):
+        return  # before Blender 4.5
+    light.normalize = False
+    add("Lamp", light)
+    assert np.allclose(read_scene().lights.emission, 40 * (radius**2 or 1 / math.pi))
+
+
+def test_a_point_light_at_no_place_is_left_out_and_reported(add, read_scene):
+    add("Lamp", bpy.data.lights.new("Lamp", "POINT")).location = (math.inf, 0, 0)
+    scene = read_scene()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ("Point lights of a radius or at a position beyond measure are left out: 'Lamp'.",)
 
 
 @pytest.mark.parametrize("properties", [{"energy": 0.0}, {"color": (0, 0, 0)}])
@@ -124,19 +154,18 @@ def test_a_light_that_is_too_bright_is_left_out_and_reported(add, read_scene):
 
 
 def test_other_types_of_lights_are_reported_in_one_sentence_each(add, read_scene):
-    for light_type in ("POINT", "POINT", "SUN", "SPOT"):
+    for light_type in ("SUN", "SUN", "SPOT"):
         add(light_type.title(), bpy.data.lights.new(light_type, light_type))
     assert read_scene().warnings == (
-        "Only area lights shine in this engine, point lights are left out: 'Point', 'Point.001'.",
-        "Only area lights shine in this engine, sun lights are left out: 'Sun'.",
-        "Only area lights shine in this engine, spot lights are left out: 'Spot'.",
+        "Only area and point lights shine in this engine, sun lights are left out: 'Sun', 'Sun.001'.",
+        "Only area and point lights shine in this engine, spot lights are left out: 'Spot'.",
     )
 
 
 def test_no_lights_are_an_empty_table(add, read_scene):
     lights = read_scene().lights
     assert lights.position.shape == (0, 3)
-    assert lights.radiance.dtype == np.float32
+    assert lights.emission.dtype == np.float32
     assert lights.normal.dtype == np.float64
 
 

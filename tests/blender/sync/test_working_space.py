@@ -72,7 +72,7 @@ def test_the_world_and_a_lights_temperature_equal_those_of_cycles(add, read_scen
     light_object = add("Lamp", light)
     light_object.location, light_object.rotation_euler = (0.5, 0.5, 0.0), (math.pi, 0, 0)
     light_object.visible_camera = True
-    assert np.allclose(read_scene().lights.radiance[0], cycles_color(empty_scene, add), rtol=1e-3)
+    assert np.allclose(read_scene().lights.emission[0], cycles_color(empty_scene, add), rtol=1e-3)
     world = empty_scene.world = bpy.data.worlds.new("World")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.25, 0.125, 1)

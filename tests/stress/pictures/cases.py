@@ -67,7 +67,7 @@ def light_of_spread(angle: float) -> tuple[Scene, View]:
 
 
 def light_of_power(factor: float) -> tuple[Scene, View]:
-    return on_floor(ball(48), lights=replace(LIGHT, radiance=np.float32(factor) * LIGHT.radiance))
+    return on_floor(ball(48), lights=replace(LIGHT, emission=np.float32(factor) * LIGHT.emission))
 
 
 def scaled_scene(factor: float) -> tuple[Scene, View]:

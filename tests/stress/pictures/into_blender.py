@@ -70,8 +70,8 @@ def add_light(scene: Scene, row: int) -> None:
     is_ellipse = lights.shape[row] == LightShape.ELLIPSE
     light.shape, light.size, light.size_y = "ELLIPSE" if is_ellipse else "RECTANGLE", width, height
     light.spread, light.use_shadow = float(lights.spread[row]), bool(lights.casts_shadow[row])
-    max_radiance = float(lights.radiance[row].max())
-    light.color = lights.radiance[row] / max_radiance
+    max_radiance = float(lights.emission[row].max())
+    light.color = lights.emission[row] / max_radiance
     light.energy = math.pi * width * height * (math.pi / 4.0 if is_ellipse else 1.0) * max_radiance
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 2], matrix[:3, 3] = lights.axis_u[row] / width, -lights.normal[row], lights.position[row]

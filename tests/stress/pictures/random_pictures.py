@@ -93,13 +93,15 @@ def lights(draw: st.DrawFn) -> Lights:
     power = 10.0 ** random.uniform(-3.0, 3.0, (count, 1)) * colors
     unlinked = np.full(count, -1, np.int32)
     return Lights(
-        shape=random.choice([int(shape) for shape in LightShape], count).astype(np.int32),
+        shape=random.choice([int(LightShape.RECTANGLE), int(LightShape.ELLIPSE)], count).astype(np.int32),
         position=position,
         axis_u=axes[:, 0] * sizes[:, :1],
         axis_v=axes[:, 1] * sizes[:, 1:],
         normal=axes[:, 2],
-        radiance=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
+        emission=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
         spread=random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05]).astype(np.float32),
+        radius=np.zeros(count),
+        soft_falloff=np.zeros(count, bool),
         casts_shadow=random.random(count) < 0.9,
         receivers=unlinked,
         blockers=unlinked.copy(),

@@ -9,11 +9,12 @@ import pytest
 
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.scene import Lights, LightShape
+from ism_addon.scene import Lights
 from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
 from tests.support import reference_irradiance
 from tests.support.small_scenes import (
+    AREA_SHAPES,
     SMALL_SETTINGS,
     SMALL_SHADOW_MAPS,
     draw,
@@ -41,7 +42,7 @@ def pixel_positions(width: float, pixels: int) -> np.ndarray:
     return ((np.arange(pixels) + 0.5) / pixels - 0.5) * width
 
 
-@pytest.mark.parametrize("shape", list(LightShape), ids=["rectangle", "ellipse"])
+@pytest.mark.parametrize("shape", AREA_SHAPES, ids=["rectangle", "ellipse"])
 @pytest.mark.parametrize("size", [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6])
 def test_irradiance_of_a_floor(device, assert_within, shape, size):
     """A floor 1 m below a light of this size, from almost a point to almost a whole sky."""
@@ -49,7 +50,7 @@ def test_irradiance_of_a_floor(device, assert_within, shape, size):
     picture = draw(device, make_scene([FLOOR], area_light), view_from_above(4.0, (9, 1))).color[0, :, 0]
     points = np.column_stack([pixel_positions(4.0, 9), np.zeros((9, 2))])
     truth = [
-        BRDF * area_light.radiance[0, 0] * reference_irradiance.irradiance(point, UP, area_light) for point in points
+        BRDF * area_light.emission[0, 0] * reference_irradiance.irradiance(point, UP, area_light) for point in points
     ]
     assert_within(float(np.abs(picture / truth - 1.0).max()), 1e-3)
 

@@ -40,7 +40,7 @@ def check(device, picture: Picture, renderer, is_redrawn: bool) -> None:
     assert color.min() >= 0.0, f"{color.min()} is darker than black"
     assert color[..., 3].max() <= 1.0 + 1e-5
     # Of light whose visibility is uncertain, only the luminance is bounded.
-    is_white = not np.ptp(scene.lights.radiance, axis=1).any()
+    is_white = not np.ptp(scene.lights.emission, axis=1).any()
     if picture_settings.shadow.method == Method.RAY_TRACED and not picture_settings.shortcuts and is_white:
         unshadowed = draw(device, without_shadows(scene), view, picture_settings, renderer).color[..., :3]
         excess = (color[..., :3] - unshadowed).max()

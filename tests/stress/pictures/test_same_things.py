@@ -6,12 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.scene import LightShape, Mesh, Scene
+from ism_addon.scene import Mesh, Scene
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.small import grid_triangles, mesh, sphere
 from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.test_similar import rotation
-from tests.support.small_scenes import draw, join_lights, light, look_at, make_scene, quad, random_triangles, transform
+from tests.support.small_scenes import (
+    AREA_SHAPES,
+    draw,
+    join_lights,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    random_triangles,
+    transform,
+)
 
 SETTINGS = Settings(quality=Quality(samples=16, error_threshold=0.0))
 VIEW = look_at((3.0, -3.6, 2.6), size=(64, 44))
@@ -154,7 +164,7 @@ def test_unshadowed_light_of_four_quarters(device, assert_within):
     )
 
 
-@pytest.mark.parametrize("shape", list(LightShape), ids=["rectangle", "ellipse"])
+@pytest.mark.parametrize("shape", AREA_SHAPES, ids=["rectangle", "ellipse"])
 @pytest.mark.parametrize("which", ["exchanged", "backwards"])
 def test_a_lights_axes(device, assert_within, shape, which):
     """Axes u and v exchanged, or both reversed: the same light, with other noise."""

@@ -38,7 +38,7 @@ def picture(device, lights: Lights, settings: Settings = SETTINGS, world: float 
 
 
 def scaled_radiance(lights: Lights, factor: float) -> Lights:
-    return replace(lights, radiance=(lights.radiance * np.float64(factor)).astype(np.float32))
+    return replace(lights, emission=(lights.emission * np.float64(factor)).astype(np.float32))
 
 
 @pytest.mark.parametrize("factor", [1e-12, 1e-6, 1e6, 1e12])

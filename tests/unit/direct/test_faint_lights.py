@@ -24,8 +24,8 @@ def scene_with_faint_light(fraction: float):
     scene, view = box_over_plane(*SIZE)
     lights = scene.lights
     both = type(lights)(**{field.name: np.repeat(getattr(lights, field.name), 2, 0) for field in fields(lights)})
-    radiance = both.radiance * np.array([[1.0], [fraction]], np.float32)
-    return replace(scene, lights=replace(both, radiance=radiance)), view
+    emission = both.emission * np.array([[1.0], [fraction]], np.float32)
+    return replace(scene, lights=replace(both, emission=emission)), view
 
 
 def draw_counts(device, fraction: float) -> tuple[dict, dict]:

@@ -18,10 +18,10 @@ from ism_addon.resources import (
     TILE_VISIBILITY,
     TILES,
 )
-from ism_addon.scene import LightShape
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
 from tests.support.small_scenes import (
+    AREA_SHAPES,
     SMALL_SETTINGS,
     draw,
     join_lights,
@@ -161,7 +161,7 @@ def test_no_noise_where_all_is_visible_or_occluded(device, roof):
     assert predicted.any() == (not roof)
 
 
-@pytest.mark.parametrize("shape", LightShape)
+@pytest.mark.parametrize("shape", AREA_SHAPES)
 @pytest.mark.parametrize("spread", [np.pi, 1.5, 0.4])
 def test_without_shadows_all_light_arrives(device, shape, spread):
     """Lights without shadows, meshes that cast none, and shadows switched off: the same image as the reference."""

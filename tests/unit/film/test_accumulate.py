@@ -77,7 +77,7 @@ def filtered(values: np.ndarray, drawn, filter_radius: float, power: int = 1) ->
 def test_the_sums_are_of_the_samples_that_drew_a_tile(device, filter_radius, threshold, space):
     """With shadow rays: predictions, residuals, and the weights of both. Converged tiles have no more samples."""
     scene, view = box_over_plane(48, 32)
-    blue = replace(scene.lights, radiance=scene.lights.radiance * np.float32([0.1, 0.5, 1.0]))
+    blue = replace(scene.lights, emission=scene.lights.emission * np.float32([0.1, 0.5, 1.0]))
     scene, view = replace(scene, lights=blue, working_space=space), replace(view, filter_width=filter_radius)
     settings = with_quality(SMALL_SETTINGS, samples=64, error_threshold=threshold)
     sums = {name: np.zeros((32, 48, 4)) for name in ("sum_color", "sum_residual", "sum_weights")}

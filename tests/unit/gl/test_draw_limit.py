@@ -61,7 +61,7 @@ def lit_by_many(width: int, height: int):
     one = lights = scene.lights
     for k in range(4):
         lights = join_lights(
-            lights, replace(one, position=one.position + 0.1 * k, radiance=one.radiance * np.float32(2e-3))
+            lights, replace(one, position=one.position + 0.1 * k, emission=one.emission * np.float32(2e-3))
         )
     return replace(scene, lights=lights, world=World(np.full(3, 0.1, np.float32))), view
 

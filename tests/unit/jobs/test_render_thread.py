@@ -204,7 +204,7 @@ def test_a_request_that_cannot_be_drawn_is_an_error_of_that_job_only(worker):
 
 
 def with_brighter_lights(scene: Scene) -> Scene:
-    return replace(scene, lights=replace(scene.lights, radiance=3.0 * scene.lights.radiance))
+    return replace(scene, lights=replace(scene.lights, emission=3.0 * scene.lights.emission))
 
 
 def with_darker_materials(scene: Scene) -> Scene:

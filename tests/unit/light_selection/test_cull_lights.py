@@ -19,6 +19,7 @@ from tests.scenes.rooms import IDLE, rooms
 from tests.scenes.small import basis, box_over_plane, subdivided_box
 from tests.support import reference
 from tests.support.small_scenes import (
+    AREA_SHAPES,
     SMALL_SETTINGS,
     draw,
     join_lights,
@@ -60,7 +61,7 @@ def test_no_light_is_brighter_than_its_bound(seed, near, spread, tilt):
 
 def test_far_from_a_light_the_estimate_is_accurate():
     points = np.random.default_rng(0).uniform(-0.05, 0.05, (20, 3)) * (1.0, 1.0, 0.0)
-    for shape, spread in zip(LightShape, (np.pi, 1.0), strict=True):
+    for shape, spread in zip(AREA_SHAPES, (np.pi, 1.0), strict=True):
         one = light(shape, (0.7, -0.4, 3.0), (0.3, 0, 0), (0, -0.4, 0), 1.0, spread)
         (bound,), (estimate,) = AreaLightBounds.of(one, np.zeros(3)).irradiance(
             bounds_of(points, np.tile((0, 0, 1.0), (20, 1)))

@@ -9,11 +9,11 @@ import numpy as np
 
 from ism_addon.color import luminance
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
-from ism_addon.gpu.gl.shader_records import LIGHT
+from ism_addon.gpu.lights.light_records import light_records
 from ism_addon.scene import Lights
 
 #: Its value in Lights.shape.
-BULB = 2
+BULB = 7
 
 
 @dataclass
@@ -39,23 +39,21 @@ class BulbBounds:
 
 
 class Bulb:
-    """See LightType. Lights.radiance holds its intensity."""
+    """See LightType. Lights.emission holds its intensity."""
 
     name = "bulb"
     shapes = (BULB,)
     glsl = Path(__file__).with_suffix(".glsl")
     exact = True
+    min_virtual_lights = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
-        table = np.zeros(len(lights.shape), LIGHT.dtype)
-        table["position"] = lights.position - anchor
-        table["tangent"], table["normal"] = self.axes(lights)
-        for name in ("shape", "casts_shadow", "radiance", "receivers", "blockers"):
-            table[name] = getattr(lights, name)
+        table = light_records(lights, anchor)
+        table["normal"] = 0.0, 0.0, -1.0
         return table
 
     def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> BulbBounds:
-        return BulbBounds(lights.position - anchor, np.abs(lights.radiance) @ luminance(working_space))
+        return BulbBounds(lights.position - anchor, np.abs(lights.emission) @ luminance(working_space))
 
     def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         return np.stack([(lights.position - anchor).T] * 2)
@@ -66,12 +64,9 @@ class Bulb:
     def is_narrow(self, lights: Lights) -> np.ndarray:
         return np.zeros(len(lights.shape), bool)
 
-    def points(self, lights: Lights, row: int, squares: np.ndarray) -> np.ndarray:
-        return np.zeros((len(squares), 3))
-
-    def axes(self, lights: Lights) -> tuple[np.ndarray, np.ndarray]:
-        """Its shadow map faces down."""
-        return tuple(np.tile(axis, (len(lights.shape), 1)) for axis in np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]))
+    def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All at its position, facing down."""
+        return np.zeros((len(squares), 3)), np.tile((0.0, 0.0, -1.0), (len(squares), 1))
 
     def solid_angles(
         self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float

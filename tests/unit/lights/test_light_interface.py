@@ -45,6 +45,12 @@ EXAMPLES: dict[str, list[Lights]] = {
         for shape in (LightShape.RECTANGLE, LightShape.ELLIPSE)
         for spread in (np.pi, np.radians(100.0))
     ],
+    "point": [
+        light(LightShape.POINT, position, radius=radius, soft_falloff=soft)
+        for position, radius in (((0.3, -0.2, 1.0), 0.6), ((0.3, -0.2, 1.0), 0.95), ((0.1, 0.0, 0.1), 0.3))
+        for soft in (False, True)
+    ]
+    + [light(LightShape.POINT, (0.3, -0.2, 1.0))],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 #: Normals of the receiver at the origin. All lights are above the horizon of the first.

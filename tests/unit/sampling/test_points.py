@@ -17,9 +17,9 @@ from ism_addon.sampling.points import (
     triangle_areas,
 )
 from ism_addon.scene import LightShape
-from tests.support.small_scenes import light
+from tests.support.small_scenes import AREA_SHAPES, light
 
-SHAPES = tuple(LightShape)
+SHAPES = AREA_SHAPES
 
 
 def chi_square_deviations(counts: np.ndarray, expected: np.ndarray) -> float:
@@ -131,7 +131,9 @@ def on_light(lights, points: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (0.37, 0.91), (5.5, 3.25)])
 def test_points_on_a_light_are_inside_it_and_uniform(shape, shift):
     lights = light(shape, (1.0, 2.0, 3.0), (0.0, 2.0, 0.0), (0.3, 0.0, 0.4))
-    across = on_light(lights, lights.position[0] + AreaLight().points(lights, 0, lattice(4096, np.array(shift))))
+    across = on_light(
+        lights, lights.position[0] + AreaLight().virtual_lights(lights, 0, lattice(4096, np.array(shift)))[0]
+    )
     radius = np.linalg.norm(across, axis=1) if shape == LightShape.ELLIPSE else np.abs(across).max(1)
     assert radius.max() <= 0.5
     angle, ring = np.arctan2(*across.T), (2.0 * radius) ** 2  # rings of equal areas, in both shapes
@@ -150,8 +152,8 @@ def test_points_on_a_light_integrate_with_less_error_than_random_ones(shape, cou
         return (points[:, 0] * 0.8 + points[:, 1] * 0.6 < 0.1).mean()
 
     shifts = random.random((64, 2))
-    truth = visibility(AreaLight().points(lights, 0, lattice(1 << 16, np.zeros(2))))
-    ours = np.array([visibility(AreaLight().points(lights, 0, lattice(count, shift))) for shift in shifts])
+    truth = visibility(AreaLight().virtual_lights(lights, 0, lattice(1 << 16, np.zeros(2)))[0])
+    ours = np.array([visibility(AreaLight().virtual_lights(lights, 0, lattice(count, shift))[0]) for shift in shifts])
     squares = random.random((64, count, 2))
     by_random = np.array([visibility(disk(s) if shape == LightShape.ELLIPSE else s - 0.5) for s in squares])
     assert np.sqrt(((ours - truth) ** 2).mean()) < 0.5 * np.sqrt(((by_random - truth) ** 2).mean())

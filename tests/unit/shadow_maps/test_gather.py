@@ -21,6 +21,7 @@ from ism_addon.scene import LightShape
 from tests.support import reference_irradiance
 from tests.support.reference import irradiance
 from tests.support.small_scenes import (
+    AREA_SHAPES,
     draw,
     first_frame,
     join_lights,
@@ -32,7 +33,7 @@ from tests.support.small_scenes import (
     write_texels,
 )
 
-SHAPES = tuple(LightShape)
+SHAPES = AREA_SHAPES
 DISTANCES = (1e-3, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3)
 
 
@@ -139,7 +140,7 @@ def test_an_unoccluded_floor_does_not_shadow_itself(device):
 
 def test_lights_add_up_with_their_colours(device):
     one, two = tilted_light(LightShape.RECTANGLE), light(LightShape.ELLIPSE, (-1.0, 0.0, 1.0), radiance=3.0)
-    colored = replace(two, radiance=np.array([[3.0, 1.0, 0.5]], np.float32))
+    colored = replace(two, emission=np.array([[3.0, 1.0, 0.5]], np.float32))
     point, normal = np.array([[0.1, 0.2, -0.5]]), np.array([[0.0, 0.0, 1.0]])
     expected = gathered(device, one, point, normal) + gathered(device, colored, point, normal)
     assert gathered(device, join_lights(one, colored), point, normal) == pytest.approx(expected, rel=1e-5)

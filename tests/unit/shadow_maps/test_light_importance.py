@@ -79,7 +79,7 @@ def test_brighter_and_nearer_lights_have_more_virtual_lights(device):
 @given(st.integers(1, 3000), st.lists(st.floats(0.0, 1e6), min_size=1, max_size=20))
 def test_the_sum_is_as_requested_and_each_light_has_at_least_one(count, weights):
     lights = list(range(0, len(weights), 2))
-    counts = allocate_virtual_lights(lights, np.array(weights), count)
+    counts = allocate_virtual_lights(lights, np.array(weights), np.ones(len(weights), int), count)
     assert list(counts) == lights
     assert min(counts.values()) >= 1
     assert sum(counts.values()) == max(count, len(lights))
@@ -89,7 +89,7 @@ def test_importance_does_not_depend_on_the_unit_of_radiance():
     lights = join_lights(light(axis_u=(2.0, 0, 0)), join_lights(small_light(1, 0, 2), small_light(0, 0, 5)))
     cloud = make_point_cloud(make_scene([FLOOR], lights), np.zeros(3), 5000)
     weights = importance(cloud, lights, np.zeros(3), REC709)
-    brighter = replace(lights, radiance=np.float32(7.0) * lights.radiance)
+    brighter = replace(lights, emission=np.float32(7.0) * lights.emission)
     assert importance(cloud, brighter, np.zeros(3), REC709) == pytest.approx(weights, rel=1e-4)
     assert weights[0] > 3.0 * weights[1] > 6.0 * weights[2]
 
@@ -185,3 +185,13 @@ def test_the_mean_of_the_picture_is_correct(device):
     drawn = draw(device, scene, view, settings)
     assert set(drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS]) == {0, 1, 2}
     assert drawn.color[..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)
+
+
+def test_a_point_light_without_a_radius_gets_virtual_lights_beside_one_with_a_radius(device):
+    """Its shadows are as imperfect."""
+    lights = join_lights(*(light(LightShape.POINT, (x, 0.0, 2.0), radius=r) for x, r in ((-1.0, 0.0), (1.0, 0.5))))
+    scene, settings = make_scene([quad((-3, -3, 0), (6, 0, 0), (0, 6, 0))], lights), SMALL_SHADOW_MAPS
+    drawn = draw(device, scene, view_from_above(4.0), with_quality(settings, virtual_lights=60))
+    counts = drawn.renderer.graph[VIRTUAL_LIGHT_COUNTS]
+    assert sum(counts.values()) == 60
+    assert 2 < counts[0] < counts[1]

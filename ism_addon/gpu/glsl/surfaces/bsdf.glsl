@@ -12,10 +12,10 @@ vec3 bsdf_evaluate(Surface surface, vec3 wi) {
 // Unshadowed radiance by a light. W/(sr m^2)
 vec3 bsdf_unshadowed(Surface surface, Light light) {
     float irradiance = light_irradiance(light, surface.position, surface.normal);
-    return light.radiance * surface.material.base_color * (INVERSE_PI * irradiance);
+    return light.emission * surface.material.base_color * (INVERSE_PI * irradiance);
 }
 
 // An unbiased estimate of bsdf_unshadowed, if the light's irradiance is exact.
 vec3 bsdf_estimate(Surface surface, Light light, LightSample from) {
-    return light.radiance * bsdf_evaluate(surface, from.wi) * (from.radiance / from.pdf);
+    return light.emission * bsdf_evaluate(surface, from.wi) * (from.radiance / from.pdf);
 }

@@ -84,4 +84,4 @@ class Resolve(Pass):
 
 def min_light(lights: Lights) -> float:
     """Minimum luminance of a pixel: 0, or no bound if there are negative lights."""
-    return -float(np.finfo(np.float32).max) if (lights.radiance < 0.0).any() else 0.0
+    return -float(np.finfo(np.float32).max) if (lights.emission < 0.0).any() else 0.0

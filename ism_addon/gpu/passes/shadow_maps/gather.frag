@@ -16,15 +16,17 @@ uniform float bias;
 out vec4 direct_prediction;
 
 // 1 if the virtual light whose map has this index in the atlas is visible from the receiver, else 0. v goes from the
-// virtual light to the receiver, whose geometric normal is n, both in the light's space.
-float visibility(vec2 rotation, int index, vec3 v, vec3 n) {
-    mat2 map_from_light = mat2(rotation.x, -rotation.y, rotation.y, rotation.x);
+// virtual light to the receiver, whose geometric normal is n.
+float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
+    vec3 x = virtual_light.x_axis, z = virtual_light.axis;
+    mat3 anchor_from_map = mat3(x, cross(z, x), z);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
     v += n * (bias * texel_angle * length(v));
-    vec2 square = square_from_hemisphere(vec3(map_from_light * v.xy, max(v.z, 0.0)));
+    vec3 in_map = v * anchor_from_map;
+    vec2 square = square_from_hemisphere(vec3(in_map.xy, max(in_map.z, 0.0)));
     ivec2 texel = clamp(ivec2((0.5 * square + 0.5) * float(side)), ivec2(0), ivec2(side - 1));
     vec3 centre = hemisphere_from_square((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0);
-    float plane = dot(n, v) / dot(vec3(map_from_light * n.xy, n.z), centre);
+    float plane = dot(n, v) / dot(n, anchor_from_map * centre);
     float distance = length(v);
     // At grazing angles the plane's depth varies without bound within a texel: the receiver's distance is used instead.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
@@ -37,25 +39,22 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
     vec3 unshadowed = bsdf_unshadowed(surface, light);
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
-    mat3 light_from_anchor = transpose(mat3(light.tangent, cross(light.normal, light.tangent), light.normal));
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
-    vec3 middle =
-        light_from_anchor * (light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position);
-    vec3 p = light_from_anchor * (surface.position - light.position), n = light_from_anchor * surface.normal;
-    vec3 geometric_normal = light_from_anchor * surface.geometric_normal;
+    vec3 middle = light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position;
+    vec3 p = surface.position - light.position;
     float sum = 0.0, visible_sum = 0.0, close_sum = 0.0, visible_close_sum = 0.0;
     int last = unshadowed == vec3(0.0) ? 0 : range.first + range.count;
     for (int k = range.first; k < last; ++k) {
         VirtualLight virtual_light = fetch_VirtualLight(virtual_lights, k);
         vec3 v = p - virtual_light.offset;
-        float weight = light_virtual_weight(light, v, n);
+        float weight = light_virtual_weight(light, v, surface.normal, virtual_light.axis);
         vec3 from_middle = virtual_light.offset - middle;
         float closeness = 1.0 / max(dot(from_middle, from_middle) * dot(from_middle, from_middle), 1e-30);
         sum += weight;
         close_sum += closeness;
         int index = k - batch.x;
         if (index < 0 || index >= batch.y) continue;
-        float unoccluded = visibility(virtual_light.rotation, index, v, geometric_normal);
+        float unoccluded = visibility(virtual_light, index, v, surface.geometric_normal);
         visible_sum += weight * unoccluded;
         visible_close_sum += closeness * unoccluded;
     }

@@ -8,6 +8,7 @@ centre, like the depth of discs, so that a plane does not shadow itself. Matrice
 no limit.
 """
 
+from collections.abc import Iterable
 from functools import cached_property
 
 import moderngl
@@ -27,11 +28,12 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
-from ....scene import Change
+from ....scene import Change, Lights
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
+from ...lights import type_of, types_variant
 from ...material_inputs import MATERIAL, material_samplers
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
@@ -49,8 +51,19 @@ class GatherLight(Pass):
     outputs = outputs(DIRECT_PREDICTION)
 
     @cached_property
-    def shader(self) -> moderngl.VertexArray:
-        return self.full_screen_program(LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE, empty=NO_OCCLUDER)
+    def shaders(self) -> dict[frozenset[str], moderngl.VertexArray]:
+        """By names of light types: the shader for lights of these types."""
+        return {}
+
+    def shader(self, lights: Lights, contributing: Iterable[int]) -> moderngl.VertexArray:
+        """The shader for the types of these lights."""
+        types = frozenset(type_of(lights, light).name for light in contributing)
+        if types not in self.shaders:
+            records = LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
+            self.shaders[types] = self.full_screen_program(
+                *records, suffix="", empty=NO_OCCLUDER, **types_variant(types)
+            )
+        return self.shaders[types]
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -61,10 +74,13 @@ class GatherLight(Pass):
         gl, target = frame.device.gl, frame.framebuffer(DIRECT_PREDICTION)
         if batch.first == 0:
             target.clear()
+        if not counts:
+            return
+        shader = self.shader(frame.scene.lights, counts)
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         bind(
-            self.shader.program,
+            shader.program,
             position=frame[POSITION],
             normal=frame[NORMAL],
             **material_samplers(frame),
@@ -81,4 +97,4 @@ class GatherLight(Pass):
             shadows=frame.casts_shadows,
             bias=shadow.bias,
         )
-        draw_pixels(frame, target, self.shader, (1 + len(counts) + sum(counts.values())) / VIRTUAL_LIGHTS_PER_RAY)
+        draw_pixels(frame, target, shader, (1 + len(counts) + sum(counts.values())) / VIRTUAL_LIGHTS_PER_RAY)

@@ -22,6 +22,11 @@ from .point_cloud import PointCloud
 #: Points of the cloud at which irradiance is estimated. See `dev.py bench constants` in docs/benchmarks.md.
 IMPORTANCE_POINTS = 4096
 
+#: Smallest relative size of a light: a light without penumbrae has the errors of imperfect maps all the same. In the
+#: scene objects with point lights, one of them without a radius, the RMSE of one sample over the mean is 0.212 at 0,
+#: and 0.176 to 0.178 from 0.003 to 0.5.
+MIN_SIZE = 0.005
+
 
 def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_space: str) -> np.ndarray:
     """(L,): standard deviation of the error of one virtual light of each light, relative to the others'."""
@@ -39,7 +44,7 @@ def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_sp
         return np.ones(len(estimates))
     fraction = estimates / np.maximum(total, total[total > 0.0].mean())
     relative = np.divide(estimates, peaks, out=np.zeros_like(estimates), where=peaks > 0.0)
-    size = np.sqrt(np.minimum(relative, 1.0))
+    size = np.maximum(np.sqrt(np.minimum(relative, 1.0)), MIN_SIZE)
     return np.sqrt((fraction * fraction * size).sum(1, dtype=np.float64))
 
 

@@ -19,6 +19,7 @@ from ....resources import (
 from ....sampling.dimensions import Dimension, draw
 from ....sampling.points import lattice, proportional_counts
 from ....scene import Change, Lights
+from ....spaces import orthonormal
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import by_type, type_of
@@ -27,11 +28,16 @@ from ...lights import by_type, type_of
 SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("map_from_anchor", "f4", (3, 3)), ("light", "i4")])
 
 
-def allocate_virtual_lights(lights: list[int], importance: np.ndarray, count: int) -> dict[int, int]:
-    """How many of `count` virtual lights each of these lights gets, by importance (L,) of all lights; at least one."""
+def allocate_virtual_lights(
+    lights: list[int], importance: np.ndarray, minimum: np.ndarray, count: int
+) -> dict[int, int]:
+    """How many of `count` virtual lights each of these lights gets, by importance (L,) of all lights.
+
+    Each gets at least `minimum` (L,).
+    """
     weights = importance[lights] if importance[lights].any() else np.ones(len(lights))
-    additional = proportional_counts(weights, max(count - len(lights), 0))
-    return {light: 1 + int(number) for light, number in zip(lights, additional, strict=True)}
+    additional = proportional_counts(weights, max(count - int(minimum[lights].sum()), 0))
+    return {light: int(minimum[light] + number) for light, number in zip(lights, additional, strict=True)}
 
 
 def virtual_light_tables(
@@ -44,25 +50,20 @@ def virtual_light_tables(
     ranges["first"] = np.cumsum(counts) - counts
 
     light_of = np.repeat(list(counts_of_lights), counts).astype(int)
-    tangents, normals = np.zeros((2, len(lights.shape), 3))
-    for light_type, rows, type_lights in by_type(lights):
-        tangents[rows], normals[rows] = light_type.axes(type_lights)
-    axes = np.stack([tangents, np.cross(normals, tangents), normals])
-    shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(normals)), sample=sample)
-    squares = {light: lattice(count, shifts[light]) for light, count in counts_of_lights.items()}
-    offsets = np.concatenate(
-        [np.zeros((0, 3)), *(type_of(lights, light).points(lights, light, squares[light]) for light in squares)]
-    )
+    shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(lights.shape)), sample=sample)
+    offsets, axes = np.zeros((2, len(light_of), 3))
+    for (light, count), first in zip(counts_of_lights.items(), ranges["first"], strict=True):
+        rows = slice(first, first + count)
+        squares = lattice(count, shifts[light])
+        offsets[rows], axes[rows] = type_of(lights, light).virtual_lights(lights, light, squares)
     angle = 2.0 * np.pi * draw(Dimension.MAP_ROTATION, map=sample * len(light_of) + np.arange(len(light_of)))
+    tangents, bitangents = orthonormal(axes)
+    x_axes = np.cos(angle) * tangents + np.sin(angle) * bitangents
     virtual_lights = np.zeros(len(light_of), VIRTUAL_LIGHT.dtype)
-    virtual_lights["offset"] = np.einsum("nk,ank->na", offsets, axes[:, light_of])
-    virtual_lights["rotation"] = np.concatenate([np.cos(angle), np.sin(angle)], 1)
+    virtual_lights["offset"], virtual_lights["x_axis"], virtual_lights["axis"] = offsets, x_axes, axes
     views = np.zeros(len(light_of), SHADOW_MAP_VIEW)
     views["position"] = offsets + (lights.position - anchor)[light_of]
-    x, y, z = axes[:, light_of]
-    views["map_from_anchor"][:, 0] = np.cos(angle) * x + np.sin(angle) * y
-    views["map_from_anchor"][:, 1] = np.cos(angle) * y - np.sin(angle) * x
-    views["map_from_anchor"][:, 2] = z
+    views["map_from_anchor"] = np.stack([x_axes, np.cross(axes, x_axes), axes], 1)
     views["light"] = light_of
     return ranges, virtual_lights, views
 
@@ -80,7 +81,11 @@ class PlaceVirtualLights(Pass):
         lights, counts = frame.scene.lights, dict.fromkeys(frame[CONTRIBUTING_LIGHTS], 0)
         casters = [light for light in counts if frame.casts_shadows and lights.casts_shadow[light]]
         if casters:
-            counts |= allocate_virtual_lights(casters, frame[LIGHT_IMPORTANCE], frame.settings.quality.virtual_lights)
+            minimum = np.ones(len(lights.shape), int)
+            for light_type, rows, _ in by_type(lights):
+                minimum[rows] = light_type.min_virtual_lights
+            budget = frame.settings.quality.virtual_lights
+            counts |= allocate_virtual_lights(casters, frame[LIGHT_IMPORTANCE], minimum, budget)
         ranges, virtual_lights, views = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
         frame[VIRTUAL_LIGHT_COUNTS] = counts
         frame[VIRTUAL_LIGHT_RANGES] = VIRTUAL_LIGHT_RANGE.upload(self.device, ranges)

@@ -110,7 +110,7 @@ def shadow_shafts(lights: Lights, anchor: np.ndarray, slices: np.ndarray) -> tup
     ends = np.zeros((2, 3, len(lights.shape)))
     for light_type, rows, type_lights in by_type(lights):
         ends[..., rows] = light_type.shadow_ends(type_lights, anchor)
-    casts_shadow = lights.casts_shadow & lights.radiance.any(1)
+    casts_shadow = lights.casts_shadow & lights.emission.any(1)
     light, slice_ = np.nonzero(casts_shadow[:, None] & (heights(lights, anchor, slices) > 0.0).T)
     return ends[..., light], slices[..., slice_], light
 

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the records of all types of light have in common."""
+
+import numpy as np
+
+from ...scene import Lights
+from ..gl.shader_records import LIGHT
+
+#: Fields of Lights that LIGHT has as they are.
+COMMON = "shape", "casts_shadow", "emission", "receivers", "blockers"
+
+
+def light_records(lights: Lights, anchor: np.ndarray, *fields: str) -> np.ndarray:
+    """Rows (L,) of LIGHT about the anchor (3,) m, with these fields of Lights and those in common."""
+    table = np.zeros(len(lights.shape), LIGHT.dtype)
+    table["position"] = lights.position - anchor
+    for name in (*COMMON, *fields):
+        table[name] = getattr(lights, name)
+    return table
