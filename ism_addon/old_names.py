@@ -71,7 +71,11 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     converted = {name.replace(f"{lights}radiance", f"{lights}emission"): array for name, array in arrays.items()}
     if f"{lights}shape" in arrays:
         count = len(np.atleast_1d(arrays[f"{lights}shape"]))
-        converted |= {f"{lights}radius": np.zeros(count), f"{lights}soft_falloff": np.zeros(count, bool)}
+        converted |= {
+            f"{lights}blend": np.zeros(count, np.float32),
+            f"{lights}radius": np.zeros(count),
+            f"{lights}soft_falloff": np.zeros(count, bool),
+        }
     return converted
 
 

@@ -30,7 +30,7 @@ _rendering: list[str] = []
 
 
 class ISMRenderEngine(bpy.types.RenderEngine):
-    """Ray traced soft shadows of area and point lights, and screen-space ambient occlusion."""
+    """Ray traced soft shadows of area, point and spot lights, and screen-space ambient occlusion."""
 
     bl_idname = "ISM"
     bl_label = "ISM"

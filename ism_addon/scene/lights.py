@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights: areas and points."""
+"""Lights: areas, points and spots."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -18,6 +18,7 @@ class LightShape(IntEnum):
     RECTANGLE = 0
     ELLIPSE = 1
     POINT = 2
+    SPOT = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,16 +28,19 @@ class Lights(Arrays):
     #: LightShape.
     shape: np.ndarray = index("int32 L", into=len(LightShape))
     position: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
-    #: Of areas, full width and height, scale included.
+    #: Of areas, full width and height, scale included. Of spots, in proportion to the width and height of their cone,
+    #: of unit length if it is circular.
     axis_u: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
     axis_v: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
-    #: Of areas, the side that emits.
+    #: Of areas, the side that emits; of spots, their axis.
     normal: np.ndarray = array("float64 L 3", UNIT_VECTOR)
-    #: Radiance of areas along the normal, W/(sr m²); intensity of points, W/sr.
+    #: Radiance of areas along the normal, W/(sr m²); intensity of points, and of spots along their axis, W/sr.
     emission: np.ndarray = array("float32 L 3", "W/(sr m²), W/sr", max_abs=MAX_EMISSION)
-    #: Blender's spread of areas; pi: Lambertian.
+    #: Blender's spread of areas; pi: Lambertian. Of spots, the angle of their cone.
     spread: np.ndarray = array("float32 L", "rad")
-    #: Of points; 0: a point without extent.
+    #: Of spots: the fraction of the cone in which it fades out.
+    blend: np.ndarray = array("float32 L")
+    #: Of points and spots; 0: a point without extent.
     radius: np.ndarray = array("float64 L", "m", max_abs=MAX_DISTANCE)
     #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
     soft_falloff: np.ndarray = array("bool L")

@@ -131,8 +131,8 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         light, layout = context.light, self.layout
         layout.row().prop(light, "type", expand=True)
-        if light.type not in {"AREA", "POINT"}:
-            layout.label(text="ISM draws area and point lights; this light is left out", icon="INFO")
+        if light.type not in {"AREA", "POINT", "SPOT"}:
+            layout.label(text="ISM does not draw this type of light", icon="INFO")
             return
         layout.use_property_split = True
         self._draw_power(light, layout.column())
@@ -141,6 +141,10 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
         else:
             layout.prop(light, "shadow_soft_size", text="Radius")
             layout.prop(light, "use_soft_falloff")
+        if light.type == "SPOT":
+            layout.prop(light, "spot_size", text="Beam Angle")
+            layout.prop(light, "spot_blend", text="Blend", slider=True)
+            layout.prop(light, "show_cone")
 
     @staticmethod
     def _draw_power(light: bpy.types.Light, column: bpy.types.UILayout) -> None:

@@ -90,6 +90,7 @@ def lights(area_lights: Sequence[AreaLight]) -> Lights:
         normal=np.array([forward for _, _, forward in axes]),
         emission=np.repeat(radiance[:, None], 3, axis=1).astype(np.float32),
         spread=np.array([light[5] for light in area_lights], np.float32),
+        blend=np.zeros(len(area_lights), np.float32),
         radius=np.zeros(len(area_lights)),
         soft_falloff=np.zeros(len(area_lights), bool),
         casts_shadow=np.ones(len(area_lights), bool),

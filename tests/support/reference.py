@@ -9,6 +9,7 @@ import numpy as np
 
 from ism_addon.scene import Lights, LightShape, Scene, View
 from ism_addon.spaces import orthonormal
+from tests.support.emission import spot_attenuation, spread_factor
 
 #: Pairs of a ray and a triangle that are tested at a time, so that they stay in the processor's cache.
 PAIRS_AT_A_TIME = 1 << 16
@@ -93,11 +94,12 @@ def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, fl
 
     The area is in m², of points in π times the square of the radius: their emission is an intensity.
     """
-    if lights.shape[light] == LightShape.POINT and lights.radius[light] == 0.0:
+    is_point = lights.shape[light] in (LightShape.POINT, LightShape.SPOT)
+    if is_point and lights.radius[light] == 0.0:
         return lights.position[light][None], 1.0
     middle = (np.arange(side) + 0.5) / side
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
-    if lights.shape[light] == LightShape.POINT:
+    if is_point:
         radius, angle = np.sqrt(1.0 - (2.0 * a - 1.0) ** 2), 2.0 * np.pi * b
         directions = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 2.0 * a - 1.0])
         return lights.position[light] + lights.radius[light] * directions, 4.0 / side**2
@@ -111,15 +113,6 @@ def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, fl
     ), area / side**2
 
 
-def spread_factor(spread: float, cosine: np.ndarray) -> np.ndarray:
-    """Factor of a light's radiance at angles of `cosine` to its normal. It leaves the light's power unchanged."""
-    half = max(spread, np.radians(1.0)) / 2.0
-    if half > np.pi / 2.0 - 1e-4:
-        return np.ones_like(cosine)
-    tangent = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / np.maximum(cosine, 1e-20)
-    return np.maximum(np.tan(half) - tangent, 0.0) / (np.tan(half) - half)
-
-
 def irradiance_per_area(
     points: np.ndarray, normals: np.ndarray, emitters: np.ndarray, lights: Lights, light: int
 ) -> np.ndarray:
@@ -127,11 +120,12 @@ def irradiance_per_area(
     to_light = emitters - points
     square = (to_light**2).sum(-1)
     receiver = np.maximum((normals * to_light).sum(-1), 0.0)
-    if lights.shape[light] == LightShape.POINT:
+    if lights.shape[light] in (LightShape.POINT, LightShape.SPOT):
         outwards = emitters - lights.position[light]
         radius = lights.radius[light]
         sender = np.sqrt(square) if radius == 0.0 else np.maximum(-(to_light * outwards).sum(-1) / radius, 0.0)
-        return receiver * sender / square**2
+        is_spot = lights.shape[light] == LightShape.SPOT
+        return receiver * sender / square**2 * (spot_attenuation(-to_light, lights, light) if is_spot else 1.0)
     sender = np.maximum(-to_light @ lights.normal[light], 0.0)
     return receiver * sender / square**2 * spread_factor(lights.spread[light], sender / np.sqrt(square))
 

@@ -9,7 +9,8 @@ by Gauss-Legendre quadrature along the radius.
 import numpy as np
 
 from ism_addon.scene import Lights, LightShape
-from tests.support.reference import orthonormal, spread_factor
+from ism_addon.spaces import orthonormal
+from tests.support.emission import spread_factor
 
 #: Edges that approximate an ellipse: the error of the rim is 4e-7 of its radius.
 EDGES = 2048

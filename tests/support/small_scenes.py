@@ -134,6 +134,7 @@ def light(
     blockers: int = -1,
     radius: float = 0.0,
     soft_falloff: bool = False,
+    blend: float = 0.0,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -145,6 +146,7 @@ def light(
         normal=np.array([normal / np.linalg.norm(normal)]),
         emission=np.full((1, 3), radiance, np.float32),
         spread=np.array([spread], np.float32),
+        blend=np.array([blend], np.float32),
         radius=np.array([radius], np.float64),
         soft_falloff=np.array([soft_falloff]),
         casts_shadow=np.array([casts_shadow]),

@@ -51,6 +51,7 @@ def a_scene():
             normal=directions(generator, 2),
             emission=generator.random((2, 3), np.float32),
             spread=generator.random(2, np.float32),
+            blend=np.array([0.0, 0.5], np.float32),
             radius=np.array([0.0, 2.0]),
             soft_falloff=np.array([True, False]),
             casts_shadow=np.array([True, False]),
@@ -170,7 +171,7 @@ def rewritten(path, arrays=None, values=None):
         ("scene/instances/mesh", np.array([0, 1, 2], np.int32), "leads outside 0 to 1"),
         ("scene/instances/mesh", np.array([0, 1, -1], np.int32), "leads outside 0 to 1"),
         ("scene/materials/image", np.array([-2, 0], np.int32), "leads outside -1 to 0"),
-        ("scene/lights/shape", np.array([0, 3], np.int32), "leads outside 0 to 2"),
+        ("scene/lights/shape", np.array([0, 4], np.int32), "leads outside 0 to 3"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
         ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),
@@ -273,16 +274,17 @@ def test_a_damaged_file_is_refused_or_loaded(path):
 
 def test_a_snapshot_of_version_0_1_0_keeps_its_settings_and_lights(path):
     old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"}
-    old |= {f"scene/lights/{name}": None for name in ("emission", "radius", "soft_falloff")}
+    old |= {f"scene/lights/{name}": None for name in ("emission", "blend", "radius", "soft_falloff")}
     for section, names in old_names.SETTINGS.items():
         values = getattr(SETTINGS, section) if section else SETTINGS
         for name, new in names.items():
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
     scene, lights = a_scene(), "scene/lights/"
-    arrays = {f"{lights}{name}": None for name in ("emission", "radius", "soft_falloff")}
+    arrays = {f"{lights}{name}": None for name in ("emission", "blend", "radius", "soft_falloff")}
     arrays[f"{lights}radiance"] = scene.lights.emission
-    scene = replace(scene, lights=replace(scene.lights, radius=np.zeros(2), soft_falloff=np.zeros(2, bool)))
+    new = {"blend": np.zeros(2, np.float32), "radius": np.zeros(2), "soft_falloff": np.zeros(2, bool)}
+    scene = replace(scene, lights=replace(scene.lights, **new))
     assert_same(snapshot.load(rewritten(path, arrays, old)), (scene, VIEW, SETTINGS))
     for name, current in old_names.DEBUG_VIEWS.items():
         loaded = snapshot.load(rewritten(path, values=old | {"settings/show": name}))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads area and point lights. Scaled lights look as in Cycles.
+"""Reads area, point and spot lights. Scaled lights look as in Cycles.
 
 Sheared lights emit uniformly from their parallelogram or ellipse. In Cycles, points sampled on a sheared rectangle lie
 off its plane, and rays intersect another shape than is sampled.
@@ -31,7 +31,7 @@ Row = dict[str, Any]
 
 
 class LightReader:
-    """Reads area and point lights, incrementally, with warnings about all other lights."""
+    """Reads area, point and spot lights, incrementally, with warnings about all other lights."""
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
@@ -67,7 +67,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     """A light with its matrix (4,4); None if it is of another type, has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
     if light.type not in ROWS:
-        issue = f"Only area and point lights shine in this engine, {light.type.lower()} lights are left out"
+        issue = f"{light.type.capitalize()} lights do not shine in this engine"
         findings.warn(issue, source.name)
         return None, findings
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
@@ -83,7 +83,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = ROWS[light.type](light, world_from_light, power)
     if row is None:
-        issue = "Point lights of a radius or at a position beyond measure are left out"
+        issue = "Point and spot lights of a radius, at a position or of a scale beyond measure are left out"
         if light.type == "AREA":
             issue = "Area lights without a size, or of one beyond measure, are left out"
         findings.warn(issue, source.name)
@@ -132,6 +132,7 @@ def _area_row(light: bpy.types.AreaLight, world_from_light: np.ndarray, power: n
         normal=-backwards / depth,
         emission=radiometry.area_light_radiance(power, radiant_area),
         spread=light.spread,
+        blend=0.0,
         radius=0.0,
         soft_falloff=False,
     )
@@ -150,10 +151,32 @@ def _point_row(light: bpy.types.PointLight, world_from_light: np.ndarray, power:
         normal=(0.0, 0.0, -1.0),
         emission=power * radiometry.point_light_factor(radius, getattr(light, "normalize", True)),
         spread=np.pi,
+        blend=0.0,
         radius=radius,
         soft_falloff=light.use_soft_falloff,
     )
 
 
+def _spot_row(light: bpy.types.SpotLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:
+    """What describes a spot light; None if it is nowhere, or has no direction."""
+    row, axes = _point_row(light, world_from_light, power), world_from_light[:3, :3].T
+    lengths = np.linalg.norm(axes, axis=1)
+    if row is None or not (is_within(lengths).all() and lengths.min() > 0.0):
+        return None
+    u, v, backwards = axes / lengths[:, None]
+    return row | Row(
+        shape=LightShape.SPOT,
+        axis_u=u * lengths[0] / lengths[2],
+        axis_v=v * lengths[1] / lengths[2],
+        normal=-backwards,
+        spread=light.spot_size,
+        blend=light.spot_blend,
+    )
+
+
 #: By Blender's type of light: what reads the fields of Lights that depend on the type.
-ROWS: dict[str, Callable[[Any, np.ndarray, np.ndarray], Row | None]] = {"AREA": _area_row, "POINT": _point_row}
+ROWS: dict[str, Callable[[Any, np.ndarray, np.ndarray], Row | None]] = {
+    "AREA": _area_row,
+    "POINT": _point_row,
+    "SPOT": _spot_row,
+}

@@ -142,6 +142,9 @@ LIGHT = Record(
     spread_scale="float",
     radius="float",
     soft_falloff="int",
+    cone_cosine="float",
+    cone_scale="float",
+    circular_cone="int",
     receivers="int",
     blockers="int",
 )

@@ -16,6 +16,7 @@ from ..culling.surface_bounds import SurfaceBounds
 from ..gl import shader_compiler
 from .area import AreaLight
 from .point import PointLight
+from .spot import SpotLight
 
 
 class LightBounds(Protocol):
@@ -40,8 +41,6 @@ class LightType(Protocol):
     name: str
     shapes: tuple[int, ...]
     glsl: Path
-    #: Whether its irradiance in GLSL is exact. Otherwise shadow rays correct its error too, if the light casts shadows.
-    exact: bool
     #: Number of virtual lights that together emit into all directions into which the light does.
     min_virtual_lights: int
 
@@ -59,6 +58,9 @@ class LightType(Protocol):
 
     def is_narrow(self, lights: Lights) -> np.ndarray:
         """(K,) bool: whether a light may illuminate points between receivers that it does not illuminate."""
+
+    def is_exact(self, lights: Lights, row: int) -> bool:
+        """Whether its irradiance in GLSL is exact. Otherwise shadow rays correct its error, if it casts shadows."""
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points on a light for `squares` (N,2) in [0,1): offsets (N,3) m from its position, and unit vectors (N,3).
@@ -79,7 +81,7 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight())
+LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight())
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """
@@ -125,7 +127,11 @@ def type_of(lights: Lights, light: int) -> LightType:
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light."""
     light_type = type_of(lights, light)
-    return types_variant({light_type.name}) | {"exact": int(light_type.exact)} | light_type.variant(lights, light)
+    return (
+        types_variant({light_type.name})
+        | {"exact": int(light_type.is_exact(lights, light))}
+        | light_type.variant(lights, light)
+    )
 
 
 def types_variant(names: Collection[str]) -> dict[str, int]:

@@ -106,7 +106,6 @@ class AreaLight:
     name = "area"
     shapes: tuple[int, ...] = (LightShape.RECTANGLE, LightShape.ELLIPSE)
     glsl = Path(__file__).with_suffix(".glsl")
-    exact = True
     min_virtual_lights = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
@@ -130,6 +129,9 @@ class AreaLight:
 
     def is_narrow(self, lights: Lights) -> np.ndarray:
         return lights.spread < np.pi
+
+    def is_exact(self, lights: Lights, row: int) -> bool:
+        return True
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         across = disk(squares) if lights.shape[row] == LightShape.ELLIPSE else squares - 0.5

@@ -37,12 +37,13 @@ float point_irradiance(Light light, vec3 p, vec3 n) {
 
 // The part of a cap above the receiver's horizon, in the plane perpendicular to the cap's axis: x towards the normal.
 // The horizon is where x = -cosine sqrt(1 - y^2).
-struct PointChord { float half_width; vec2 x; }; // of all chords in y; the ends of the chord at y
 
+// The half width in y of all chords.
 float point_half_width(float cosine, float sine) {
     return cosine >= 0.0 ? sine : sqrt(max((sine * sine - cosine * cosine) / max(1.0 - cosine * cosine, 1e-30), 0.0));
 }
 
+// The ends of the chord at y.
 vec2 point_chord(float cosine, float sine, float y) {
     float end = sqrt(max(sine * sine - y * y, 0.0));
     return vec2(max(-end, -cosine * sqrt(1.0 - y * y)), end);

@@ -77,7 +77,6 @@ class PointLight:
     name = "point"
     shapes: tuple[int, ...] = (LightShape.POINT,)
     glsl = Path(__file__).with_suffix(".glsl")
-    exact = True
     min_virtual_lights = 2
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
@@ -95,6 +94,9 @@ class PointLight:
 
     def is_narrow(self, lights: Lights) -> np.ndarray:
         return np.zeros(len(lights.shape), bool)
+
+    def is_exact(self, lights: Lights, row: int) -> bool:
+        return True
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs on opposite sides of the sphere, so that each receiver is in front of one of each pair."""

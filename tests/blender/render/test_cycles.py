@@ -38,7 +38,7 @@ def point_light(radius: float, soft_falloff: bool) -> bpy.types.Light:
 def light_over_plane(empty_scene, add):
     """light_over_plane(light): a light, tilted and scaled, above a white plane, and a camera above both."""
 
-    def build(light: bpy.types.Light) -> None:
+    def build(light: bpy.types.Light) -> bpy.types.Object:
         plane = add("plane", ([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [(0, 1, 2, 3)]))
         white = bpy.data.materials.new("white")
         white.use_nodes = True
@@ -55,6 +55,7 @@ def light_over_plane(empty_scene, add):
         empty_scene.camera = add("camera", data)
         empty_scene.camera.location = (0.0, 0.0, 3.5)
         empty_scene.render.resolution_x = empty_scene.render.resolution_y = SIDE
+        return light_object
 
     return build
 
@@ -72,6 +73,29 @@ def test_point_lights_equal_those_of_cycles(device, light_over_plane, radius, so
     """The last one almost touches the plane."""
     light_over_plane(point_light(radius, soft_falloff))
     assert_equals_cycles(device, 64 if radius < 1.0 else 256, (0.0003, 0.002))
+
+
+SPOTS = {
+    "hard edge": {"spot_size": 1.0, "spot_blend": 0.0},
+    "soft edge": {"spot_size": 1.0, "spot_blend": 0.15},
+    "all fades": {"spot_size": 1.4, "spot_blend": 1.0},
+    "wide": {"spot_size": 2.8, "spot_blend": 0.5},
+}
+
+
+@pytest.mark.parametrize("scale", [(1.2, 1.2, 1.2), (1.4, 0.8, 1.0)], ids=["circular", "elliptical"])
+@pytest.mark.parametrize(("radius", "soft_falloff"), [(0.0, False), (0.2, False), (0.2, True)])
+@pytest.mark.parametrize("spot", SPOTS)
+def test_spot_lights_equal_those_of_cycles(device, light_over_plane, spot, radius, soft_falloff, scale):
+    """Elliptical cones with a radius are not exact. Hard edges need more of Cycles' samples."""
+    light = bpy.data.lights.new("lamp", "SPOT")
+    light.shadow_soft_size, light.use_soft_falloff, light.energy = radius, soft_falloff, 50.0
+    for name, value in SPOTS[spot].items():
+        setattr(light, name, value)
+    light_over_plane(light).scale = scale
+    elliptical = radius > 0.0 and scale[0] != scale[1]
+    samples = (256 if light.spot_blend else 2048) if radius else 16
+    assert_equals_cycles(device, samples, (0.003, 0.012) if elliptical else (0.0005, 0.006))
 
 
 def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> None:

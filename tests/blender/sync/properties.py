@@ -15,6 +15,7 @@ READ: dict[str, dict[str, object]] = {
     "tall light": {"size_y": 2.0},
     "warm light": {"temperature": 3000.0},
     "point light": {"shadow_soft_size": 0.7, "use_soft_falloff": False},
+    "spot light": {"spot_size": 0.5, "spot_blend": 0.7},
     "material": {},
     "camera": {
         "clip_end": 50.0, "clip_start": 0.5, "lens": 20.0, "angle": 1.5, "angle_x": 1.5, "sensor_width": 20.0,

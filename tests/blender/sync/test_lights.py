@@ -120,7 +120,9 @@ def test_a_point_light_at_no_place_is_left_out_and_reported(add, read_scene):
     add("Lamp", bpy.data.lights.new("Lamp", "POINT")).location = (math.inf, 0, 0)
     scene = read_scene()
     assert len(scene.lights.shape) == 0
-    assert scene.warnings == ("Point lights of a radius or at a position beyond measure are left out: 'Lamp'.",)
+    assert scene.warnings == (
+        "Point and spot lights of a radius, at a position or of a scale beyond measure are left out: 'Lamp'.",
+    )
 
 
 @pytest.mark.parametrize("properties", [{"energy": 0.0}, {"color": (0, 0, 0)}])
@@ -154,12 +156,9 @@ def test_a_light_that_is_too_bright_is_left_out_and_reported(add, read_scene):
 
 
 def test_other_types_of_lights_are_reported_in_one_sentence_each(add, read_scene):
-    for light_type in ("SUN", "SUN", "SPOT"):
+    for light_type in ("SUN", "SUN"):
         add(light_type.title(), bpy.data.lights.new(light_type, light_type))
-    assert read_scene().warnings == (
-        "Only area and point lights shine in this engine, sun lights are left out: 'Sun', 'Sun.001'.",
-        "Only area and point lights shine in this engine, spot lights are left out: 'Spot'.",
-    )
+    assert read_scene().warnings == ("Sun lights do not shine in this engine: 'Sun', 'Sun.001'.",)
 
 
 def test_no_lights_are_an_empty_table(add, read_scene):

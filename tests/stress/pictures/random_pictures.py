@@ -100,6 +100,7 @@ def lights(draw: st.DrawFn) -> Lights:
         normal=axes[:, 2],
         emission=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
         spread=random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05]).astype(np.float32),
+        blend=np.zeros(count, np.float32),
         radius=np.zeros(count),
         soft_falloff=np.zeros(count, bool),
         casts_shadow=random.random(count) < 0.9,

@@ -44,7 +44,6 @@ class Bulb:
     name = "bulb"
     shapes = (BULB,)
     glsl = Path(__file__).with_suffix(".glsl")
-    exact = True
     min_virtual_lights = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
@@ -63,6 +62,9 @@ class Bulb:
 
     def is_narrow(self, lights: Lights) -> np.ndarray:
         return np.zeros(len(lights.shape), bool)
+
+    def is_exact(self, lights: Lights, row: int) -> bool:
+        return True
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All at its position, facing down."""

@@ -79,7 +79,7 @@ def test_rays_correct_an_irradiance_that_is_not_exact(monkeypatch, tmp_path):
     assert exact in text
     glsl.write_text(text.replace(exact, f"{exact} / 1.5"), "utf-8")
     inexact = Bulb()
-    inexact.glsl, inexact.exact = glsl, False
+    inexact.glsl, inexact.is_exact = glsl, lambda lights, row: False
     monkeypatch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, inexact))
     device = open_device()
     view, settings = view_from_above(3.0, height=0.9), with_quality(SMALL_SETTINGS, samples=64)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.point import PointLightBounds
+from ism_addon.gpu.lights.spot import SpotLight, SpotLightBounds
 from ism_addon.scene import Lights, LightShape
 from tests.support.reference_irradiance import point_irradiance
 from tests.support.small_scenes import light
@@ -91,3 +92,39 @@ def test_far_from_a_light_the_estimate_is_accurate():
     (bound,), (estimate,) = PointLightBounds.of(one, np.zeros(3)).irradiance(surfaces)
     assert estimate[0] == pytest.approx(point_irradiance(np.zeros(3), np.array([0.0, 0.0, 1.0]), one), rel=0.02)
     assert estimate[0] < bound[0] < 1.5 * estimate[0]
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 1 << 30),
+    exponent=st.floats(-1.0, 1.5),
+    spread=st.floats(0.0, np.pi),
+    blend=st.sampled_from([0.0, 0.3, 1.0]),
+    radius=st.sampled_from([0.0, 0.05, 0.5]),
+)
+def test_no_spot_is_brighter_than_its_bound(shader, seed, exponent, spread, blend, radius):
+    """Many of the receivers are near the cone, which is elliptical or circular."""
+    random = np.random.default_rng(seed)
+    position, axes = np.float32(random.normal(size=3)).astype(float), np.linalg.qr(random.normal(size=(3, 3)))[0]
+    size = random.choice([1.0, 0.5, 2.0], 2)
+    one = light(
+        *(LightShape.SPOT, position, size[0] * axes[0], size[1] * axes[1]),
+        radius=float(np.float32(radius)),
+        spread=spread,
+        blend=blend,
+    )
+    tangent = np.tan(min(spread / 2.0, 1.5)) * random.uniform(0.0, 1.2)
+    angle = random.uniform(0.0, 2.0 * np.pi)
+    direction = one.normal[0] + tangent * (np.cos(angle) * one.axis_u[0] + np.sin(angle) * one.axis_v[0])
+    points = position + 10.0**exponent * (direction + random.uniform(-0.3, 0.3, (RECEIVERS, 3)))
+    normals = position - points + random.normal(size=(RECEIVERS, 3))
+    points, normals = (np.float32(rows).astype(float) for rows in (points, normals))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    low, high = np.append(points.min(0), 1.0), np.append(points.max(0), 0.0)
+    facing = np.append(normals[0], (normals @ normals[0]).min())
+    surfaces = SurfaceBounds.of(*(row.astype(np.float32)[None, None] for row in (low, high, facing)))
+    (bound,), _ = SpotLightBounds.of(one, np.zeros(3)).irradiance(surfaces)
+    irradiances = shader(one, points, normals)
+    assert irradiances.max() <= 1.0001 * bound[0] + 1e-6 * irradiances.max()
+    boxes = np.stack([points.min(0), points.max(0)])[..., None]
+    assert irradiances.max() == 0.0 or SpotLight().heights(one, np.zeros(3), boxes)[0, 0] > 0.0

@@ -158,7 +158,9 @@ class TraceShadows(Pass):
         if not has_shadow:
             return tiles[:0], tiles
         any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
-        uncertain = (any_visible & any_occluded) | (not type_of(frame.scene.lights, light).exact)
+        uncertain = (any_visible & any_occluded) | (
+            not type_of(frame.scene.lights, light).is_exact(frame.scene.lights, light)
+        )
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
         # The phase changes after each round of subpixel offsets: otherwise rays would start at the same ones only.
