@@ -44,6 +44,12 @@ class SurfaceBounds:
         """The bounds at indices, or where a mask (N,) bool is true."""
         return type(self)(*(getattr(self, member.name)[..., rows] for member in fields(self)))
 
+    def max_cosine(self, axis_cosine: np.ndarray) -> np.ndarray:
+        """(K,N): largest cosine between a direction and the normals in a cone, from that to the cone's axis (K,N)."""
+        cosine, sine = np.cos(self.half_angle), np.sin(self.half_angle)
+        outside = axis_cosine * cosine + np.sqrt(1.0 - axis_cosine * axis_cosine) * sine
+        return np.where(axis_cosine >= cosine, np.float32(1.0), outside)
+
     def half_angle_around(self, other: Self) -> np.ndarray:
         """(N,) rad: half angles of cones around these axes that contain the other's cones."""
         return np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0)) + other.half_angle

@@ -79,11 +79,8 @@ class AreaLightBounds:
         slack = radius + self.radius
         along = -dot(to, self.normal)
         upright = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
-        cosine, sine = np.cos(surfaces.half_angle), np.sin(surfaces.half_angle)
-        max_cosine = np.where(
-            upright >= cosine, np.float32(1.0), upright * cosine + np.sqrt(1.0 - upright * upright) * sine
-        )
-        max_ahead, above, near = along + radius, max_cosine * distance + slack, distance - slack
+        max_ahead, near = along + radius, distance - slack
+        above = surfaces.max_cosine(upright) * distance + slack
         across = np.sqrt(np.maximum(distance * distance - along * along, 0.0))
         lit = surfaces.exists & (max_ahead > 0.0) & (above > 0.0) & ~self.is_outside_cone(along, across, slack)
         wide = self.scale == 0.0

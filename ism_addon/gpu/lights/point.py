@@ -53,13 +53,7 @@ class PointLightBounds:
         distance = np.sqrt(square) + np.float32(1e-20)
         box_radius = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
         axis_cosine = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
-        cosine, sine = np.cos(surfaces.half_angle), np.sin(surfaces.half_angle)
-        max_cosine = np.where(
-            axis_cosine >= cosine,
-            np.float32(1.0),
-            axis_cosine * cosine + np.sqrt(1.0 - axis_cosine * axis_cosine) * sine,
-        )
-        highest = max_cosine * distance + box_radius + self.radius
+        highest = surfaces.max_cosine(axis_cosine) * distance + box_radius + self.radius
         nearest = np.maximum(distance - box_radius, self.radius)
         lit = surfaces.exists & (highest > 0.0)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # at the light, or not lit
