@@ -159,6 +159,16 @@ def pass_table() -> str:
     return f"{error_report.table(rows)}\n\n{recorded['size'].replace('x', '×')} pixels. {record.sentence(recorded)}"
 
 
+def gpu_table() -> str:
+    """Frames per second on a graphics card, by scene, method and case."""
+    recorded = record.read("gpu")
+    rows = [["scene", "triangles", "method", "pixels", "frames/s", "ms a frame, median"]]
+    for each in recorded["cases"]:
+        names = each["scene"], f"{each['triangles']:,}", each["method"], each["case"]
+        rows.append([*names, f"{each['frames a second']:.1f}", f"{each['ms']:.1f}"])
+    return f"{error_report.table(rows)}\n\n{record.sentence(recorded)}"
+
+
 def constants_table() -> str:
     """The relative cost of tuned constants at half and at twice their value."""
     recorded = record.read("constants")
@@ -194,6 +204,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "atrium": atrium_table,
     "passes": pass_table,
     "small meshes": small_meshes_table,
+    "gpu": gpu_table,
     "constants": constants_table,
     "draws": draws_table,
 }

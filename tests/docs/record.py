@@ -16,8 +16,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import bpy
-
 from tests.tools import project
 
 PACKAGES = ("numpy", "moderngl")
@@ -55,8 +53,13 @@ def origin(name: str, opengl: str) -> dict[str, object]:
             "opengl": opengl,
             "load before": LOAD_BEFORE,
         },
-        "versions": {"blender": bpy.app.version_string} | {name: metadata.version(name) for name in PACKAGES},
+        "versions": blender_version() | {name: metadata.version(name) for name in PACKAGES},
     }
+
+
+def blender_version() -> dict[str, str]:
+    """Of the Blender that the benchmark uses; empty if it uses none."""
+    return {"blender": sys.modules["bpy"].app.version_string} if "bpy" in sys.modules else {}
 
 
 def without_output(arguments: list[str]) -> list[str]:
@@ -94,8 +97,9 @@ def sentence(record: Mapping[str, Any]) -> str:
     """A sentence on the origin of a record's numbers."""
     machine, versions = record["machine"], record["versions"]
     load = machine["load before"]
+    blender = f", Blender {versions['blender']}" if "blender" in versions else ""
     busy = "" if load is None else f"; {load:.1f} other processes were running when it began"
     return (
         f"Recorded {record['date'][:10]} by `{record['command']}`, commit {record['commit']}: {machine['cores']} cores "
-        f"of {machine['processor']}, {machine['opengl']}, {machine['system']}, Blender {versions['blender']}{busy}."
+        f"of {machine['processor']}, {machine['opengl']}, {machine['system']}{blender}{busy}."
     )

@@ -64,7 +64,8 @@ def test_one_ray_that_differs_changes_predictions_up_to_two_probes_away(device):
     is_uncertain[11:22, 5:16] = True  # two probes to each side, and the pixels between those and the next
     assert np.array_equal(prediction[..., 1] == 1.0, is_uncertain)
     expected = 1.0 - np.outer(TENT, TENT) / TENT.sum() ** 2
-    assert prediction[12:22:2, 6:16:2, 0] == pytest.approx(expected, abs=2**-11)
+    # Rounded at the probes, and again at the pixels; OpenGL does not say which way.
+    assert prediction[12:22:2, 6:16:2, 0] == pytest.approx(expected, abs=2**-10)
     assert (prediction[~is_uncertain] == (1.0, 0.0)).all()
 
 

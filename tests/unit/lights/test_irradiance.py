@@ -180,6 +180,21 @@ def test_lights_that_are_almost_small_have_their_spread_integrated(shader, shape
     assert error.max() < 3e-3
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_spread_is_integrated_below_edges_and_corners(shader, seed):
+    """Of lights that point anywhere: rounding moves receivers to either side of an edge."""
+    random = np.random.default_rng(seed)
+    axes, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    u, v = random.uniform(0.1, 0.3, 2)[:, None] * axes[:2]
+    lights = light(LightShape.RECTANGLE, (0.0, 0.0, 0.0), single(u), single(v), spread=np.radians(90.0))
+    normal = lights.normal[0]
+    offsets = [(x, y) for x in (-0.5, 0.0, 0.5) for y in (-0.5, 0.0, 0.5) if (x, y) != (0.0, 0.0)]
+    points = single(np.array(offsets) @ np.stack([u, v]) + 2.0 * normal)
+    normals = np.tile(-normal, (len(points), 1))
+    truth = np.array([spread_integral(p, n, lights) for p, n in zip(points, normals, strict=True)])
+    assert shader(lights, points, normals) == pytest.approx(truth, rel=2e-3)  # the reference's error at corners
+
+
 @BOTH_SHAPES
 @pytest.mark.parametrize("spread", [np.pi, np.radians(60.0), 0.0])
 def test_irradiance_is_zero_behind_in_the_plane_facing_away_and_outside_the_cone(shader, shape, spread):

@@ -28,17 +28,20 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     return sum * (last - first) * d / root;
 }
 
-// A foot on an edge or a corner is moved inside by this distance.
-const float INSIDE = 1e-15;
+// A foot on an edge or a corner is moved inside by this distance. Coordinates below ROUNDING are rounding errors: without
+// them the angles at a corner add up.
+const float INSIDE = 1e-15, ROUNDING = 1e-6;
+
+float without_rounding(float x, float size) { return abs(x) <= ROUNDING * max(size, 1.0) ? 0.0 : x; }
 
 // An edge's term of the boundary integral, minus the arc of the cone's boundary that it replaces; 0 outside the cone.
 // `encloses` becomes false where the foot is on the edge's outer side.
 float cone_edge_term(vec2 from, vec2 edge, vec3 n, float cone, inout bool encloses) {
     float size = length(edge);
     vec2 along = edge / max(size, 1e-30);
-    float d = from.x * along.y - from.y * along.x, start = dot(from, along);
-    float chord = sqrt(max(cone * cone - d * d, 0.0)), end = min(start + size, chord);
-    start = max(start, -chord);
+    float d = without_rounding(from.x * along.y - from.y * along.x, size), start = dot(from, along);
+    float chord = sqrt(max(cone * cone - d * d, 0.0)), end = min(without_rounding(start + size, size), chord);
+    start = max(without_rounding(start, size), -chord);
     if (d == 0.0) {
         d = INSIDE;
         start -= INSIDE;

@@ -51,12 +51,15 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
     return hits > 0u ? TraversalState(4 * state.node + findLSB(hits), trail) : pop(state);
 }
 
+// A triangle is enlarged by this fraction of its size, so that rounding errors leave no gap between neighbours.
+const float TRIANGLE_SLACK = 1e-6;
+
 bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     TriangleVertices corners = fetch_triangle(triangle);
     vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
     float scale = 1.0 / dot(corners.u, p);
     float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
-    return s >= 0.0 && t >= 0.0 && s + t <= 1.0 && at > 0.0 && at < 1.0;
+    return min(s, t) >= -TRIANGLE_SLACK && s + t <= 1.0 + TRIANGLE_SLACK && at > 0.0 && at < 1.0;
 }
 
 // Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
