@@ -43,7 +43,7 @@ def test_the_readme_is_short():
 def test_a_record_states_its_origin(path):
     found = record.read(path.stem)
     assert re.fullmatch(
-        r"Recorded \d{4}-\d\d-\d\d by `python3 dev\.py bench \w+.*`, commit \w+\+?: \d+ cores of .+, .+, Blender .+\.",
+        r"Recorded \d{4}-\d\d-\d\d by `python3 dev\.py bench \w+.*`, commit \w+\+?: \d+ cores of .+, .+[;.].*",
         record.sentence(found),
     )
 

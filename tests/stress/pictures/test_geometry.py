@@ -141,6 +141,18 @@ def test_a_light_in_a_closed_box(device, assert_within, settings, max_leak):
     assert_within(leaked_fraction(device, scene, VIEW, settings), max_leak)
 
 
+@pytest.mark.parametrize("shape", [LightShape.POINT, LightShape.RECTANGLE], ids=["point", "rectangle"])
+@pytest.mark.parametrize("around", [16, 200, 850])
+def test_no_ray_passes_between_the_triangles_of_a_ball(device, around, shape):
+    """A light in a ball of up to 360,000 triangles, tilted so that nothing is aligned."""
+    ball = sphere((0.0, 0.0, 0.0), 1.0, around, around // 4)
+    matrices = np.array([transform(), transform(rotation((1.0, 2.0, 3.0), 0.4), (0.0, 0.0, 2.0))])
+    one = light(shape, (0.1, 0.03, 2.0), (0.3, 0.0, 0.0), (0.0, -0.3, 0.0))
+    scene = make_scene([quad((-8, -8, 0), (16, 0, 0), (0, 16, 0)), ball], one, matrices)
+    view = view_from_above(12.0, (400, 400), height=0.5)
+    assert not draw(device, scene, view, SETTINGS).color[..., :3].any()
+
+
 def test_a_light_that_a_box_cuts(device, assert_within):
     """A box encloses one half of a light: the other half illuminates the floor."""
     area_light = light(position=(0.0, 0.0, 2.0), radiance=5.0)

@@ -28,11 +28,11 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     return sum * (last - first) * d / root;
 }
 
-// A foot on an edge or a corner is moved inside by this distance. Coordinates below ROUNDING are rounding errors: without
+// A foot on an edge or a corner is moved inside by this distance. Coordinates below FOOT_ROUNDING are rounding errors: without
 // them the angles at a corner add up.
-const float INSIDE = 1e-15, ROUNDING = 1e-6;
+const float INSIDE = 1e-15, FOOT_ROUNDING = 1e-6;
 
-float without_rounding(float x, float size) { return abs(x) <= ROUNDING * max(size, 1.0) ? 0.0 : x; }
+float without_rounding(float x, float size) { return abs(x) <= FOOT_ROUNDING * max(size, 1.0) ? 0.0 : x; }
 
 // An edge's term of the boundary integral, minus the arc of the cone's boundary that it replaces; 0 outside the cone.
 // `encloses` becomes false where the foot is on the edge's outer side.

@@ -51,15 +51,23 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
     return hits > 0u ? TraversalState(4 * state.node + findLSB(hits), trail) : pop(state);
 }
 
-// A triangle is enlarged by this fraction of its size, so that rounding errors leave no gap between neighbours.
-const float TRIANGLE_SLACK = 1e-6;
+// The side of a ray from the origin on which it passes the edge from a to b. The same edge of a neighbour, from b to a,
+// gives exactly the opposite, so that no ray passes between two triangles: fused operations would round differently.
+float edge_side(vec3 ray, vec3 a_plus_b, vec3 edge) {
+    precise vec3 moment = a_plus_b.yzx * edge.zxy - a_plus_b.zxy * edge.yzx;
+    precise float side = ray.x * moment.x + ray.y * moment.y + ray.z * moment.z;
+    return side;
+}
 
 bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     TriangleVertices corners = fetch_triangle(triangle);
-    vec3 p = cross(ray, corners.v), to = origin - corners.first, q = cross(to, corners.u); // Moller & Trumbore 1997
-    float scale = 1.0 / dot(corners.u, p);
-    float s = dot(to, p) * scale, t = dot(ray, q) * scale, at = dot(corners.v, q) * scale;
-    return min(s, t) >= -TRIANGLE_SLACK && s + t <= 1.0 + TRIANGLE_SLACK && at > 0.0 && at < 1.0;
+    vec3 a = corners.first - origin, b = corners.first + corners.u - origin, c = corners.first + corners.v - origin;
+    vec3 side = vec3(edge_side(ray, a + b, corners.u), edge_side(ray, b + c, corners.v - corners.u),
+                     edge_side(ray, c + a, -corners.v));
+    vec3 normal = cross(corners.u, corners.v);
+    float height = dot(normal, a), slope = dot(normal, ray); // it meets the plane at height / slope of its length
+    bool inside = min(side.x, min(side.y, side.z)) >= 0.0 || max(side.x, max(side.y, side.z)) <= 0.0;
+    return inside && height * slope > 0.0 && abs(height) < abs(slope);
 }
 
 // Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
