@@ -48,6 +48,14 @@ def point_light_factor(radius: float, normalized: bool) -> float:
     return radius * radius if radius > 0.0 else 1.0 / np.pi
 
 
+def sun_light_factor(angle: float, normalized: bool) -> float:
+    """Irradiance, W/m², of a surface that faces a sun of this angle, rad, by the sun's strength.
+
+    Cycles without normalization takes the strength for the radiance, if there is an angle.
+    """
+    return 1.0 if normalized or angle == 0.0 else float(np.pi * np.sin(0.5 * min(angle, np.pi)) ** 2)
+
+
 def is_perpendicular(axis_u: np.ndarray, axis_v: np.ndarray) -> bool:
     """Whether a light's axes (3,) are at right angles, within the precision of Blender's float32 matrices."""
     return abs(float(axis_u @ axis_v)) <= 1e-5 * float(np.linalg.norm(axis_u) * np.linalg.norm(axis_v))

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .gpu.buffers.mesh_buffers import MeshBuffers, UVBuffers
     from .gpu.convergence import Convergence
     from .gpu.culling.light_influence import LightInfluence
+    from .gpu.culling.receiver_region import ReceiverRegion
     from .gpu.gl.buffer_texture import BufferTexture
     from .gpu.passes.light_selection.cull_lights import CullingState
     from .gpu.passes.light_selection.retest_occluded import Retest
@@ -144,6 +145,9 @@ LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
 )
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
     "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
+)
+RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
+    "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True
 )
 PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)

@@ -123,7 +123,7 @@ class Renderer:
             )
         if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
             anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
-            self.uniforms.write(frame_uniforms.frame_block(view, anchor, scene.working_space))
+            self.uniforms.write(frame_uniforms.frame_block(scene, view, anchor))
             self.placed = scene, view, anchor
         grid, chosen = self.grid(view, settings, sample, low_latency), estimators(settings)
         if sample == 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights: areas, points and spots."""
+"""Lights: areas, points, spots and suns."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -19,11 +19,12 @@ class LightShape(IntEnum):
     ELLIPSE = 1
     POINT = 2
     SPOT = 3
+    SUN = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Lights(Arrays):
-    """Lights in world space. Fields that a shape does not use have valid values all the same."""
+    """Lights in world space. Fields that a shape does not use have valid values all the same; suns have no position."""
 
     #: LightShape.
     shape: np.ndarray = index("int32 L", into=len(LightShape))
@@ -32,11 +33,13 @@ class Lights(Arrays):
     #: of unit length if it is circular.
     axis_u: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
     axis_v: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
-    #: Of areas, the side that emits; of spots, their axis.
+    #: Of areas, the side that emits; of spots, their axis; of suns, the direction of their light.
     normal: np.ndarray = array("float64 L 3", UNIT_VECTOR)
-    #: Radiance of areas along the normal, W/(sr m²); intensity of points, and of spots along their axis, W/sr.
-    emission: np.ndarray = array("float32 L 3", "W/(sr m²), W/sr", max_abs=MAX_EMISSION)
-    #: Blender's spread of areas; pi: Lambertian. Of spots, the angle of their cone.
+    #: Radiance of areas along the normal, W/(sr m²); intensity of points, and of spots along their axis, W/sr;
+    #: irradiance of suns on a surface that faces them, W/m².
+    emission: np.ndarray = array("float32 L 3", "W/(sr m²), W/sr, W/m²", max_abs=MAX_EMISSION)
+    #: Blender's spread of areas; pi: Lambertian. Of spots, the angle of their cone. Of suns, the angle at which they
+    #: are seen, at most pi; 0: parallel light.
     spread: np.ndarray = array("float32 L", "rad")
     #: Of spots: the fraction of the cone in which it fades out.
     blend: np.ndarray = array("float32 L")

@@ -131,13 +131,12 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         light, layout = context.light, self.layout
         layout.row().prop(light, "type", expand=True)
-        if light.type not in {"AREA", "POINT", "SPOT"}:
-            layout.label(text="ISM does not draw this type of light", icon="INFO")
-            return
         layout.use_property_split = True
         self._draw_power(light, layout.column())
         if light.type == "AREA":
             self._draw_shape(light, layout.column())
+        elif light.type == "SUN":
+            layout.prop(light, "angle")
         else:
             layout.prop(light, "shadow_soft_size", text="Radius")
             layout.prop(light, "use_soft_falloff")
@@ -155,7 +154,7 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
             temperature.active = light.use_temperature
             temperature.prop(light, "temperature", text="")
         column.prop(light, "color")
-        column.prop(light, "energy")
+        column.prop(light, "energy", text="Strength" if light.type == "SUN" else "Power")
         if hasattr(light, "exposure"):
             column.prop(light, "exposure")
             column.prop(light, "normalize")

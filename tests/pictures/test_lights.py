@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small scenes in the light of a point or a spot light, with and without a radius, by both methods against the
-reference."""
+"""Small scenes in the light of a point, spot or sun, with and without a size, by both methods against the reference."""
 
 from dataclasses import replace
 from functools import cache
@@ -37,13 +36,14 @@ FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
 
 @cache
 def case(name: str, shape: LightShape, radius: float) -> tuple[Scene, View, np.ndarray]:
-    """A small scene with a point or spot light in place of its own, its view, and the reference picture (N,3).
+    """A small scene with another light in place of its own, its view, and the reference picture (N,3).
 
-    The spot points where its own light did, and its cone ends within the picture.
+    A spot or sun points where its own light did. A spot's cone ends within the picture.
     """
     scene, view = SMALL[name](48, 32)
     axes = (axis / np.linalg.norm(axis) for axis in (scene.lights.axis_u[0], scene.lights.axis_v[0]))
-    one = light(shape, scene.lights.position[0], *axes, radius=radius, radiance=5.0, spread=1.1, blend=0.4)
+    spread = radius if shape == LightShape.SUN else 1.1
+    one = light(shape, scene.lights.position[0], *axes, radius=radius, radiance=5.0, spread=spread, blend=0.4)
     one = replace(one, normal=scene.lights.normal[:1])
     scene = replace(scene, lights=one)
     return scene, view, reference.picture(scene, view, 24)[0]
@@ -51,7 +51,7 @@ def case(name: str, shape: LightShape, radius: float) -> tuple[Scene, View, np.n
 
 @pytest.mark.parametrize("method", Method)
 @pytest.mark.parametrize("radius", BOUNDS)
-@pytest.mark.parametrize("shape", [LightShape.POINT, LightShape.SPOT], ids=["point", "spot"])
+@pytest.mark.parametrize("shape", [LightShape.POINT, LightShape.SPOT, LightShape.SUN], ids=["point", "spot", "sun"])
 @pytest.mark.parametrize("name", ["box over plane", "sphere in corner"])
 def test_the_picture_is_that_of_the_reference(device, name, shape, radius, method):
     scene, view, truth = case(name, shape, radius)

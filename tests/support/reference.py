@@ -88,12 +88,24 @@ def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, sla
 
 # --- lights
 
+#: Distance of the points that stand for a sun, m.
+SUN_DISTANCE = 1e5
+
 
 def grid_on_light(lights: Lights, light: int, side: int) -> tuple[np.ndarray, float]:
     """(N,3) points, the centres of cells of equal area on the light; and the area of a cell.
 
-    The area is in m², of points in π times the square of the radius: their emission is an intensity.
+    The area is in m², of points in π times the square of the radius: their emission is an intensity. Points of a sun
+    lie SUN_DISTANCE away, and the area is a fraction of it.
     """
+    if lights.shape[light] == LightShape.SUN:
+        side = side if lights.spread[light] > 0.0 else 1
+        middle = (np.arange(side) + 0.5) / side
+        a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
+        across = np.sin(lights.spread[light] / 2.0) * np.sqrt(a)
+        at = [across * np.cos(2.0 * np.pi * b), across * np.sin(2.0 * np.pi * b), np.sqrt(1.0 - across**2)]
+        axis = -lights.normal[light]
+        return SUN_DISTANCE * np.column_stack(at) @ np.stack([*orthonormal(axis), axis]), 1.0 / side**2
     is_point = lights.shape[light] in (LightShape.POINT, LightShape.SPOT)
     if is_point and lights.radius[light] == 0.0:
         return lights.position[light][None], 1.0
@@ -120,6 +132,8 @@ def irradiance_per_area(
     to_light = emitters - points
     square = (to_light**2).sum(-1)
     receiver = np.maximum((normals * to_light).sum(-1), 0.0)
+    if lights.shape[light] == LightShape.SUN:
+        return receiver / np.maximum(-to_light @ lights.normal[light], 1e-9)
     if lights.shape[light] in (LightShape.POINT, LightShape.SPOT):
         outwards = emitters - lights.position[light]
         radius = lights.radius[light]
@@ -239,9 +253,9 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
         lit = np.flatnonzero(surface.exists & (contributions > 0.0).any(0))
         contributions = contributions[:, lit]
         if scene.lights.casts_shadow[light]:
-            contributions = contributions * visible(
-                surface.position[lit] + 1e-4 * surface.geometric_normal[lit], emitters, blockers
-            )
+            starts = surface.position[lit] + 1e-4 * surface.geometric_normal[lit]
+            slack = 1e-4 / (SUN_DISTANCE if scene.lights.shape[light] == LightShape.SUN else 1.0)
+            contributions = contributions * visible(starts, emitters, blockers, slack)
         total_irradiance[lit] += np.outer(contributions.sum(0) * cell_area, scene.lights.emission[light])
     base_color = scene.materials.base_color[0].astype(np.float64)
     color = base_color * (total_irradiance / np.pi + scene.world.radiance)

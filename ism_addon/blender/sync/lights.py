@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads area, point and spot lights. Scaled lights look as in Cycles.
+"""Reads lights. Scaled ones look as in Cycles.
 
 Sheared lights emit uniformly from their parallelogram or ellipse. In Cycles, points sampled on a sheared rectangle lie
 off its plane, and rays intersect another shape than is sampled.
@@ -31,7 +31,7 @@ Row = dict[str, Any]
 
 
 class LightReader:
-    """Reads area, point and spot lights, incrementally, with warnings about all other lights."""
+    """Reads lights, incrementally, with warnings about what they ask for that is not drawn."""
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
@@ -64,12 +64,8 @@ class LightReader:
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
-    """A light with its matrix (4,4); None if it is of another type, has no size or emits nothing."""
+    """A light with its matrix (4,4); None if it has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
-    if light.type not in ROWS:
-        issue = f"{light.type.capitalize()} lights do not shine in this engine"
-        findings.warn(issue, source.name)
-        return None, findings
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
     if portal or not source.visible_diffuse:
         return None, findings  # as in Cycles, where portals only guide rays to the world
@@ -83,10 +79,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = ROWS[light.type](light, world_from_light, power)
     if row is None:
-        issue = "Point and spot lights of a radius, at a position or of a scale beyond measure are left out"
-        if light.type == "AREA":
-            issue = "Area lights without a size, or of one beyond measure, are left out"
-        findings.warn(issue, source.name)
+        findings.warn(LEFT_OUT[light.type], source.name)
         return None, findings
     if light.type == "AREA" and not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
         findings.warn("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
@@ -174,9 +167,38 @@ def _spot_row(light: bpy.types.SpotLight, world_from_light: np.ndarray, power: n
     )
 
 
+def _sun_row(light: bpy.types.SunLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:
+    """What describes a sun; None if it has no direction. Its power is an irradiance, W/m²."""
+    backwards = world_from_light[:3, 2]
+    length = np.linalg.norm(backwards)
+    if not (is_within(backwards).all() and length > 0.0):
+        return None
+    return Row(
+        shape=LightShape.SUN,
+        position=(0.0, 0.0, 0.0),
+        axis_u=(1.0, 0.0, 0.0),
+        axis_v=(0.0, 1.0, 0.0),
+        normal=-backwards / length,
+        emission=power * radiometry.sun_light_factor(light.angle, getattr(light, "normalize", True)),
+        spread=min(light.angle, np.pi),
+        blend=0.0,
+        radius=0.0,
+        soft_falloff=False,
+    )
+
+
 #: By Blender's type of light: what reads the fields of Lights that depend on the type.
 ROWS: dict[str, Callable[[Any, np.ndarray, np.ndarray], Row | None]] = {
     "AREA": _area_row,
     "POINT": _point_row,
     "SPOT": _spot_row,
+    "SUN": _sun_row,
+}
+
+#: By Blender's type of light: what is said of one without a row.
+LEFT_OUT = {
+    "AREA": "Area lights without a size, or of one beyond measure, are left out",
+    "POINT": "Point lights of a radius or at a position beyond measure are left out",
+    "SPOT": "Spot lights of a radius, at a position or of a scale beyond measure are left out",
+    "SUN": "Suns without a direction are left out",
 }

@@ -4,7 +4,7 @@
 import numpy as np
 
 from ...color import luminance
-from ...scene import View
+from ...scene import Scene, View
 from ...spaces import view_from_anchor
 
 #: Members in order. Their sizes are multiples of a vec4, so std140 needs no padding.
@@ -19,6 +19,7 @@ MEMBERS = {
     "ray_direction_y": "vec4",
     "luminance_weights": "vec4",  # of red, green and blue
     "picture_size": "vec4",  # width and height, px; textures may be larger, see driver_variants.py
+    "scene_extent": "vec4",  # x: largest side of the box around the scene, m
 }
 DTYPE = np.dtype([(name, "f4", (16 if type_ == "mat4" else 4,)) for name, type_ in MEMBERS.items()])
 NAME = "Frame"
@@ -53,7 +54,7 @@ def clip_from_anchor(view: View, anchor: np.ndarray) -> np.ndarray:
     return view.clip_from_view @ view_from_anchor(view.view_from_world, anchor)
 
 
-def frame_block(view: View, anchor: np.ndarray, working_space: str) -> np.ndarray:
+def frame_block(scene: Scene, view: View, anchor: np.ndarray) -> np.ndarray:
     """One row of DTYPE."""
     from_anchor = view_from_anchor(view.view_from_world, anchor)
     origins, directions = rays(view.clip_from_view, view.width, view.height)
@@ -67,6 +68,7 @@ def frame_block(view: View, anchor: np.ndarray, working_space: str) -> np.ndarra
     for name, rows in (("ray_origin", origins), ("ray_direction", directions)):
         for suffix, row in zip(("", "_x", "_y"), rows, strict=True):
             block[name + suffix][:3] = row
-    block["luminance_weights"][:3] = luminance(working_space)
+    block["luminance_weights"][:3] = luminance(scene.working_space)
     block["picture_size"][:2] = view.width, view.height
+    block["scene_extent"][0] = scene.extent
     return block

@@ -156,6 +156,6 @@ PROBE_BLOCK = Record("ProbeBlock", light="int", light_uv="uvec2", first_texel="i
 #: A contributing light, and the range of its virtual lights.
 VIRTUAL_LIGHT_RANGE = Record("VirtualLightRange", light="int", first="int", count="int")
 
-#: A virtual point light: its offset from the light's position, and the axes x and z of its shadow map, along which it
-#: faces. In anchor space.
-VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", x_axis="vec3", axis="vec3")
+#: A virtual light: the offset of its shadow map's origin from the light's position, the map's axes x and z, along which
+#: it faces, and half of the map's width, m; 0: the map is of its hemisphere, not parallel. In anchor space.
+VIRTUAL_LIGHT = Record("VirtualLight", offset="vec3", map_radius="float", x_axis="vec3", axis="vec3")

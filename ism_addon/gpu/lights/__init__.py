@@ -12,11 +12,13 @@ from typing import Protocol
 import numpy as np
 
 from ...scene import Lights
+from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
 from ..gl import shader_compiler
 from .area import AreaLight
 from .point import PointLight
 from .spot import SpotLight
+from .sun import SunLight
 
 
 class LightBounds(Protocol):
@@ -43,6 +45,8 @@ class LightType(Protocol):
     glsl: Path
     #: Number of virtual lights that together emit into all directions into which the light does.
     min_virtual_lights: int
+    #: Whether virtual lights emit parallel light, into the region of the receivers.
+    parallel: bool
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         """Rows (K,) of LIGHT, about the anchor (3,) m."""
@@ -50,8 +54,11 @@ class LightType(Protocol):
     def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
         """Bounds for culling, about the anchor (3,) m."""
 
-    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
-        """(2,3,K) m: low and high corners of the boxes in which shadow rays end, about the anchor."""
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
+        """(2,3,K,B) m: low and high corners of the boxes in which shadow rays from boxes (2,3,B) end, about the anchor.
+
+        B is 1 if they are the same for all boxes.
+        """
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
         """(N,K) m: how far boxes (2,3,N) extend into the half space that a light can illuminate; <= 0: not at all."""
@@ -65,15 +72,23 @@ class LightType(Protocol):
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points on a light for `squares` (N,2) in [0,1): offsets (N,3) m from its position, and unit vectors (N,3).
 
-        A virtual light emits into the hemisphere around its vector.
+        A virtual light emits into the hemisphere around its vector, or, if it is parallel, along the vector.
         """
 
     def solid_angles(
-        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+        self,
+        lights: Lights,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
     ) -> np.ndarray:
         """(P,) float32, proportional to the solid angles of occluders of `area` m² each, as seen from a light.
 
         They lie at points (P,3) about the anchor, with normals (P,3). 0 for those that cannot occlude the light.
+        `region` contains all receivers, if the light is parallel.
         """
 
     def variant(self, lights: Lights, row: int) -> dict[str, int]:
@@ -81,7 +96,7 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight())
+LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight())
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """

@@ -17,6 +17,7 @@ from ...radiometry import MIN_SPREAD, light_areas, plane_normals, spread_terms
 from ...sampling.points import disk
 from ...scene import Lights, LightShape
 from ...spaces import orthonormal
+from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
 from .light_records import light_records
 
@@ -104,6 +105,7 @@ class AreaLight:
     shapes: tuple[int, ...] = (LightShape.RECTANGLE, LightShape.ELLIPSE)
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 1
+    parallel = False
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         table = light_records(lights, anchor, "axis_u", "axis_v")
@@ -115,9 +117,9 @@ class AreaLight:
     def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> AreaLightBounds:
         return AreaLightBounds.of(lights, anchor, working_space)
 
-    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
         centre, half = (lights.position - anchor).T, (np.abs(lights.axis_u) + np.abs(lights.axis_v)).T / 2.0
-        return np.stack([centre - half, centre + half])
+        return np.stack([centre - half, centre + half])[..., None]
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
         normals = plane_normals(lights)
@@ -136,7 +138,14 @@ class AreaLight:
         return offsets, np.broadcast_to(plane_normals(lights.select(slice(row, row + 1))), offsets.shape)
 
     def solid_angles(
-        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+        self,
+        lights: Lights,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
     ) -> np.ndarray:
         """A third of the value of an occluder facing the light is added to all, so that edge-on ones are not lost."""
         bounds = AreaLightBounds.of(lights.select(slice(row, row + 1)), anchor)

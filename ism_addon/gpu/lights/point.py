@@ -14,6 +14,7 @@ import numpy as np
 from ...color import REC709, luminance
 from ...sampling.points import sphere
 from ...scene import Lights, LightShape
+from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
 from .light_records import light_records
 
@@ -72,6 +73,7 @@ class PointLight:
     shapes: tuple[int, ...] = (LightShape.POINT,)
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 2
+    parallel = False
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         return light_records(lights, anchor, "radius", "soft_falloff")
@@ -79,9 +81,9 @@ class PointLight:
     def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> PointLightBounds:
         return PointLightBounds.of(lights, anchor, working_space)
 
-    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
         centre = (lights.position - anchor).T
-        return np.stack([centre - lights.radius, centre + lights.radius])
+        return np.stack([centre - lights.radius, centre + lights.radius])[..., None]
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
         return np.full((boxes.shape[2], len(lights.shape)), np.inf)
@@ -99,7 +101,14 @@ class PointLight:
         return lights.radius[row] * directions, directions
 
     def solid_angles(
-        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+        self,
+        lights: Lights,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
     ) -> np.ndarray:
         """A third of the value of an occluder facing the light is added to all, so that edge-on ones are not lost."""
         to = points - (lights.position[row] - anchor).astype(np.float32)

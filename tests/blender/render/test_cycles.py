@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares unshadowed light with Cycles: scaled area lights of all shapes and different spreads, and point lights."""
+"""Compares unshadowed light with Cycles: scaled area lights of all shapes and spreads, points, spots, suns."""
 
 import math
 from dataclasses import replace
@@ -96,6 +96,18 @@ def test_spot_lights_equal_those_of_cycles(device, light_over_plane, spot, radiu
     elliptical = radius > 0.0 and scale[0] != scale[1]
     samples = (256 if light.spot_blend else 2048) if radius else 16
     assert_equals_cycles(device, samples, (0.003, 0.012) if elliptical else (0.0005, 0.006))
+
+
+@pytest.mark.parametrize("normalize", [True, False])
+@pytest.mark.parametrize("angle", [0.0, math.radians(0.526), 0.5, 2.0, math.pi])
+def test_suns_equal_those_of_cycles(device, light_over_plane, angle, normalize):
+    light = bpy.data.lights.new("lamp", "SUN")
+    light.angle, light.energy = angle, 2.0
+    if hasattr(light, "normalize"):
+        light.normalize = normalize
+        light.energy /= 1.0 if normalize else max(math.sin(angle / 2.0) ** 2, 1e-4)  # to be as bright
+    light_over_plane(light).rotation_euler = (1.2, 0.2, 0.5)  # the horizon cuts the large ones
+    assert_equals_cycles(device, 64 if angle < 1.0 else 1024, (0.0003, 0.002))
 
 
 def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> None:

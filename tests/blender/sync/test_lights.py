@@ -120,9 +120,7 @@ def test_a_point_light_at_no_place_is_left_out_and_reported(add, read_scene):
     add("Lamp", bpy.data.lights.new("Lamp", "POINT")).location = (math.inf, 0, 0)
     scene = read_scene()
     assert len(scene.lights.shape) == 0
-    assert scene.warnings == (
-        "Point and spot lights of a radius, at a position or of a scale beyond measure are left out: 'Lamp'.",
-    )
+    assert scene.warnings == ("Point lights of a radius or at a position beyond measure are left out: 'Lamp'.",)
 
 
 @pytest.mark.parametrize("properties", [{"energy": 0.0}, {"color": (0, 0, 0)}])
@@ -155,10 +153,35 @@ def test_a_light_that_is_too_bright_is_left_out_and_reported(add, read_scene):
     assert scene.warnings == ("Area lights too bright to be drawn are left out: 'Lamp'.",)
 
 
-def test_other_types_of_lights_are_reported_in_one_sentence_each(add, read_scene):
-    for light_type in ("SUN", "SUN"):
-        add(light_type.title(), bpy.data.lights.new(light_type, light_type))
-    assert read_scene().warnings == ("Sun lights do not shine in this engine: 'Sun', 'Sun.001'.",)
+@pytest.mark.parametrize("angle", [0.0, 0.25])
+def test_a_sun_is_read(add, read_scene, angle):
+    light = bpy.data.lights.new("Sun", "SUN")
+    light.energy, light.angle = 3.0, angle
+    sun = add("Sun", light)
+    sun.location, sun.scale, sun.rotation_euler = (1e30, 2, 3), (2, 0, 7), (0, math.pi / 2, 0)  # the last one matters
+    lights = read_scene().lights
+    assert lights.shape.tolist() == [LightShape.SUN]
+    assert np.allclose(lights.normal, [[-1, 0, 0]], atol=1e-6)
+    assert lights.spread == pytest.approx(angle)
+    assert np.allclose(lights.emission, 3.0)
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(0.0, 3.0), (math.pi, 3.0 * math.pi)])
+def test_a_sun_that_is_not_normalized_has_a_radiance_of_its_strength(add, read_scene, angle, expected):
+    light = bpy.data.lights.new("Sun", "SUN")
+    light.energy, light.angle = 3.0, angle
+    if not hasattr(light, "normalize"):
+        return  # before Blender 4.5
+    light.normalize = False
+    add("Sun", light)
+    assert np.allclose(read_scene().lights.emission, expected)
+
+
+def test_a_sun_without_a_direction_is_left_out_and_reported(add, read_scene):
+    add("Sun", bpy.data.lights.new("Sun", "SUN")).scale = (0, 0, 0)
+    scene = read_scene()
+    assert len(scene.lights.shape) == 0
+    assert scene.warnings == ("Suns without a direction are left out: 'Sun'.",)
 
 
 def test_no_lights_are_an_empty_table(add, read_scene):

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from ism_addon.color import luminance
+from ism_addon.gpu.culling.receiver_region import ReceiverRegion
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.light_records import light_records
 from ism_addon.scene import Lights
@@ -45,6 +46,7 @@ class Bulb:
     shapes = (BULB,)
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 1
+    parallel = False
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         table = light_records(lights, anchor)
@@ -54,8 +56,8 @@ class Bulb:
     def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> BulbBounds:
         return BulbBounds(lights.position - anchor, np.abs(lights.emission) @ luminance(working_space))
 
-    def shadow_ends(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
-        return np.stack([(lights.position - anchor).T] * 2)
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
+        return np.stack([(lights.position - anchor).T] * 2)[..., None]
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
         return np.full((boxes.shape[2], len(lights.shape)), np.inf)
@@ -71,7 +73,14 @@ class Bulb:
         return np.zeros((len(squares), 3)), np.tile((0.0, 0.0, -1.0), (len(squares), 1))
 
     def solid_angles(
-        self, lights: Lights, row: int, anchor: np.ndarray, points: np.ndarray, normals: np.ndarray, area: float
+        self,
+        lights: Lights,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
     ) -> np.ndarray:
         to = points - (lights.position[row] - anchor).astype(np.float32)
         return 1.0 / ((to * to).sum(1) + np.float32(1e-12))

@@ -16,7 +16,15 @@ from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_lights import UploadLights
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
 from ism_addon.gpu.profile import Profile
-from ism_addon.resources import ATLAS_BATCH, BASE_COLOR, CONTRIBUTING_LIGHTS, DIRECT_PREDICTION, NORMAL, POSITION
+from ism_addon.resources import (
+    ATLAS_BATCH,
+    BASE_COLOR,
+    CONTRIBUTING_LIGHTS,
+    DIRECT_PREDICTION,
+    NORMAL,
+    POSITION,
+    RECEIVER_REGION,
+)
 from ism_addon.scene import LightShape
 from tests.support import reference_irradiance
 from tests.support.reference import irradiance
@@ -43,6 +51,7 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     size = (len(points), 1)
     renderer, frame = first_frame(device, make_scene([], lights), with_shadow(enabled=False), size)
     frame[CONTRIBUTING_LIGHTS] = tuple(range(len(lights.shape)))
+    frame[RECEIVER_REGION] = None
     for pass_type in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
         renderer.graph.step(pass_type, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)

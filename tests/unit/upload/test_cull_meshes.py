@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.resources import MESH_BUFFERS, RESIDENT_MESHES
+from ism_addon.scene import LightShape
 from ism_addon.settings import Method
 from tests.support.rays import reference_occlusion
 from tests.support.small_scenes import (
@@ -39,6 +40,7 @@ def with_mesh_at(position, lights=None, size: float = 0.2):
 
 
 VIEW = view_from_above(1.0)
+SUN = light(LightShape.SUN, spread=0.0)
 ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
 
 
@@ -56,6 +58,11 @@ ABOVE, BESIDE = (0.0, 0.0, 1.0), (1.3, 0.0, 0.3)
         (BESIDE, light(position=(4.0, 0.0, 1.0), radiance=0.0), False),
         (BESIDE, light(position=(4.0, 0.0, 1.0), blockers=3), False),
         (BESIDE, join_lights(light(), light(position=(4.0, 0.0, 1.0))), True),
+        (ABOVE, SUN, True),
+        (BESIDE, SUN, False),
+        (BESIDE, light(LightShape.SUN, spread=2.0), True),
+        ((0.0, 3e4, 4e4), light(LightShape.SUN, spread=0.0, axis_v=(0.0, -0.8, 0.6)), True),
+        ((0.0, 3e4, -4e4), light(LightShape.SUN, spread=0.0, axis_v=(0.0, -0.8, 0.6)), False),
     ],
 )
 def test_an_off_screen_mesh_is_needed_if_it_may_occlude_a_light(device, position, lights, needed):

@@ -25,6 +25,7 @@ from ....resources import (
     LIGHT_BUFFER,
     LIGHT_INFLUENCE,
     POSITION,
+    RECEIVER_REGION,
     REDISCOVERED,
     TILE_MAX,
     TILE_MIN,
@@ -35,6 +36,7 @@ from ....resources import (
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
+from ...culling.receiver_region import ReceiverRegion
 from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, Schedule, outputs
@@ -96,7 +98,7 @@ class CullLights(Pass):
     schedule = Schedule.DOUBLING  # further samples show additional surfaces
     inputs = *SURFACE, DEPTH, LIGHT_BUFFER, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     feedback = (REDISCOVERED,)
-    outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS)
+    outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS, RECEIVER_REGION)
 
     @cached_property
     def surface_bounds(self) -> moderngl.VertexArray:
@@ -108,27 +110,29 @@ class CullLights(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def execute(self, frame: Frame) -> None:
+        surfaces = self.bound_tiles(frame)
         if frame.settings.shortcuts:
-            state = self.first_state(frame) if frame.sample == 0 else self.next_state(frame)
+            state = self.first_state(frame, surfaces) if frame.sample == 0 else self.next_state(frame, surfaces)
             frame[CULLING_STATE] = state
-            influences = light_influences(state)
+            surfaces, influences = state.surfaces, light_influences(state)
         else:
             influences = without_culling(frame)
         frame[LIGHT_INFLUENCE] = influences
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
+        is_parallel = any(light_type.parallel for light_type, *_ in by_type(frame.scene.lights))
+        frame[RECEIVER_REGION] = ReceiverRegion.around(surfaces) if is_parallel else None
 
-    def first_state(self, frame: Frame) -> CullingState:
-        """The state after the first sample."""
-        surfaces = self.bound_tiles(frame)
+    def first_state(self, frame: Frame, surfaces: SurfaceBounds) -> CullingState:
+        """The state after the first sample, with its surfaces."""
         bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
         visibility = self.probe_coarsely(frame, bounds)
         zeros = np.zeros(frame.tiles[::-1])
         irradiance = sum((visibility[light] * estimates[light] for light in visibility), zeros)
         return CullingState(surfaces, bounds, visibility, neighbourhood(irradiance).mean((2, 3)))
 
-    def next_state(self, frame: Frame) -> CullingState:
-        """The state updated with the surfaces of this sample and the rediscovered lights."""
-        state, visible, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
+    def next_state(self, frame: Frame, visible: SurfaceBounds) -> CullingState:
+        """The state updated with the visible surfaces of this sample and the rediscovered lights."""
+        state, narrow = frame[CULLING_STATE], is_narrow(frame.scene.lights)
         visibility = dict(state.coarse_visibility)
         rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
         for light, influence in frame[LIGHT_INFLUENCE].items():

@@ -15,9 +15,36 @@ uniform bool shadows;
 uniform float bias;
 out vec4 direct_prediction;
 
+// The depth in the map of this index in the atlas, at a texel.
+float occluder_depth(int index, ivec2 texel) {
+    int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
+    return fetch(shadow_maps, ivec2(index - row * columns, row) * side + texel).x;
+}
+
+#if PARALLEL
+// As `visibility`, in a map of parallel light; v goes from the map's origin.
+float parallel_visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
+    vec3 x = virtual_light.x_axis, z = virtual_light.axis;
+    mat3 anchor_from_map = mat3(x, cross(z, x), z);
+    float radius = virtual_light.map_radius;
+    v += n * (bias * 2.0 * radius / float(side));
+    vec3 in_map = v * anchor_from_map, map_n = n * anchor_from_map;
+    vec2 square = in_map.xy / radius;
+    ivec2 texel = clamp(ivec2((0.5 * square + 0.5) * float(side)), ivec2(0), ivec2(side - 1));
+    vec2 across = radius * ((vec2(texel) + 0.5) * (2.0 / float(side)) - 1.0) - in_map.xy;
+    // At grazing angles the plane's depth varies without bound within a texel: the receiver's own is used instead.
+    float slope = -dot(map_n.xy, across) / map_n.z;
+    float receiver = in_map.z + (abs(slope) < 0.25 * radius ? slope : 0.0);
+    return occluder_depth(index, texel) >= receiver ? 1.0 : 0.0;
+}
+#endif
+
 // 1 if the virtual light whose map has this index in the atlas is visible from the receiver, else 0. v goes from the
 // virtual light to the receiver, whose geometric normal is n.
 float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
+#if PARALLEL
+    if (virtual_light.map_radius > 0.0) return parallel_visibility(virtual_light, index, v, n);
+#endif
     vec3 x = virtual_light.x_axis, z = virtual_light.axis;
     mat3 anchor_from_map = mat3(x, cross(z, x), z);
     float texel_angle = 2.5 / float(side); // a hemisphere's 2 pi steradians, shared by the map's texels
@@ -30,9 +57,7 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
     float distance = length(v);
     // At grazing angles the plane's depth varies without bound within a texel: the receiver's distance is used instead.
     float receiver = plane > 0.5 * distance && plane < 2.0 * distance ? plane : distance;
-    int row = int((float(index) + 0.5) / float(columns)); // integer division is slow on many machines
-    ivec2 corner = ivec2(index - row * columns, row) * side;
-    return fetch(shadow_maps, corner + texel).x >= receiver ? 1.0 : 0.0;
+    return occluder_depth(index, texel) >= receiver ? 1.0 : 0.0;
 }
 
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
@@ -40,7 +65,8 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     vec3 unshadowed = bsdf_unshadowed(surface, light);
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
-    vec3 middle = light_sample(light, surface.position, surface.normal, vec2(0.5)).point - light.position;
+    LightSample middle_sample = light_sample(light, surface.position, surface.normal, vec2(0.5));
+    vec3 middle = middle_sample.point - light.position;
     vec3 p = surface.position - light.position;
     float sum = 0.0, visible_sum = 0.0, close_sum = 0.0, visible_close_sum = 0.0;
     int last = unshadowed == vec3(0.0) ? 0 : range.first + range.count;
@@ -49,6 +75,9 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
         vec3 v = p - virtual_light.offset;
         float weight = light_virtual_weight(light, v, surface.normal, virtual_light.axis);
         vec3 from_middle = virtual_light.offset - middle;
+#if PARALLEL
+        if (virtual_light.map_radius > 0.0) from_middle = virtual_light.axis + middle_sample.wi;
+#endif
         float closeness = 1.0 / max(dot(from_middle, from_middle) * dot(from_middle, from_middle), 1e-30);
         sum += weight;
         close_sum += closeness;

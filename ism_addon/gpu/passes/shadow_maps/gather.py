@@ -57,12 +57,12 @@ class GatherLight(Pass):
 
     def shader(self, lights: Lights, contributing: Iterable[int]) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
-        types = frozenset(type_of(lights, light).name for light in contributing)
+        light_types = {type_of(lights, light) for light in contributing}
+        types = frozenset(each.name for each in light_types)
         if types not in self.shaders:
             records = LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            self.shaders[types] = self.full_screen_program(
-                *records, suffix="", empty=NO_OCCLUDER, **types_variant(types)
-            )
+            constants = types_variant(types) | {"parallel": int(any(each.parallel for each in light_types))}
+            self.shaders[types] = self.full_screen_program(*records, suffix="", empty=NO_OCCLUDER, **constants)
         return self.shaders[types]
 
     def needed(self, frame: Frame) -> bool:

@@ -16,9 +16,10 @@ import moderngl
 import numpy as np
 
 from ....parallel import parallel_map
-from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD
+from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD, RECEIVER_REGION
 from ....sampling.dimensions import Dimension, draw
 from ....scene import Change, Lights
+from ...culling.receiver_region import ReceiverRegion
 from ...frame import Frame, Pass, outputs
 from ...lights import type_of
 from .point_cloud import PointCloud
@@ -47,10 +48,12 @@ class MapPoints:
     buffer: moderngl.Buffer | None  # rows of MAP_POINT; None without any
 
 
-def solid_angles(cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray) -> np.ndarray:
+def solid_angles(
+    cloud: PointCloud, lights: Lights, light: int, anchor: np.ndarray, region: ReceiverRegion | None = None
+) -> np.ndarray:
     """(P,) float32: see LightType.solid_angles; 0 for points on objects that do not cast this light's shadows."""
     light_type = type_of(lights, light)
-    angles = light_type.solid_angles(lights, light, anchor, cloud.positions, cloud.normals, cloud.area)
+    angles = light_type.solid_angles(lights, light, anchor, cloud.positions, cloud.normals, cloud.area, region)
     blockers = lights.blockers[light]
     linked = True if blockers < 0 else cloud.groups >> np.uint32(blockers) & 1 == 1
     return np.where(linked, angles, np.float32(0.0))
@@ -92,6 +95,12 @@ def select_subsets(
     return subsets
 
 
+def parallel_maps_filled(points: np.ndarray, region: ReceiverRegion) -> float:
+    """Summed area, in maps, of the discs of MAP_POINTs (P,) in parallel light."""
+    sides = np.minimum(points["radius"] / np.float32(region.radius), 1.0)
+    return float((sides * sides).sum(dtype=np.float64))
+
+
 def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
     """Summed area, in maps, of the discs of MAP_POINTs (P,), as seen from a light's centre (3,).
 
@@ -107,22 +116,24 @@ def maps_filled(points: np.ndarray, light: np.ndarray) -> float:
 class SelectPoints(Pass):
     """Select the points of each light's shadow maps: a vertex buffer, and the range of each subset in it."""
 
-    inputs = POINT_CLOUD, CONTRIBUTING_LIGHTS, Change.LIGHTS, "quality.map_points", "shadow.splat_size"
+    inputs = POINT_CLOUD, CONTRIBUTING_LIGHTS, RECEIVER_REGION, Change.LIGHTS, "quality.map_points", "shadow.splat_size"
     outputs = outputs(MAP_POINTS)
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows
 
     def execute(self, frame: Frame) -> None:
-        cloud, lights = frame[POINT_CLOUD], frame.scene.lights
+        cloud, lights, region = frame[POINT_CLOUD], frame.scene.lights, frame[RECEIVER_REGION]
         count, size = frame.settings.quality.map_points, frame.settings.shadow.splat_size
         check_cancelled, contributing = frame.submission.check_cancelled, frame[CONTRIBUTING_LIGHTS]
 
         def light_subsets(light: int) -> list[tuple[np.ndarray, float]]:
             if not lights.casts_shadow[light] or light not in contributing:
                 return [(np.zeros(0, MAP_POINT), 0.0)] * SUBSETS_PER_LIGHT
-            weights = solid_angles(cloud, lights, light, frame.anchor)
+            weights = solid_angles(cloud, lights, light, frame.anchor, region)
             subsets = select_subsets(cloud, weights, count, size, check_cancelled)
+            if region is not None and type_of(lights, light).parallel:
+                return [(points, parallel_maps_filled(points, region)) for points in subsets]
             return [(points, maps_filled(points, lights.position[light] - frame.anchor)) for points in subsets]
 
         of_lights = parallel_map(light_subsets, range(len(lights.shape)), len(lights.shape) * len(cloud))

@@ -1,7 +1,8 @@
-// Turns a surface point into a square of the map that contains its disc. Map space: z along the light's normal, metres.
+// Turns a surface point into a square of the map that contains its disc. Map space: z along the virtual light's axis, m.
 #include "maths/octahedron.glsl"
-uniform vec3 virtual_light;
+uniform vec3 origin;
 uniform mat3 map_from_anchor;
+uniform float map_radius; // m: half of the width of a parallel map
 uniform int side;
 in vec3 position;
 in vec3 normal;
@@ -23,11 +24,15 @@ float largest_derivative(vec3 d, float angle) {
 }
 
 void main() {
-    vec3 c = map_from_anchor * (position - virtual_light);
-    float distance = length(c), angle = radius / distance;
+    vec3 c = map_from_anchor * (position - origin);
     disc_centre = c;
     disc_normal = map_from_anchor * normal;
     disc_radius = radius;
+#if PARALLEL
+    gl_Position = vec4(c.xy / map_radius, 0.0, 1.0);
+    gl_PointSize = radius / map_radius * float(side) + 1.0;
+#else
+    float distance = length(c), angle = radius / distance;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 2.0 * float(side);
     if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or at the virtual light
@@ -38,4 +43,5 @@ void main() {
         // The second term bounds how much the derivative changes within the disc.
         gl_PointSize = largest_derivative(d, angle) * angle * (1.0 + 2.0 * angle) * float(side) + 1.0;
     }
+#endif
 }

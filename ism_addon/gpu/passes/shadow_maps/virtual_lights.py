@@ -11,6 +11,7 @@ import numpy as np
 from ....resources import (
     CONTRIBUTING_LIGHTS,
     LIGHT_IMPORTANCE,
+    RECEIVER_REGION,
     SHADOW_MAP_VIEWS,
     VIRTUAL_LIGHT_COUNTS,
     VIRTUAL_LIGHT_RANGES,
@@ -20,12 +21,19 @@ from ....sampling.dimensions import Dimension, draw
 from ....sampling.points import lattice, proportional_counts
 from ....scene import Change, Lights
 from ....spaces import orthonormal
+from ...culling.receiver_region import ReceiverRegion
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import by_type, type_of
 
-#: What a shadow map is drawn from: its virtual light's position in anchor space, and a rotation to map space.
-SHADOW_MAP_VIEW = np.dtype([("position", "f4", 3), ("map_from_anchor", "f4", (3, 3)), ("light", "i4")])
+#: What a shadow map is drawn from: its origin in anchor space, a rotation to map space, and map_radius of VIRTUAL_LIGHT.
+SHADOW_MAP_VIEW = np.dtype(
+    [("position", "f4", 3), ("map_from_anchor", "f4", (3, 3)), ("map_radius", "f4"), ("light", "i4")]
+)
+
+#: Distance from the origin of a parallel map to the middle of the receivers' region, relative to the region's radius.
+#: Occluders before the origin are drawn at it.
+MAP_DISTANCE = 2.0
 
 
 def allocate_virtual_lights(
@@ -41,9 +49,16 @@ def allocate_virtual_lights(
 
 
 def virtual_light_tables(
-    lights: Lights, counts_of_lights: dict[int, int], sample: int, anchor: np.ndarray
+    lights: Lights,
+    counts_of_lights: dict[int, int],
+    sample: int,
+    anchor: np.ndarray,
+    region: ReceiverRegion | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of VIRTUAL_LIGHT_RANGE, of VIRTUAL_LIGHT and of SHADOW_MAP_VIEW for one sample."""
+    """Rows of VIRTUAL_LIGHT_RANGE, of VIRTUAL_LIGHT and of SHADOW_MAP_VIEW for one sample.
+
+    `region`: of the receivers, if there is parallel light.
+    """
     counts = np.array(list(counts_of_lights.values()), int)
     ranges = np.zeros(len(counts), VIRTUAL_LIGHT_RANGE.dtype)
     ranges["light"], ranges["count"] = list(counts_of_lights), counts
@@ -51,18 +66,21 @@ def virtual_light_tables(
 
     light_of = np.repeat(list(counts_of_lights), counts).astype(int)
     shifts = draw(Dimension.VIRTUAL_LIGHT, light=np.arange(len(lights.shape)), sample=sample)
+    positions, radii = (lights.position - anchor)[light_of], np.zeros(len(light_of))
     offsets, axes = np.zeros((2, len(light_of), 3))
     for (light, count), first in zip(counts_of_lights.items(), ranges["first"], strict=True):
-        rows = slice(first, first + count)
-        squares = lattice(count, shifts[light])
-        offsets[rows], axes[rows] = type_of(lights, light).virtual_lights(lights, light, squares)
+        rows, light_type = slice(first, first + count), type_of(lights, light)
+        offsets[rows], axes[rows] = light_type.virtual_lights(lights, light, lattice(count, shifts[light]))
+        if light_type.parallel and region is not None:
+            radii[rows] = region.radius
+            offsets[rows] = region.centre - MAP_DISTANCE * region.radius * axes[rows] - positions[rows]
     angle = 2.0 * np.pi * draw(Dimension.MAP_ROTATION, map=sample * len(light_of) + np.arange(len(light_of)))
     tangents, bitangents = orthonormal(axes)
     x_axes = np.cos(angle) * tangents + np.sin(angle) * bitangents
-    virtual_lights = np.zeros(len(light_of), VIRTUAL_LIGHT.dtype)
+    virtual_lights, views = np.zeros(len(light_of), VIRTUAL_LIGHT.dtype), np.zeros(len(light_of), SHADOW_MAP_VIEW)
     virtual_lights["offset"], virtual_lights["x_axis"], virtual_lights["axis"] = offsets, x_axes, axes
-    views = np.zeros(len(light_of), SHADOW_MAP_VIEW)
-    views["position"] = offsets + (lights.position - anchor)[light_of]
+    virtual_lights["map_radius"] = views["map_radius"] = radii
+    views["position"] = offsets + positions
     views["map_from_anchor"] = np.stack([x_axes, np.cross(axes, x_axes), axes], 1)
     views["light"] = light_of
     return ranges, virtual_lights, views
@@ -71,7 +89,14 @@ def virtual_light_tables(
 class PlaceVirtualLights(Pass):
     """Place virtual lights on the lights: their table, and the range of each light in it."""
 
-    inputs = LIGHT_IMPORTANCE, CONTRIBUTING_LIGHTS, Change.LIGHTS, Change.SAMPLE, "quality.virtual_lights"
+    inputs = (
+        LIGHT_IMPORTANCE,
+        CONTRIBUTING_LIGHTS,
+        RECEIVER_REGION,
+        Change.LIGHTS,
+        Change.SAMPLE,
+        "quality.virtual_lights",
+    )
     outputs = outputs(VIRTUAL_LIGHT_COUNTS, VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_VIEWS)
 
     def needed(self, frame: Frame) -> bool:
@@ -86,7 +111,9 @@ class PlaceVirtualLights(Pass):
                 minimum[rows] = light_type.min_virtual_lights
             budget = frame.settings.quality.virtual_lights
             counts |= allocate_virtual_lights(casters, frame[LIGHT_IMPORTANCE], minimum, budget)
-        ranges, virtual_lights, views = virtual_light_tables(lights, counts, frame.sample, frame.anchor)
+        ranges, virtual_lights, views = virtual_light_tables(
+            lights, counts, frame.sample, frame.anchor, frame[RECEIVER_REGION]
+        )
         frame[VIRTUAL_LIGHT_COUNTS] = counts
         frame[VIRTUAL_LIGHT_RANGES] = VIRTUAL_LIGHT_RANGE.upload(self.device, ranges)
         frame[VIRTUAL_LIGHTS] = VIRTUAL_LIGHT.upload(self.device, virtual_lights)

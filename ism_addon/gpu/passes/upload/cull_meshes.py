@@ -107,12 +107,12 @@ def are_occluders(
 
 def shadow_shafts(lights: Lights, anchor: np.ndarray, slices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shafts from lights to slices that they may light: boxes of both, (2,3,S) each, and the lights (S,)."""
-    ends = np.zeros((2, 3, len(lights.shape)))
+    ends = np.zeros((2, 3, len(lights.shape), slices.shape[2]))
     for light_type, rows, type_lights in by_type(lights):
-        ends[..., rows] = light_type.shadow_ends(type_lights, anchor)
+        ends[:, :, rows] = light_type.shadow_ends(type_lights, anchor, slices)
     casts_shadow = lights.casts_shadow & lights.emission.any(1)
     light, slice_ = np.nonzero(casts_shadow[:, None] & (heights(lights, anchor, slices) > 0.0).T)
-    return ends[..., light], slices[..., slice_], light
+    return ends[:, :, light, slice_], slices[..., slice_], light
 
 
 def may_occlude(lights: Lights, anchor: np.ndarray, boxes: np.ndarray, groups: np.ndarray) -> np.ndarray:
