@@ -26,7 +26,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import by_type, type_of
 
-#: What a shadow map is drawn from: its origin in anchor space, a rotation to map space, and map_radius of VIRTUAL_LIGHT.
+#: What a shadow map is drawn from: its origin in anchor space, a rotation to map space, and VIRTUAL_LIGHT's map_radius.
 SHADOW_MAP_VIEW = np.dtype(
     [("position", "f4", 3), ("map_from_anchor", "f4", (3, 3)), ("map_radius", "f4"), ("light", "i4")]
 )
