@@ -48,9 +48,7 @@ NO_OCCLUDER = 1e30
 _SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
 
 # The scene on the GPU.
-RESIDENT_MESHES: Resource[ResidentMeshes] = Resource(
-    "resident_meshes", "Meshes that have been needed so far", _SCENE, by_value=True
-)
+RESIDENT_MESHES: Resource[ResidentMeshes] = Resource("resident_meshes", "Meshes needed so far", _SCENE, by_value=True)
 BLAS: Resource[BLASTable] = Resource("blas", "Bottom-level acceleration structures, one a resident mesh", _SCENE)
 BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the GPU, concatenated", _SCENE)
 TLAS: Resource[dict[str, Any]] = Resource(
@@ -210,9 +208,7 @@ DIRECT_RESIDUAL = Target(
     "What shadow rays add to the prediction, or take away; in alpha the uncertain luminance. Ray Traced only",
     label="Direct Residual",
 )
-FAINT_LIGHTS: Resource[np.ndarray] = Resource(
-    "faint_lights", "Rows of FAINT_LIGHT: pairs of a tile and a light that is a small part of its light", _PICTURE
-)
+FAINT_LIGHTS: Resource[np.ndarray] = Resource("faint_lights", "Rows of FAINT_LIGHT: a tile and a light", _PICTURE)
 LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that were drawn in any tile")
 
 # Imperfect shadow maps.

@@ -171,7 +171,7 @@ def rewritten(path, arrays=None, values=None):
         ("scene/instances/mesh", np.array([0, 1, 2], np.int32), "leads outside 0 to 1"),
         ("scene/instances/mesh", np.array([0, 1, -1], np.int32), "leads outside 0 to 1"),
         ("scene/materials/image", np.array([-2, 0], np.int32), "leads outside -1 to 0"),
-        ("scene/lights/shape", np.array([0, 4], np.int32), "leads outside 0 to 3"),
+        ("scene/lights/shape", np.array([0, 5], np.int32), "leads outside 0 to 4"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
         ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),

@@ -18,6 +18,7 @@ from ism_addon.settings import SSAO, Settings
 from tests.scenes.rooms import IDLE, rooms
 from tests.scenes.small import basis, box_over_plane, subdivided_box
 from tests.support import reference
+from tests.support.light_grids import irradiance
 from tests.support.small_scenes import (
     AREA_SHAPES,
     SMALL_SETTINGS,
@@ -55,7 +56,7 @@ def test_no_light_is_brighter_than_its_bound(seed, near, spread, tilt):
     shape = LightShape(int(random.integers(2)))
     one = light(shape, random.normal(size=3) * 10.0**-near, size[0] * frame[0], size[1] * frame[1], 1.0, spread)
     (bound,), _ = AreaLightBounds.of(one, np.zeros(3)).irradiance(bounds_of(points, normals))
-    irradiances = [reference.irradiance(p, n, one, 0, 24) for p, n in zip(points, normals, strict=True)]
+    irradiances = [irradiance(p, n, one, 0, 24) for p, n in zip(points, normals, strict=True)]
     assert max(irradiances) <= 1.05 * bound[0] + 1e-9, "by more than the error of the sum over the light"
 
 
@@ -66,7 +67,7 @@ def test_far_from_a_light_the_estimate_is_accurate():
         (bound,), (estimate,) = AreaLightBounds.of(one, np.zeros(3)).irradiance(
             bounds_of(points, np.tile((0, 0, 1.0), (20, 1)))
         )
-        truth = reference.irradiance(np.zeros(3), np.array([0, 0, 1.0]), one, 0)
+        truth = irradiance(np.zeros(3), np.array([0, 0, 1.0]), one, 0)
         assert estimate[0] == pytest.approx(truth, rel=0.02)
         assert estimate[0] < bound[0] < 2.0 * estimate[0] * (1.0 if shape == LightShape.RECTANGLE else 3.0)
 

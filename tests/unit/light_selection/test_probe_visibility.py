@@ -10,6 +10,7 @@ from ism_addon.gpu.gl.render_targets import size_of
 from ism_addon.resources import POSITION, PROBE, PROBES
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
+from tests.support.light_grids import irradiance_per_area
 from tests.support.small_scenes import SMALL_SETTINGS as SETTINGS
 from tests.support.small_scenes import (
     draw,
@@ -47,7 +48,7 @@ def test_a_ray_from_every_fourth_pixel(device, make, size):
     surface = reference.surfaces(scene, view)
     normals = reference.shading_normals(scene, surface)
     occluders = reference.world_triangles(scene, scene.instances.casts_shadow)
-    irradiance = reference.irradiance_per_area(surface.position, normals, scene.lights.position[0], scene.lights, 0)
+    irradiance = irradiance_per_area(surface.position, normals, scene.lights.position[0], scene.lights, 0)
     traced = surface.exists & (irradiance > 0.0)
     starts = surface.position + 1e-4 * surface.geometric_normal
     unoccluded = traced & reference.visible(starts, scene.lights.position, occluders)[0]

@@ -6,7 +6,8 @@ import pytest
 
 from ism_addon.radiometry import MIN_SPREAD, area_light_radiance, spread_terms
 from ism_addon.scene import LightShape
-from tests.support.reference import irradiance, spread_factor
+from tests.support.emission import spread_factor
+from tests.support.light_grids import irradiance
 from tests.support.small_scenes import light
 
 

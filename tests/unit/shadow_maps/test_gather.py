@@ -27,7 +27,7 @@ from ism_addon.resources import (
 )
 from ism_addon.scene import LightShape
 from tests.support import reference_irradiance
-from tests.support.reference import irradiance
+from tests.support.light_grids import irradiance
 from tests.support.small_scenes import (
     AREA_SHAPES,
     draw,
