@@ -69,6 +69,9 @@ class LightType(Protocol):
     def is_exact(self, lights: Lights, row: int) -> bool:
         """Whether its irradiance in GLSL is exact. Otherwise shadow rays correct its error, if it casts shadows."""
 
+    def is_hard(self, lights: Lights, row: int) -> bool:
+        """Whether it has no size: one shadow ray decides whether a point is lit."""
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points on a light for `squares` (N,2) in [0,1): offsets (N,3) m from its position, and unit vectors (N,3).
 

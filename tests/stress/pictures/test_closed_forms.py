@@ -2,17 +2,22 @@
 """Pictures against closed forms: unshadowed light, penumbrae, ambient occlusion in a corner, a white furnace."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
+from ism_addon.gpu.passes.film.accumulate import RELATIVE_VARIANCE
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.scene import Lights
+from ism_addon.scene import Lights, LightShape, View
 from ism_addon.settings import SSAO
+from ism_addon.spaces import orthonormal
 from tests.scenes.small import SMALL
 from tests.support import reference_irradiance
+from tests.support.emission import spot_attenuation
 from tests.support.small_scenes import (
     AREA_SHAPES,
     SMALL_SETTINGS,
@@ -115,27 +120,96 @@ def irradiance_past_edge(x: float, y: float, across: np.ndarray) -> float:
     return abs(reference_irradiance.edge_sum(polygon, UP)) if len(visible) > 2 else 0.0
 
 
+def square_past_edge(view: View, across: np.ndarray) -> tuple[np.ndarray, float]:
+    """(H,W) irradiance of a view's pixels by a square light past the edge, and without the edge: irradiance_past_edge."""
+    axis = pixel_positions(1.0, view.width)
+    unshadowed = reference_irradiance.irradiance(np.zeros(3), UP, light())
+    return np.array([[irradiance_past_edge(x, y, across[:2]) for x in axis] for y in axis]), unshadowed
+
+
+def cap_directions(axis: np.ndarray, sine: float, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """(N,3) side² directions of a cap, of equal area in the plane across its axis, and the cosines to this, (N,)."""
+    middle = (np.arange(side) + 0.5) / side
+    radius, turn = (grid.ravel() for grid in np.meshgrid(np.sqrt(middle), 2.0 * np.pi * middle))
+    across = sine * radius * np.stack([np.cos(turn), np.sin(turn)])
+    along = np.sqrt(1.0 - (across**2).sum(0))
+    return across.T @ np.stack(orthonormal(axis)) + along[:, None] * axis, along
+
+
+def sun_past_edge(one: Lights, view: View, across: np.ndarray) -> tuple[np.ndarray, float]:
+    """The same by a sun, whose directions are the same for all pixels."""
+    directions, along = cap_directions(-one.normal[0], np.sin(one.spread[0] / 2.0), 1500)
+    order = np.argsort(offsets := (directions / directions[:, 2:]) @ across)  # at the half-plane's height
+    weights = np.append(0.0, np.cumsum((directions[:, 2] / along)[order])) / len(order)
+    x, y = np.meshgrid(*[pixel_positions(1.0, view.width)] * 2)
+    visible = weights[-1] - weights[np.searchsorted(offsets[order], -(x * across[0] + y * across[1]))]
+    return visible, weights[-1]
+
+
+def sphere_past_edge(one: Lights, view: View, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same by a sphere or a spot."""
+    axis, result = pixel_positions(1.0, view.width), np.zeros((2, view.height, view.width))
+    for row, column in np.ndindex(result.shape[1:]):
+        point = np.array([axis[column], axis[row], 0.0])
+        to = one.position[0] - point
+        distance = np.linalg.norm(to)
+        directions, along = cap_directions(to / distance, one.radius[0] / distance, 100)
+        weight = directions[:, 2] / along / distance**2
+        if one.shape[0] == LightShape.SPOT:
+            weight *= spot_attenuation(-directions, one, 0)
+        visible = (point + directions / directions[:, 2:]) @ across >= 0.0
+        result[:, row, column] = (weight * visible).mean(), weight.mean()
+    return result[0], result[1]
+
+
+def filtered(picture: np.ndarray, view: View) -> np.ndarray:
+    """(H,W), smoothed as much as by the view's pixel filter, see film/accumulate.py: three taps along each axis."""
+    side = 0.5 * view.filter_width**2 / 12.0 / RELATIVE_VARIANCE
+    for _ in range(2):
+        padded = np.pad(picture, ((1, 1), (0, 0)), mode="edge")
+        picture = (picture + side * (padded[2:] - 2.0 * picture + padded[:-2])).T
+    return picture
+
+
+SPHERE = light(LightShape.POINT, radius=0.5)
+SPOT = light(LightShape.SPOT, radius=0.5, spread=1.0, blend=0.5)
+SUN = light(LightShape.SUN, axis_v=(0.0, -0.94, 0.34), spread=0.5)
+#: By name: a light, and its irradiance of a view's pixels past an edge, and without the edge.
+PENUMBRAE: dict[str, tuple[Lights, Callable[[View, np.ndarray], tuple[np.ndarray, np.ndarray | float]]]] = {
+    "square": (light(), square_past_edge),
+    "sphere": (SPHERE, partial(sphere_past_edge, SPHERE)),
+    "spot": (SPOT, partial(sphere_past_edge, SPOT)),
+    "sun": (SUN, partial(sun_past_edge, SUN)),
+}
+
+
 @pytest.mark.parametrize("degrees", [0, 33, 90])
-def test_penumbrae_converge_without_bias(device, assert_within, degrees):
-    """The error at an edge of any angle falls as that of randomised quasi-Monte Carlo, and no bias is left."""
+@pytest.mark.parametrize("name", PENUMBRAE)
+def test_penumbrae_converge_without_bias(device, assert_within, name, degrees):
+    """The error at an edge of any angle falls as that of randomised quasi-Monte Carlo, and no bias is left.
+
+    On caps of directions samples are less even than on a square.
+    """
     angle, size = math.radians(degrees), (48, 48)
     across = np.array([math.cos(angle), math.sin(angle), 0.0])
     along = np.array([-math.sin(angle), math.cos(angle), 0.0])
+    (one, irradiance), is_square = PENUMBRAE[name], name == "square"
     plate = quad(np.array([0.0, 0.0, 1.0]) - 4.0 * across - 4.0 * along, 4.0 * across, 8.0 * along)
-    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], light())
+    scene = make_scene([quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), plate], one)
     scene = replace(scene, instances=replace(scene.instances, visible=np.array([True, False])))
-    view, axis = view_from_above(1.0, size, filter_width=1.5), pixel_positions(1.0, 48)
-    unshadowed = reference_irradiance.irradiance(np.zeros(3), UP, light())
-    truth = np.array([[irradiance_past_edge(x, y, across[:2]) for x in axis] for y in axis]) / unshadowed
-    penumbra = (truth > 0.02) & (truth < 0.98)
+    view = view_from_above(1.0, size, filter_width=1.5)
+    visible, unshadowed = irradiance(view, across)
+    brightest = np.max(unshadowed)
+    truth, fraction = filtered(visible, view) / brightest, visible / unshadowed
+    penumbra = (fraction > 0.02) & (fraction < 0.98)
     renderer, profile, settings = Renderer(device), Profile(), with_quality(SMALL_SETTINGS, samples=SAMPLE_COUNTS[-1])
     for sample in range(SAMPLE_COUNTS[-1]):
         for _ in renderer.sample(scene, view, settings, sample, profile):
             pass
         if sample + 1 in SAMPLE_COUNTS:
-            error = (renderer.picture()[..., 0] / (BRDF * unshadowed) - truth)[penumbra]
-            assert_within(float(np.sqrt((error**2).mean())) * (sample + 1) ** 0.65, 0.2)
-    assert_within(float(np.sqrt((error**2).mean())), 0.0016)
+            error = (renderer.picture()[..., 0] / (BRDF * brightest) - truth)[penumbra]
+            assert_within(float(np.sqrt((error**2).mean())) * (sample + 1) ** 0.65, 0.2 if is_square else 0.32)
+    assert_within(float(np.sqrt((error**2).mean())), 0.0016 if is_square else 0.0022)
     assert_within(abs(float(error.mean())), 0.0003)
 
 

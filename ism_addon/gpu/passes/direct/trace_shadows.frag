@@ -1,4 +1,5 @@
-// One light at each pixel: its predicted radiance towards the camera, and in some samples a ray that corrects it.
+// One light at each pixel: its predicted radiance towards the camera, and in some samples a ray that corrects it. To a
+// hard light, a ray replaces an uncertain prediction in each sample, the first one included.
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
@@ -53,6 +54,17 @@ void main() {
     float amount = luminance(unshadowed);
     bool uncertain = EXACT == 0 || predicted.y > 0.0;
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
+#if HARD
+    if (uncertain && amount != 0.0) { // one ray decides: nothing is left to correct
+        LightSample from = light_sample(light, surface.position, surface.normal, vec2(0.5));
+        float visible = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
+        direct_prediction = vec4(unshadowed * visible, 0.0);
+#if TRACE
+        rays = vec2(visible, 1.0);
+#endif
+        return;
+    }
+#endif
 #if TRACE
     direct_residual.a = uncertain ? abs(amount) : 0.0;
     // If the prediction is certain, a ray only tests it: a correction of weight 1 / probability would be too noisy.

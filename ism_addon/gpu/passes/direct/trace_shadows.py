@@ -108,9 +108,9 @@ class TraceShadows(Pass):
             if not len(traced) + len(untraced):
                 continue
             used.add(light)
-            variant, uniforms = shader_variant(frame.scene.lights, light), self.uniforms(frame, light)
+            variant, uniforms = self.variant(frame, light), self.uniforms(frame, light)
             program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
-            bind(program, **uniforms)
+            bind(program, **uniforms, **(frame[TLAS] if variant["hard"] else {}))
             draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
@@ -122,6 +122,13 @@ class TraceShadows(Pass):
             bind(program, **uniforms, ray_threshold=ray_threshold(frame), **frame[TLAS])
             draw_tiles(frame, self.framebuffer(frame, light), program, traced)
         return used
+
+    @staticmethod
+    def variant(frame: Frame, light: int) -> dict[str, int]:
+        """Constants of a light's shader."""
+        lights = frame.scene.lights
+        hard = casts_shadow(frame, light) and type_of(lights, light).is_hard(lights, light)
+        return shader_variant(lights, light) | {"hard": int(hard)}
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
