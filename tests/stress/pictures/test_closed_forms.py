@@ -121,7 +121,7 @@ def irradiance_past_edge(x: float, y: float, across: np.ndarray) -> float:
 
 
 def square_past_edge(view: View, across: np.ndarray) -> tuple[np.ndarray, float]:
-    """(H,W) irradiance of a view's pixels by a square light past the edge, and without the edge: irradiance_past_edge."""
+    """(H,W) irradiance of a view's pixels by a square light past the edge; and without it: see irradiance_past_edge."""
     axis = pixel_positions(1.0, view.width)
     unshadowed = reference_irradiance.irradiance(np.zeros(3), UP, light())
     return np.array([[irradiance_past_edge(x, y, across[:2]) for x in axis] for y in axis]), unshadowed
