@@ -72,6 +72,9 @@ class LightType(Protocol):
     def is_hard(self, lights: Lights, row: int) -> bool:
         """Whether it has no size: one shadow ray decides whether a point is lit."""
 
+    def is_round(self, lights: Lights, row: int) -> bool:
+        """Whether samples lie on a disc."""
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points on a light for `squares` (N,2) in [0,1): offsets (N,3) m from its position, and unit vectors (N,3).
 

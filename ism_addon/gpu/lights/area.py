@@ -135,6 +135,9 @@ class AreaLight:
     def is_hard(self, lights: Lights, row: int) -> bool:
         return False
 
+    def is_round(self, lights: Lights, row: int) -> bool:
+        return bool(lights.shape[row] == LightShape.ELLIPSE)
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         across = disk(squares) if lights.shape[row] == LightShape.ELLIPSE else squares - 0.5
         offsets = across @ np.stack([lights.axis_u[row], lights.axis_v[row]])

@@ -97,6 +97,9 @@ class PointLight:
     def is_hard(self, lights: Lights, row: int) -> bool:
         return bool(lights.radius[row] == 0.0)
 
+    def is_round(self, lights: Lights, row: int) -> bool:
+        return True
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs on opposite sides of the sphere, so that each receiver is in front of one of each pair."""
         directions = sphere(squares)

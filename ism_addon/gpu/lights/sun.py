@@ -90,6 +90,9 @@ class SunLight:
     def is_hard(self, lights: Lights, row: int) -> bool:
         return bool(lights.spread[row] == 0.0)
 
+    def is_round(self, lights: Lights, row: int) -> bool:
+        return True
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         axis = lights.normal[row]
         across = 2.0 * sines(lights)[row] * disk(squares)  # uniform by projected area, as irradiance is

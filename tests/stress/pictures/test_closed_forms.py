@@ -209,7 +209,7 @@ def test_penumbrae_converge_without_bias(device, assert_within, name, degrees):
         if sample + 1 in SAMPLE_COUNTS:
             error = (renderer.picture()[..., 0] / (BRDF * brightest) - truth)[penumbra]
             assert_within(float(np.sqrt((error**2).mean())) * (sample + 1) ** 0.65, 0.2 if is_square else 0.32)
-    assert_within(float(np.sqrt((error**2).mean())), 0.0016 if is_square else 0.0022)
+    assert_within(float(np.sqrt((error**2).mean())), 0.0016)
     assert_within(abs(float(error.mean())), 0.0003)
 
 

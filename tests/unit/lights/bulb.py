@@ -71,6 +71,9 @@ class Bulb:
     def is_hard(self, lights: Lights, row: int) -> bool:
         return True
 
+    def is_round(self, lights: Lights, row: int) -> bool:
+        return False
+
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All at its position, facing down."""
         return np.zeros((len(squares), 3)), np.tile((0.0, 0.0, -1.0), (len(squares), 1))

@@ -2,6 +2,7 @@
 #include "maths/luminance.glsl"
 #include "trace/shadow_ray.glsl"
 uniform uvec2 ray_steps;
+uniform uvec2 late_ray_steps; // of a pixel's rays from EARLY_RAYS on
 uniform uvec2 schedule_steps; // from pixel to pixel, and after each round of the subpixel offsets
 uniform float ray_threshold; // change of luminance for which each sample traces a ray
 flat in float sample_index;
@@ -10,6 +11,14 @@ flat in float sample_index;
 // light's unshadowed luminance, which can be negative. There is no bound if it is not exact.
 float headroom(float unshadowed, float visibility) {
     return EXACT == 1 ? max(unshadowed * (1.0 - visibility), -unshadowed * visibility) : 1e30;
+}
+
+const uint EARLY_RAYS = 64u;
+
+// The shift of a pixel's sequence of points on a light for its ray of this index.
+uvec2 ray_shift(float index) {
+    uint early = min(uint(index), EARLY_RAYS);
+    return early * ray_steps + (uint(index) - early) * late_ray_steps;
 }
 
 struct ScheduledRay { bool trace; float index; float probability; }; // index among the pixel's rays

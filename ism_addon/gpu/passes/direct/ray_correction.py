@@ -37,12 +37,16 @@ def shader_constants(
 
 
 @cache
-def ray_sequence() -> Mapping[str, tuple[int, ...]]:
-    """Uniforms: increments of the sequences of points on a light, and of phases of the rays' schedule."""
+def ray_sequence(is_round: bool = False) -> Mapping[str, tuple[int, ...]]:
+    """Uniforms: increments of the sequences of points on a light, and of phases of the rays' schedule.
+
+    `is_round`: whether the points lie on a disc.
+    """
     increments = (fixed_increments(Dimension.RAY_TURN, index) for index in ("pixel", "round"))
     return {
         "pixel_steps": fixed_increments(Dimension.LIGHT_POINT, "pixel"),
         "ray_steps": fixed_increments(Dimension.LIGHT_POINT, "ray"),
+        "late_ray_steps": fixed_increments(Dimension.LIGHT_POINT, "late_ray" if is_round else "ray"),
         "schedule_steps": tuple(step for steps in increments for step in steps),
     }
 

@@ -73,7 +73,7 @@ void main() {
                               : ray_probability(amount, predicted.x, uncertain);
     ScheduledRay ray = schedule_ray(at, light_uv_shift.z, probability);
     if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0)) || !(ray.trace || tests)) return;
-    vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + uint(ray.index) * ray_steps);
+    vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(ray.index));
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
     if (!arrives(surface, from)) return;
     rays = vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);

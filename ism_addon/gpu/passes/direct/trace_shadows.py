@@ -114,7 +114,8 @@ class TraceShadows(Pass):
             draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
-                sequences = {"light_uv_shift": light_shift(light), **ray_sequence()}
+                is_round = type_of(frame.scene.lights, light).is_round(frame.scene.lights, light)
+                sequences = {"light_uv_shift": light_shift(light), **ray_sequence(is_round)}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
         for light, variant, uniforms, traced in traced_draws:
             constants = shader_constants(variant, 1, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)

@@ -30,7 +30,7 @@ void main() {
     // So there are as many rays on average as if all samples drew the light.
     ScheduledRay ray = schedule_ray(at, start.z, max(probability, MIN_PROBABILITY / tile_probability));
     if (!ray.trace) return;
-    vec2 light_uv = pixel_sequence(at, start.xy + uint(ray.index) * ray_steps);
+    vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(ray.index));
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
     if (!arrives(surface, from)) return;
     float visible = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
