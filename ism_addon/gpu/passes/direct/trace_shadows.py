@@ -128,8 +128,9 @@ class TraceShadows(Pass):
     def variant(frame: Frame, light: int) -> dict[str, int]:
         """Constants of a light's shader."""
         lights = frame.scene.lights
-        hard = casts_shadow(frame, light) and type_of(lights, light).is_hard(lights, light)
-        return shader_variant(lights, light) | {"hard": int(hard)}
+        light_type, variant = type_of(lights, light), shader_variant(lights, light)
+        hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
+        return variant | {"hard": int(hard)}
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
