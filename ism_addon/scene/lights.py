@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import UNIT_VECTOR, Arrays, array, array_specs, index
 from .instances import MAX_LINK_GROUPS
-from .limits import MAX_DISTANCE, MAX_EMISSION
+from .limits import MAX_DISTANCE, MAX_EMISSION, MAX_SOFTNESS
 
 
 class LightShape(IntEnum):
@@ -48,6 +48,8 @@ class Lights(Arrays):
     #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
     soft_falloff: np.ndarray = array("bool L")
     casts_shadow: np.ndarray = array("bool L")
+    #: Factor of the size that only shadows see: of areas and points about their position, of suns on their angle.
+    shadow_softness: np.ndarray = array("float32 L", max_abs=MAX_SOFTNESS)
     #: Group of the instances that receive its light; -1: all.
     receivers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
     #: Group of the instances that cast its shadows; -1: all.

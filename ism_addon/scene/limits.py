@@ -12,6 +12,9 @@ MAX_DISTANCE = 1e9
 #: Limit of the emission of lights: radiance, W/(sr m²), intensity, W/sr, or irradiance, W/m².
 MAX_EMISSION = 1e15
 
+#: Limit of the factor of a light's size for its shadow.
+MAX_SOFTNESS = 100.0
+
 #: Minimum scale of an instance.
 MIN_SCALE = 1e-15
 

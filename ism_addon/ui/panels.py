@@ -158,7 +158,6 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
         if hasattr(light, "exposure"):
             column.prop(light, "exposure")
             column.prop(light, "normalize")
-        column.prop(light, "use_shadow", text="Cast Shadow")
 
     @staticmethod
     def _draw_shape(light: bpy.types.AreaLight, column: bpy.types.UILayout) -> None:
@@ -170,6 +169,26 @@ class ISM_LIGHT_PT_light(ISMPanel, bpy.types.Panel):
         else:
             column.prop(light, "size")
         column.prop(light, "spread")
+
+
+class ISM_LIGHT_PT_shadow(ISMPanel, bpy.types.Panel):
+    bl_label = "Shadow"
+    bl_context = "data"
+    bl_parent_id = "ISM_LIGHT_PT_light"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.light is not None and super().poll(context)
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.light, "use_shadow", text="")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        light, layout = context.light, self.layout
+        layout.use_property_split = True
+        layout.active = light.use_shadow
+        for name in ("shadow_softness", "shadow_color", "shadow_density"):
+            layout.prop(light.ism, name)
 
 
 class ISM_OBJECT_PT_ray_visibility(ISMPanel, bpy.types.Panel):
@@ -197,6 +216,7 @@ CLASSES = (
     ISM_RENDER_PT_film,
     ISM_VIEWLAYER_PT_passes,
     ISM_LIGHT_PT_light,
+    ISM_LIGHT_PT_shadow,
     ISM_OBJECT_PT_ray_visibility,
 )
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties, made from the fields of `settings`: `scene.ism.shadow`, `.ssao`, `.render`, `.viewport`.
 
-`render` and `viewport` have the quality settings; `.debug_view` shows a render target. Every property can be animated,
-and an edit redraws the 3D viewports.
+`render` and `viewport` have the quality settings; `.debug_view` shows a render target. `light.ism` has the controls of
+a light's shadow. Every property can be animated, and an edit redraws the 3D viewports.
 """
 
 from dataclasses import Field
@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 
 from .. import settings
+from ..scene.limits import MAX_SOFTNESS
 from . import redraw
 
 
@@ -54,16 +55,49 @@ class ISMSettings(bpy.types.PropertyGroup):
     debug_view: _property(*next(settings.setting_fields(settings.Settings)), settings.Settings.debug_view)
 
 
-CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings)
+class ISMLight(bpy.types.PropertyGroup):
+    """Controls of a light's shadow. With their defaults it is that of the light's size, and black."""
+
+    shadow_softness: bpy.props.FloatProperty(
+        name="Softness",
+        description="Factor of the light's size that only its shadow sees. 0: hard, without noise; 1: as in Cycles",
+        default=1.0,
+        min=0.0,
+        max=MAX_SOFTNESS,
+        soft_max=4.0,
+        update=redraw.viewports,
+    )
+    shadow_color: bpy.props.FloatVectorProperty(
+        name="Color",
+        description="What is left of the light in its full shadow, for red, green and blue. Black: as in Cycles",
+        subtype="COLOR",
+        default=(0.0, 0.0, 0.0),
+        min=0.0,
+        max=1.0,
+        update=redraw.viewports,
+    )
+    shadow_density: bpy.props.FloatProperty(
+        name="Density",
+        description="How much of the shadow is drawn. 0: none; 1: as in Cycles",
+        subtype="FACTOR",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        update=redraw.viewports,
+    )
+
+
+CLASSES = (ISMShadow, ISMSSAO, ISMRender, ISMViewport, ISMSettings, ISMLight)
 
 
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.ism = bpy.props.PointerProperty(type=ISMSettings)
+    bpy.types.Light.ism = bpy.props.PointerProperty(type=ISMLight)
 
 
 def unregister() -> None:
-    del bpy.types.Scene.ism
+    del bpy.types.Light.ism, bpy.types.Scene.ism
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

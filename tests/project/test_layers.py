@@ -69,7 +69,10 @@ LAYERS = {
         "the worker's thread owns OpenGL: in Blender's main thread our calls would land in Blender's own context",
     ),
     "ui": Layer(
-        ("atomic_files", "choices", "old_names", "settings", "render_passes", "resources", "resource_types", "ui"),
+        (
+            *("atomic_files", "choices", "old_names", "settings", "render_passes", "resources", "resource_types"),
+            *("scene.limits", "ui"),
+        ),
         BLENDER_PACKAGES,
         "panels must show, and tests of them run, without OpenGL",
     ),

@@ -134,6 +134,7 @@ def light(
     blockers: int = -1,
     radius: float = 0.0,
     soft_falloff: bool = False,
+    shadow_softness: float = 1.0,
     blend: float = 0.0,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
@@ -149,6 +150,7 @@ def light(
         blend=np.array([blend], np.float32),
         radius=np.array([radius], np.float64),
         soft_falloff=np.array([soft_falloff]),
+        shadow_softness=np.array([shadow_softness], np.float32),
         casts_shadow=np.array([casts_shadow]),
         receivers=np.array([receivers], np.int32),
         blockers=np.array([blockers], np.int32),

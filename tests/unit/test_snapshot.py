@@ -54,6 +54,7 @@ def a_scene():
             blend=np.array([0.0, 0.5], np.float32),
             radius=np.array([0.0, 2.0]),
             soft_falloff=np.array([True, False]),
+            shadow_softness=np.array([0.5, 1.0], np.float32),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),
             blockers=np.array([0, -1], np.int32),
@@ -63,6 +64,9 @@ def a_scene():
     )
 
 
+#: Lights' fields that version 0.1.0 did not have, with the values that its lights get.
+NEW_LIGHT_FIELDS = {"blend": np.zeros(2, np.float32), "radius": np.zeros(2), "soft_falloff": np.zeros(2, bool)}
+NEW_LIGHT_FIELDS["shadow_softness"] = np.ones(2, np.float32)
 VIEW = View(np.diag([0.1, 0.2, -0.3, 1.0]), np.eye(4)[[1, 0, 2, 3]], 640, 480, 1.25, True)
 SETTINGS = Settings(
     Shadow(method=Method.SHADOW_MAPS, bias=0.1 + 0.2),
@@ -274,17 +278,16 @@ def test_a_damaged_file_is_refused_or_loaded(path):
 
 def test_a_snapshot_of_version_0_1_0_keeps_its_settings_and_lights(path):
     old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"}
-    old |= {f"scene/lights/{name}": None for name in ("emission", "blend", "radius", "soft_falloff")}
+    old |= {f"scene/lights/{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
     for section, names in old_names.SETTINGS.items():
         values = getattr(SETTINGS, section) if section else SETTINGS
         for name, new in names.items():
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
     scene, lights = a_scene(), "scene/lights/"
-    arrays = {f"{lights}{name}": None for name in ("emission", "blend", "radius", "soft_falloff")}
+    arrays = {f"{lights}{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
     arrays[f"{lights}radiance"] = scene.lights.emission
-    new = {"blend": np.zeros(2, np.float32), "radius": np.zeros(2), "soft_falloff": np.zeros(2, bool)}
-    scene = replace(scene, lights=replace(scene.lights, **new))
+    scene = replace(scene, lights=replace(scene.lights, **NEW_LIGHT_FIELDS))
     assert_same(snapshot.load(rewritten(path, arrays, old)), (scene, VIEW, SETTINGS))
     for name, current in old_names.DEBUG_VIEWS.items():
         loaded = snapshot.load(rewritten(path, values=old | {"settings/show": name}))

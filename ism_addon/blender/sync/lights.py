@@ -35,7 +35,7 @@ class LightReader:
 
     def __init__(self, links: LightLinks) -> None:
         self._links = links
-        self._rows: list[tuple[Row | None, Diagnostics]] = []
+        self._rows: list[tuple[list[Row], Diagnostics]] = []
         self._object_rows: dict[int, int] = {}  # row of each light that is not an instance, by session_uid
 
     def reset(self) -> None:
@@ -60,18 +60,18 @@ class LightReader:
         """All lights that emit."""
         for _, issues in self._rows:
             findings.merge(issues)
-        return Lights.of_rows(row for row, _ in self._rows if row is not None)
+        return Lights.of_rows(row for rows, _ in self._rows for row in rows)
 
 
-def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[Row | None, Diagnostics]:
-    """A light with its matrix (4,4); None if it has no size or emits nothing."""
+def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[list[Row], Diagnostics]:
+    """The rows of a light with its matrix (4,4); none if it has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
     if portal or not source.visible_diffuse:
-        return None, findings  # as in Cycles, where portals only guide rays to the world
+        return [], findings  # as in Cycles, where portals only guide rays to the world
     power = watts(light) * light_nodes.factor(light, source.name, findings)
     if not power.any():
-        return None, findings
+        return [], findings
     if source.visible_camera:
         findings.warn("Lights are not seen by the camera", source.name)
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
@@ -80,14 +80,27 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     row = ROWS[light.type](light, world_from_light, power)
     if row is None:
         findings.warn(LEFT_OUT[light.type], source.name)
-        return None, findings
+        return [], findings
     if light.type == "AREA" and not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
         findings.warn("Sheared area lights shine evenly from what they look like, which Cycles' do not", source.name)
     if not is_within(row["emission"], MAX_EMISSION).all():
         findings.warn(f"{light.type.capitalize()} lights too bright to be drawn are left out", source.name)
-        return None, findings
+        return [], findings
     receivers, blockers = (-1 if group is None else group for group in linked)
-    return row | Row(casts_shadow=light.use_shadow, receivers=receivers, blockers=blockers), findings
+    return _by_shadow(row | Row(receivers=receivers, blockers=blockers), light), findings
+
+
+def _by_shadow(row: Row, light: bpy.types.Light) -> list[Row]:
+    """A light as two: one whose shadow is black, and one without a shadow, which leaves the shadow its colour."""
+    controls = getattr(light, "ism", None)  # only while the add-on is registered
+    if controls is None or not light.use_shadow:
+        return [row | Row(casts_shadow=light.use_shadow, shadow_softness=1.0)]
+    left = 1.0 - controls.shadow_density * (1.0 - np.array(controls.shadow_color, np.float64))
+    parts = [
+        row | Row(emission=row["emission"] * fraction, casts_shadow=shadow, shadow_softness=controls.shadow_softness)
+        for fraction, shadow in ((1.0 - left, True), (left, False))
+    ]
+    return [part for part in parts if part["emission"].any()]
 
 
 def watts(light: bpy.types.Light) -> np.ndarray:

@@ -142,6 +142,7 @@ LIGHT = Record(
     spread_scale="float",
     radius="float",
     soft_falloff="int",
+    shadow_softness="float",
     cone_cosine="float",
     cone_scale="float",
     circular_cone="int",

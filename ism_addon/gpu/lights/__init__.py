@@ -120,6 +120,7 @@ GLSL_INTERFACE = (
     ("LightSample", "sample", "vec3 p, vec3 n, vec2 uv"),  # uv in [0,1)
     ("float", "pdf", "vec3 p, vec3 n, vec3 wi"),  # of the directions of `sample`; 0 if there is only one
     ("float", "emitted", "vec3 p, vec3 wi"),  # radiance along a ray from p
+    ("vec3", "centre", "vec3 p, vec3 to"),  # about which shadow_softness scales `to`, a point of the light
     ("float", "virtual_weight", "vec3 v, vec3 n, vec3 axis"),  # of a virtual light; v: from it, in the light's space
 )
 
@@ -150,9 +151,17 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     light_type = type_of(lights, light)
     return (
         types_variant({light_type.name})
-        | {"exact": int(light_type.is_exact(lights, light))}
+        | {
+            "exact": int(light_type.is_exact(lights, light)),
+            "softness": softness_variant(lights.select(slice(light, light + 1))),
+        }
         | light_type.variant(lights, light)
     )
+
+
+def softness_variant(lights: Lights) -> int:
+    """Constant of a shader for these lights: whether the shadow of any sees another size."""
+    return int((lights.shadow_softness != 1.0).any())
 
 
 def types_variant(names: Collection[str]) -> dict[str, int]:

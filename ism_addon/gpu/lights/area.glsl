@@ -238,3 +238,5 @@ float area_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
     vec2 chord = area_chord(region, dot(ray + p - light.position, region.x_axis));
     return area_solid_angle_pdf(ray, -dot(light.normal, ray), area_inverse_density(region, chord));
 }
+
+vec3 area_centre(Light light, vec3 p, vec3 to) { return light.position; }

@@ -119,6 +119,7 @@ class AreaLight:
 
     def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
         centre, half = (lights.position - anchor).T, (np.abs(lights.axis_u) + np.abs(lights.axis_v)).T / 2.0
+        half = half * lights.shadow_softness
         return np.stack([centre - half, centre + half])[..., None]
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
@@ -133,14 +134,14 @@ class AreaLight:
         return True
 
     def is_hard(self, lights: Lights, row: int) -> bool:
-        return False
+        return bool(lights.shadow_softness[row] == 0.0)
 
     def is_round(self, lights: Lights, row: int) -> bool:
         return bool(lights.shape[row] == LightShape.ELLIPSE)
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         across = disk(squares) if lights.shape[row] == LightShape.ELLIPSE else squares - 0.5
-        offsets = across @ np.stack([lights.axis_u[row], lights.axis_v[row]])
+        offsets = lights.shadow_softness[row] * across @ np.stack([lights.axis_u[row], lights.axis_v[row]])
         return offsets, np.broadcast_to(plane_normals(lights.select(slice(row, row + 1))), offsets.shape)
 
     def solid_angles(

@@ -7,7 +7,7 @@ from ...scene import Lights
 from ..gl.shader_records import LIGHT
 
 #: Fields of Lights that LIGHT has as they are.
-COMMON = "shape", "casts_shadow", "emission", "receivers", "blockers"
+COMMON = "shape", "casts_shadow", "shadow_softness", "emission", "receivers", "blockers"
 
 
 def light_records(lights: Lights, anchor: np.ndarray, *fields: str) -> np.ndarray:

@@ -72,3 +72,5 @@ float point_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
     float weight = max(-dot(n, v), 0.0) / (square * sqrt(square));
     return weight * (point_has_radius(light) ? max(height, 0.0) * inversesqrt(square) : (height > 0.0 ? 1.0 : 0.0));
 }
+
+vec3 point_centre(Light light, vec3 p, vec3 to) { return light.position; }

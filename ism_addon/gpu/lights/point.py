@@ -82,8 +82,8 @@ class PointLight:
         return PointLightBounds.of(lights, anchor, working_space)
 
     def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
-        centre = (lights.position - anchor).T
-        return np.stack([centre - lights.radius, centre + lights.radius])[..., None]
+        centre, radius = (lights.position - anchor).T, lights.radius * lights.shadow_softness
+        return np.stack([centre - radius, centre + radius])[..., None]
 
     def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
         return np.full((boxes.shape[2], len(lights.shape)), np.inf)
@@ -95,7 +95,7 @@ class PointLight:
         return True
 
     def is_hard(self, lights: Lights, row: int) -> bool:
-        return bool(lights.radius[row] == 0.0)
+        return bool(lights.radius[row] * lights.shadow_softness[row] == 0.0)
 
     def is_round(self, lights: Lights, row: int) -> bool:
         return True
@@ -104,7 +104,7 @@ class PointLight:
         """Pairs on opposite sides of the sphere, so that each receiver is in front of one of each pair."""
         directions = sphere(squares)
         directions[1::2] = -directions[: len(directions) // 2 * 2 : 2]
-        return lights.radius[row] * directions, directions
+        return lights.radius[row] * lights.shadow_softness[row] * directions, directions
 
     def solid_angles(
         self,

@@ -113,3 +113,5 @@ float spot_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
     float attenuation = spot_attenuation(light, spot_cosine(spot_local(light, v / length)));
     return max(-dot(n, v), 0.0) / (square * length) * attenuation;
 }
+
+vec3 spot_centre(Light light, vec3 p, vec3 to) { return light.position; }

@@ -93,5 +93,5 @@ class SpotLight(PointLight):
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         axis = lights.normal[row]
-        across = 2.0 * lights.radius[row] * disk(squares)
+        across = 2.0 * lights.radius[row] * lights.shadow_softness[row] * disk(squares)
         return across @ np.stack(orthonormal(axis)), np.broadcast_to(axis, (len(squares), 3))

@@ -47,3 +47,5 @@ float sun_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
 
 // Virtual lights are directions.
 float sun_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) { return max(-dot(n, axis), 0.0); }
+
+vec3 sun_centre(Light light, vec3 p, vec3 to) { return p + dot(to - p, light.normal) * light.normal; }

@@ -26,6 +26,12 @@ def sines(lights: Lights) -> np.ndarray:
     return np.sin(lights.spread.astype(np.float64) / 2.0)
 
 
+def shadow_half_angles(lights: Lights) -> np.ndarray:
+    """(L,) rad: half of the suns' angles, as shadows see them: sun_centre in GLSL scales the tangents of directions."""
+    half = np.minimum(lights.spread.astype(np.float64) / 2.0, 0.5 * np.pi - 1e-6)
+    return np.arctan(lights.shadow_softness * np.tan(half))
+
+
 @dataclass(frozen=True)
 class SunLightBounds:
     """K suns by what bounds them: float32, columns (K,1)."""
@@ -74,7 +80,7 @@ class SunLight:
         return SunLightBounds.of(lights, working_space)
 
     def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
-        angles, half = np.arccos(np.clip(-lights.normal.T, -1.0, 1.0)), lights.spread.astype(np.float64) / 2.0
+        angles, half = np.arccos(np.clip(-lights.normal.T, -1.0, 1.0)), shadow_half_angles(lights)
         farthest, nearest = np.minimum(angles + half, np.pi), np.maximum(angles - half, 0.0)
         return RAY_LENGTH * np.cos([farthest, nearest])[..., None] + receivers[:, :, None]
 
@@ -88,14 +94,14 @@ class SunLight:
         return True
 
     def is_hard(self, lights: Lights, row: int) -> bool:
-        return bool(lights.spread[row] == 0.0)
+        return bool(lights.spread[row] * lights.shadow_softness[row] == 0.0)
 
     def is_round(self, lights: Lights, row: int) -> bool:
         return True
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         axis = lights.normal[row]
-        across = 2.0 * sines(lights)[row] * disk(squares)  # uniform by projected area, as irradiance is
+        across = 2.0 * np.sin(shadow_half_angles(lights)[row]) * disk(squares)  # even by projected area, as irradiance
         along = np.sqrt(1.0 - (across * across).sum(1))
         return np.zeros((len(squares), 3)), across @ np.stack(orthonormal(axis)) + along[:, None] * axis
 
@@ -116,7 +122,7 @@ class SunLight:
         along = offset @ direction.astype(np.float32)
         across = np.sqrt(np.maximum(np.einsum("nk,nk->n", offset, offset) - along * along, 0.0))
         # The rays to the sun are in a cone whose sides touch the region.
-        half_angle = min(float(lights.spread[row]) / 2.0, 0.5 * np.pi - 1e-3)
+        half_angle = min(float(shadow_half_angles(lights)[row]), 0.5 * np.pi - 1e-3)
         width = across - np.float32(np.tan(half_angle)) * along
         may_occlude = (along > -region.radius) & (width < (region.radius + np.sqrt(area)) / np.cos(half_angle))
         facing = np.abs(normals @ direction.astype(np.float32))

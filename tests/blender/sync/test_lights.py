@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from ism_addon import addon
 from ism_addon.scene import LightShape
 
 SHAPES = ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"]
@@ -86,6 +87,41 @@ def test_spread_and_shadow_are_read(add, read_scene):
     lights = read_scene().lights
     assert lights.spread.tolist() == [1.25]
     assert lights.casts_shadow.tolist() == [False]
+
+
+@pytest.fixture
+def registered():
+    addon.register()
+    yield
+    addon.unregister()
+
+
+def test_a_coloured_shadow_is_that_of_a_second_light_without_one(registered, add, read_scene):
+    light = area_light(energy=40.0)
+    light.ism.shadow_color, light.ism.shadow_density, light.ism.shadow_softness = (0.0, 0.5, 1.0), 0.8, 2.5
+    add("Lamp", light)
+    lights = read_scene().lights
+    assert lights.casts_shadow.tolist() == [True, False]
+    assert lights.shadow_softness.tolist() == [2.5, 2.5]
+    assert np.allclose(lights.emission[0] / lights.emission.sum(0), [0.8, 0.4, 0.0])
+
+
+@pytest.mark.parametrize(("density", "casts_shadow"), [(1.0, [True]), (0.0, [False])])
+def test_a_light_with_a_black_shadow_or_none_is_one_light(registered, add, read_scene, density, casts_shadow):
+    light = area_light()
+    light.ism.shadow_density = density
+    add("Lamp", light)
+    assert read_scene().lights.casts_shadow.tolist() == casts_shadow
+
+
+def test_the_controls_of_a_shadow_are_animated(registered, add, read_scene):
+    light = area_light()
+    for frame, softness in ((1, 0.0), (11, 1.0)):
+        light.ism.shadow_softness = softness
+        light.ism.keyframe_insert("shadow_softness", frame=frame)
+    add("Lamp", light)
+    bpy.context.scene.frame_set(6)
+    assert read_scene().lights.shadow_softness == pytest.approx(0.5)
 
 
 def test_negative_power_gives_negative_radiance(add, read_scene):

@@ -103,6 +103,7 @@ def lights(draw: st.DrawFn) -> Lights:
         blend=np.zeros(count, np.float32),
         radius=np.zeros(count),
         soft_falloff=np.zeros(count, bool),
+        shadow_softness=np.ones(count, np.float32),
         casts_shadow=random.random(count) < 0.9,
         receivers=unlinked,
         blockers=unlinked.copy(),

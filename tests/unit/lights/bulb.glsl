@@ -16,3 +16,5 @@ float bulb_emitted(Light light, vec3 p, vec3 wi) { return 0.0; }
 float bulb_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
     return max(-dot(n, v), 0.0) * pow(dot(v, v), -1.5);
 }
+
+vec3 bulb_centre(Light light, vec3 p, vec3 to) { return light.position; }

@@ -32,9 +32,14 @@ bool arrives(Surface surface, LightSample from) { return from.radiance > 0.0 && 
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 
 // Whether the segment from a surface to a point of a light is unoccluded. At grazing angles it starts on the curved
-// surface that the triangle approximates. The light may lie in the plane of a ceiling.
+// surface that the triangle approximates. The light may lie in the plane of a ceiling. For shadows the light may have
+// another size: a shader variant for lights without sets SOFTNESS to 0.
 bool is_unoccluded(Surface surface, vec3 to, Light light) {
-    vec3 p = surface.position, direction = normalize(to - p);
+    vec3 p = surface.position;
+#if SOFTNESS
+    to = mix(light_centre(light, p, to), to, light.shadow_softness);
+#endif
+    vec3 direction = normalize(to - p);
     float smooth_cosine = abs(dot(surface.normal, direction)), cosine = dot(surface.geometric_normal, direction);
     float grazing = smooth_cosine < GRAZING ? 2.0 - (cosine + smooth_cosine) / GRAZING : 1.0 - cosine / GRAZING;
     p += surface.normal * (surface.terminator_offset * clamp(grazing, 0.0, 1.0));

@@ -19,7 +19,7 @@ from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP, PROBE_BLOCK
-from ...lights import shader_variant
+from ...lights import shader_variant, softness_variant
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
@@ -55,7 +55,8 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table = np.zeros(lines * grid.block_columns, PROBE_BLOCK.dtype)
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
-    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS)
+    softness = softness_variant(frame.scene.lights)
+    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, softness=softness)
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
