@@ -57,7 +57,7 @@ class Dimension(Enum):
         "pixel": (0.56283799, 0.75252225),
         "ray": (0.72359394, 0.59242966),
         # From the 65th ray of a pixel to a round light on, by a search with half-occluded discs.
-        "late_ray": (0.33888, 0.764326),
+        "late_ray": (0.33888137, 0.76432619),
     }
     # In which samples a pixel traces a ray to a light. Its `pixel` counts squares of 4×4.
     RAY_TURN = {

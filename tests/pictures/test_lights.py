@@ -92,6 +92,24 @@ def test_a_spot_lights_nothing_outside_its_cone(device, method):
     assert drawn.profile.counts["lights_used"] == 1
 
 
+@pytest.mark.parametrize("scale", [0.5, 0.8, 2.0])
+def test_rays_do_not_brighten_elliptical_spots(device, scale):
+    """Their irradiance is not exact, and some of a pixel's samples lie outside the cone: they count as dark."""
+    spot = light(LightShape.SPOT, (0, 0, 2), (scale, 0, 0), (0, -1, 0), spread=0.8, blend=0.4, radius=0.2)
+    scene = make_scene([FLOOR, quad((3, 3, 3), (0.1, 0, 0), (0, 0.1, 0))], spot)
+    with_rays, without = (
+        draw(
+            device,
+            scene,
+            view_from_above(4.0, (32, 32)),
+            replace(with_quality(SMALL_SETTINGS, samples=128), shadow=each),
+        )
+        for each in (Shadow(), Shadow(enabled=False))
+    )
+    assert with_rays.profile.counts["pairs_traced"] > 0
+    assert with_rays.color[..., 0].mean() == pytest.approx(without.color[..., 0].mean(), rel=0.01)
+
+
 def test_inside_a_sphere_light_comes_from_all_sides(device):
     """Radiance is uniform there: the irradiance is pi times it, whatever the normal."""
     one = light(LightShape.POINT, (0.3, -0.2, 0.4), radius=3.0, radiance=9.0 * np.pi)

@@ -9,7 +9,7 @@ from mathutils import Matrix
 
 from ism_addon import addon
 from ism_addon.blender.sync import camera, scene_reader
-from ism_addon.scene import LightShape, Scene, View
+from ism_addon.scene import Lights, LightShape, Scene, View
 from tests.tools.new_file import open_empty_file
 
 
@@ -64,7 +64,10 @@ def add_object(name: str, data: bpy.types.ID, matrix: np.ndarray) -> bpy.types.O
 
 
 def add_light(scene: Scene, row: int) -> None:
-    lights = scene.lights
+    lights, shape = scene.lights, LightShape(scene.lights.shape[row])
+    if shape in (LightShape.POINT, LightShape.SPOT, LightShape.SUN):
+        add_small_light(lights, row, shape)
+        return
     width, height = np.linalg.norm(lights.axis_u[row]), np.linalg.norm(lights.axis_v[row])
     light = bpy.data.lights.new("Light", "AREA")
     is_ellipse = lights.shape[row] == LightShape.ELLIPSE
@@ -76,6 +79,24 @@ def add_light(scene: Scene, row: int) -> None:
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 2], matrix[:3, 3] = lights.axis_u[row] / width, -lights.normal[row], lights.position[row]
     matrix[:3, 1] = np.cross(matrix[:3, 2], matrix[:3, 0])
+    add_object("Light", light, matrix)
+
+
+def add_small_light(lights: Lights, row: int, shape: LightShape) -> None:
+    """A point, a spot or a sun."""
+    light = bpy.data.lights.new("Light", shape.name)
+    strength = float(lights.emission[row].max())
+    light.color, light.use_shadow = lights.emission[row] / strength, bool(lights.casts_shadow[row])
+    if shape is LightShape.SUN:
+        light.energy, light.angle = strength, float(lights.spread[row])
+    else:
+        light.energy, light.shadow_soft_size = 4.0 * math.pi * strength, float(lights.radius[row])
+        light.use_soft_falloff = bool(lights.soft_falloff[row])
+    if shape is LightShape.SPOT:
+        light.spot_size, light.spot_blend = float(lights.spread[row]), float(lights.blend[row])
+    matrix = np.eye(4)
+    columns = lights.axis_u[row], -lights.axis_v[row], -lights.normal[row], lights.position[row]
+    matrix[:3] = np.stack(columns, 1)
     add_object("Light", light, matrix)
 
 

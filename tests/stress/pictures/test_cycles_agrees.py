@@ -5,6 +5,7 @@ import pytest
 
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.cycles import direct_light
+from tests.stress.pictures import light_cases
 from tests.stress.pictures.cases import CASES
 from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
@@ -21,13 +22,22 @@ SAMPLE_FACTORS = {
     "a light a millimetre above a box": 8,
     "light from 0.5 degrees above the floor": 8,
     "a light of 100.0 m": 8,
+    "a point ten centimetres above the floor": 4,
+    "a spot of 0.1, hard": 16,
+    "a spot of 0.3 m": 4,
+    "an elliptical spot of 0.2 m": 8,
+    "a spot near the ball": 8,
+    "a low sun of 0.5": 4,
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+ALL_CASES = CASES | light_cases.CASES
+
+
+@pytest.mark.parametrize("name", ALL_CASES)
 def test_cycles_agrees(device, assert_within, name):
     """The bound leaves room for the noise of both renderers."""
-    into_blender(*CASES[name]())
+    into_blender(*ALL_CASES[name]())
     factor = SAMPLE_FACTORS.get(name, 1)
     truth = direct_light(128 * factor, FILTER_WIDTH)
     scene, view = out_of_blender()

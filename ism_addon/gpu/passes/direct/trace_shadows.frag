@@ -75,10 +75,11 @@ void main() {
     if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0)) || !(ray.trace || tests)) return;
     vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(ray.index));
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
-    if (!arrives(surface, from)) return;
-    rays = vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
+    bool is_lit_from = arrives(surface, from);
+    if (EXACT == 1 && !is_lit_from) return;
+    if (is_lit_from) rays = vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
     if (tests) return;
-    vec3 estimate = bsdf_estimate(surface, light, from);
+    vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
     vec3 correction = EXACT == 1 ? estimate * (rays.x - predicted.x) : estimate * rays.x - unshadowed * predicted.x;
     direct_residual.rgb = correction / ray.probability;
 #endif

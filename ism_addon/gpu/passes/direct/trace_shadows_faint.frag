@@ -32,9 +32,10 @@ void main() {
     if (!ray.trace) return;
     vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(ray.index));
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
-    if (!arrives(surface, from)) return;
-    float visible = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
-    vec3 estimate = bsdf_estimate(surface, light, from) / tile_probability;
+    bool is_lit_from = arrives(surface, from);
+    if (EXACT == 1 && !is_lit_from) return;
+    float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
+    vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) / tile_probability : vec3(0.0);
     vec3 correction = EXACT == 1 ? estimate * (visible - visibility) : estimate * visible - unshadowed * visibility;
     direct_residual.rgb = correction / ray.probability;
 #endif
