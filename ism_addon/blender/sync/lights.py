@@ -78,7 +78,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     if None in linked:
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = ROWS[light.type](light, world_from_light, power)
-    if row is None:
+    if row is None or not np.isfinite((row["spread"], row["blend"])).all():
         findings.warn(LEFT_OUT[light.type], source.name)
         return [], findings
     if light.type == "AREA" and not radiometry.is_perpendicular(row["axis_u"], row["axis_v"]):
@@ -212,6 +212,6 @@ ROWS: dict[str, Callable[[Any, np.ndarray, np.ndarray], Row | None]] = {
 LEFT_OUT = {
     "AREA": "Area lights without a size, or of one beyond measure, are left out",
     "POINT": "Point lights of a radius or at a position beyond measure are left out",
-    "SPOT": "Spot lights of a radius, at a position or of a scale beyond measure are left out",
-    "SUN": "Suns without a direction are left out",
+    "SPOT": "Spot lights of a radius, at a position, of a scale or of a cone beyond measure are left out",
+    "SUN": "Suns without a direction, or of an angle beyond measure, are left out",
 }

@@ -217,7 +217,7 @@ def test_a_sun_without_a_direction_is_left_out_and_reported(add, read_scene):
     add("Sun", bpy.data.lights.new("Sun", "SUN")).scale = (0, 0, 0)
     scene = read_scene()
     assert len(scene.lights.shape) == 0
-    assert scene.warnings == ("Suns without a direction are left out: 'Sun'.",)
+    assert scene.warnings == ("Suns without a direction, or of an angle beyond measure, are left out: 'Sun'.",)
 
 
 def test_no_lights_are_an_empty_table(add, read_scene):

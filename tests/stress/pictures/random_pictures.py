@@ -11,6 +11,7 @@ from ism_addon.scene import Instances, Lights, LightShape, Materials, Mesh, Scen
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.small import mesh, perspective
 from tests.stress.pictures.moves import Picture
+from tests.support.small_scenes import AREA_SHAPES
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -84,26 +85,32 @@ def basis_towards_origin(random: np.random.Generator, position: np.ndarray) -> n
 
 @st.composite
 def lights(draw: st.DrawFn) -> Lights:
-    """Zero to four lights, inside and outside of meshes, of any size, power and spread."""
+    """Zero to four lights of any type, inside and outside of meshes, of any size, power and spread."""
     random, count = generator(draw), draw(st.integers(0, 4))
     position = random.normal(size=(count, 3)) * random.choice([0.5, 2.0, 10.0], (count, 1))
     axes = np.array([basis_towards_origin(random, each) for each in position]).reshape(-1, 3, 3)
     sizes = 10.0 ** random.uniform(-4.0, 1.5, (count, 2))
     colors = random.choice([0.0, 0.5, 1.0], (count, 3)) if draw(st.booleans()) else np.ones((count, 3))
     power = 10.0 ** random.uniform(-3.0, 3.0, (count, 1)) * colors
-    unlinked = np.full(count, -1, np.int32)
+    unlinked, shape = np.full(count, -1, np.int32), random.choice(len(LightShape), count).astype(np.int32)
+    is_area = np.isin(shape, AREA_SHAPES)
+    emission = power / np.where(is_area, sizes.prod(1), 1.0)[:, None]
+    sizes = np.where(is_area[:, None], sizes, random.choice([1.0, 0.5, 2.0], (count, 2)))  # of spots, their cone's
+    spread = random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05])
+    is_sun = shape == LightShape.SUN
+    spread[is_sun] = random.choice([0.0, 0.01, 0.5, 2.0, math.pi], count)[is_sun]
     return Lights(
-        shape=random.choice([int(LightShape.RECTANGLE), int(LightShape.ELLIPSE)], count).astype(np.int32),
+        shape=shape,
         position=position,
         axis_u=axes[:, 0] * sizes[:, :1],
         axis_v=axes[:, 1] * sizes[:, 1:],
         normal=axes[:, 2],
-        emission=(power / sizes.prod(1, keepdims=True)).astype(np.float32),
-        spread=random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05]).astype(np.float32),
-        blend=np.zeros(count, np.float32),
-        radius=np.zeros(count),
-        soft_falloff=np.zeros(count, bool),
-        shadow_softness=np.ones(count, np.float32),
+        emission=emission.astype(np.float32),
+        spread=spread.astype(np.float32),
+        blend=random.choice([0.0, 0.2, 1.0], count).astype(np.float32),
+        radius=random.choice([0.0, 1e-3, 0.1, 1.0, 20.0], count),
+        soft_falloff=random.random(count) < 0.5,
+        shadow_softness=random.choice([1.0, 0.0, 0.5, 4.0], count, p=[0.8, 0.05, 0.1, 0.05]).astype(np.float32),
         casts_shadow=random.random(count) < 0.9,
         receivers=unlinked,
         blockers=unlinked.copy(),
