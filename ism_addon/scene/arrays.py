@@ -25,6 +25,7 @@ class ArraySpec:
     layout: str  # a dtype, or several separated by |, and a shape
     unit: str = ""  # "": a count, or dimensionless
     max_abs: float | None = None  # largest absolute value
+    is_signed: bool = True  # whether values may be negative
     first: int = 0  # smallest index
     into: str | int = ""  # what indices refer to: a field of the record or of the scene; or its length
 
@@ -69,14 +70,16 @@ class ArraySpec:
             return "holds numbers that are not finite"
         if self.max_abs is not None and not is_within(array, self.max_abs).all():
             return f"holds numbers beyond {self.max_abs:g}"
+        if not self.is_signed and (array < 0.0).any():
+            return "holds negative numbers"
         if self.unit == UNIT_VECTOR and not np.allclose(np.einsum("...i,...i", array, array), 1.0, atol=0.01):
             return "holds vectors that are not of unit length"
         return None
 
 
-def array(layout: str, unit: str = "", max_abs: float | None = None) -> Any:
+def array(layout: str, unit: str = "", max_abs: float | None = None, is_signed: bool = True) -> Any:
     """A dataclass field with its ArraySpec as metadata."""
-    return field(metadata={"array": ArraySpec(layout, unit, max_abs)})
+    return field(metadata={"array": ArraySpec(layout, unit, max_abs, is_signed)})
 
 
 def index(layout: str, into: str | int, first: int = 0) -> Any:

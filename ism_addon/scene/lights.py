@@ -40,16 +40,16 @@ class Lights(Arrays):
     emission: np.ndarray = array("float32 L 3", "W/(sr m²), W/sr, W/m²", max_abs=MAX_EMISSION)
     #: Blender's spread of areas; pi: Lambertian. Of spots, the angle of their cone. Of suns, the angle at which they
     #: are seen, at most pi; 0: parallel light.
-    spread: np.ndarray = array("float32 L", "rad")
+    spread: np.ndarray = array("float32 L", "rad", is_signed=False)
     #: Of spots: the fraction of the cone in which it fades out.
-    blend: np.ndarray = array("float32 L")
+    blend: np.ndarray = array("float32 L", max_abs=1.0, is_signed=False)
     #: Of points and spots; 0: a point without extent.
-    radius: np.ndarray = array("float64 L", "m", max_abs=MAX_DISTANCE)
+    radius: np.ndarray = array("float64 L", "m", max_abs=MAX_DISTANCE, is_signed=False)
     #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
     soft_falloff: np.ndarray = array("bool L")
     casts_shadow: np.ndarray = array("bool L")
     #: Factor of the size that only shadows see: of areas and points about their position, of suns on their angle.
-    shadow_softness: np.ndarray = array("float32 L", max_abs=MAX_SOFTNESS)
+    shadow_softness: np.ndarray = array("float32 L", max_abs=MAX_SOFTNESS, is_signed=False)
     #: Group of the instances that receive its light; -1: all.
     receivers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
     #: Group of the instances that cast its shadows; -1: all.

@@ -180,6 +180,7 @@ def rewritten(path, arrays=None, values=None):
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
         ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),
         ("scene/lights/emission", np.full((2, 3), 2e15, np.float32), "holds numbers beyond 1e[+]15"),
+        ("scene/lights/radius", np.array([0.0, -0.1]), "holds negative numbers"),
         ("scene/meshes/1/normals", np.zeros((5, 3), np.float32), "not of unit length"),
         ("scene/lights/normal", np.full((2, 3), 1.0), "not of unit length"),
         ("scene/instances/world_from_object", np.ones((3, 4, 4)), "does not place it"),
@@ -277,16 +278,15 @@ def test_a_damaged_file_is_refused_or_loaded(path):
 
 
 def test_a_snapshot_of_version_0_1_0_keeps_its_settings_and_lights(path):
-    old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"}
-    old |= {f"scene/lights/{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
+    missing = {f"scene/lights/{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
+    old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"} | missing
     for section, names in old_names.SETTINGS.items():
         values = getattr(SETTINGS, section) if section else SETTINGS
         for name, new in names.items():
             below = "/".join(filter(None, ("settings", section)))
             old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
-    scene, lights = a_scene(), "scene/lights/"
-    arrays = {f"{lights}{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
-    arrays[f"{lights}radiance"] = scene.lights.emission
+    scene = a_scene()
+    arrays = missing | {"scene/lights/radiance": scene.lights.emission}
     scene = replace(scene, lights=replace(scene.lights, **NEW_LIGHT_FIELDS))
     assert_same(snapshot.load(rewritten(path, arrays, old)), (scene, VIEW, SETTINGS))
     for name, current in old_names.DEBUG_VIEWS.items():
