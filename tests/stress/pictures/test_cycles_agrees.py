@@ -5,7 +5,6 @@ import pytest
 
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.scenes.cycles import direct_light
-from tests.stress.pictures import light_cases
 from tests.stress.pictures.cases import CASES
 from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.into_blender import into_blender, out_of_blender
@@ -31,13 +30,10 @@ SAMPLE_FACTORS = {
 }
 
 
-ALL_CASES = CASES | light_cases.CASES
-
-
-@pytest.mark.parametrize("name", ALL_CASES)
+@pytest.mark.parametrize("name", CASES)
 def test_cycles_agrees(device, assert_within, name):
     """The bound leaves room for the noise of both renderers."""
-    into_blender(*ALL_CASES[name]())
+    into_blender(*CASES[name]())
     factor = SAMPLE_FACTORS.get(name, 1)
     truth = direct_light(128 * factor, FILTER_WIDTH)
     scene, view = out_of_blender()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Extreme scenes that Cycles can render too: CASES maps a name to a function that makes a scene and its view."""
+"""Extreme meshes, views and area lights."""
 
 import math
 from collections.abc import Callable
