@@ -59,6 +59,7 @@ UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 LIGHT_BUFFER: Resource[BufferTexture] = Resource("light_buffer", "Rows of LIGHT", _SCENE)
+SEEN_LIGHTS: Resource[BufferTexture | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
 
 # Adaptive sampling: the tiles that take part in a sample.
 TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")
@@ -213,9 +214,7 @@ LIGHTS_USED: Resource[frozenset[int]] = Resource("lights_used", "Lights that wer
 
 # Imperfect shadow maps.
 POINT_CLOUD: Resource[PointCloud] = Resource("point_cloud", "Random points on all triangles that cast shadows", _SCENE)
-LIGHT_IMPORTANCE: Resource[np.ndarray] = Resource(
-    "light_importance", "(L,): error of a light's irradiance with one virtual light, relative to other lights'", _SCENE
-)
+LIGHT_IMPORTANCE: Resource[np.ndarray] = Resource("light_importance", "(L,): error of one virtual light", _SCENE)
 VIRTUAL_LIGHT_COUNTS: Resource[dict[int, int]] = Resource("virtual_light_counts", "By light")
 VIRTUAL_LIGHT_RANGES: Resource[BufferTexture] = Resource("virtual_light_ranges", "Rows of VIRTUAL_LIGHT_RANGE")
 VIRTUAL_LIGHTS: Resource[BufferTexture] = Resource("virtual_lights", "Rows of VIRTUAL_LIGHT")

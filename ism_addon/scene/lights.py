@@ -48,6 +48,8 @@ class Lights(Arrays):
     #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
     soft_falloff: np.ndarray = array("bool L")
     casts_shadow: np.ndarray = array("bool L")
+    #: Whether the camera sees it.
+    visible_camera: np.ndarray = array("bool L")
     #: Factor of the size that only shadows see: of areas and points about their position, of suns on their angle.
     shadow_softness: np.ndarray = array("float32 L", max_abs=MAX_SOFTNESS, is_signed=False)
     #: Group of the instances that receive its light; -1: all.

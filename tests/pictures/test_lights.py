@@ -136,3 +136,16 @@ def test_shadows_of_lights_without_a_size_are_exact_after_one_sample(device, nam
     assert (np.isclose(color, unshadowed, rounding, 0.0) | (color == 0.0)).all()
     is_lit = reference.picture(scene, view, 1)[0][:, 0].reshape(color.shape) > 0.0
     assert ((color > 0.0) != is_lit).mean() < 0.003
+
+
+@pytest.mark.parametrize("method", Method)
+def test_the_camera_sees_lights_before_surfaces_and_not_behind_them(device, method):
+    """A light that faces up to the camera, under one half of a roof; the camera sees the floor through it."""
+    roof, seen = quad((-4, -4, 2), (4, 0, 0), (0, 8, 0)), {}
+    for visible in (True, False):
+        one = light(position=(0.0, 0.0, 1.0), axis_v=(0, 1, 0), radiance=3.0, visible_camera=visible)
+        scene, settings = make_scene([FLOOR, roof], one), with_quality(SETTINGS[method], samples=1)
+        seen[visible] = draw(device, scene, view_from_above(4.0, (32, 32)), settings).color[..., 0]
+    x, y = np.meshgrid(*[(np.arange(32) + 0.5) / 8.0 - 2.0] * 2)
+    expected = np.where((x > 0.0) & (x < 0.5) & (np.abs(y) < 0.5), 3.0, 0.0)
+    assert seen[True] - seen[False] == pytest.approx(expected, abs=1e-5)

@@ -93,6 +93,7 @@ def lights(area_lights: Sequence[AreaLight]) -> Lights:
         blend=np.zeros(len(area_lights), np.float32),
         radius=np.zeros(len(area_lights)),
         soft_falloff=np.zeros(len(area_lights), bool),
+        visible_camera=np.zeros(len(area_lights), bool),
         shadow_softness=np.ones(len(area_lights), np.float32),
         casts_shadow=np.ones(len(area_lights), bool),
         receivers=np.full(len(area_lights), -1, np.int32),

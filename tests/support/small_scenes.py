@@ -135,6 +135,7 @@ def light(
     radius: float = 0.0,
     soft_falloff: bool = False,
     shadow_softness: float = 1.0,
+    visible_camera: bool = False,
     blend: float = 0.0,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
@@ -152,6 +153,7 @@ def light(
         soft_falloff=np.array([soft_falloff]),
         shadow_softness=np.array([shadow_softness], np.float32),
         casts_shadow=np.array([casts_shadow]),
+        visible_camera=np.array([visible_camera]),
         receivers=np.array([receivers], np.int32),
         blockers=np.array([blockers], np.int32),
     )

@@ -80,8 +80,8 @@ MUTATIONS = (
     ),
     Mutation(
         "another world leaves the picture as it was",
-        "*(Change.WORLD, Change.VIEW),",
-        "Change.VIEW,",
+        "*(SEEN_LIGHTS, Change.WORLD, Change.VIEW),",
+        "*(SEEN_LIGHTS, Change.VIEW),",
         ("test_edits", "test_reuse"),
     ),
     Mutation(

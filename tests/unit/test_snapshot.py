@@ -55,6 +55,7 @@ def a_scene():
             radius=np.array([0.0, 2.0]),
             soft_falloff=np.array([True, False]),
             shadow_softness=np.array([0.5, 1.0], np.float32),
+            visible_camera=np.array([True, False]),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),
             blockers=np.array([0, -1], np.int32),
@@ -66,14 +67,10 @@ def a_scene():
 
 #: Lights' fields that version 0.1.0 did not have, with the values that its lights get.
 NEW_LIGHT_FIELDS = {"blend": np.zeros(2, np.float32), "radius": np.zeros(2), "soft_falloff": np.zeros(2, bool)}
-NEW_LIGHT_FIELDS["shadow_softness"] = np.ones(2, np.float32)
+NEW_LIGHT_FIELDS |= {"shadow_softness": np.ones(2, np.float32), "visible_camera": np.zeros(2, bool)}
 VIEW = View(np.diag([0.1, 0.2, -0.3, 1.0]), np.eye(4)[[1, 0, 2, 3]], 640, 480, 1.25, True)
-SETTINGS = Settings(
-    Shadow(method=Method.SHADOW_MAPS, bias=0.1 + 0.2),
-    SSAO(enabled=False),
-    Quality(samples=3),
-    debug_view=DebugView.NORMAL,
-)
+SHADOW = Shadow(method=Method.SHADOW_MAPS, bias=0.1 + 0.2)
+SETTINGS = Settings(SHADOW, SSAO(enabled=False), Quality(samples=3), debug_view=DebugView.NORMAL)
 
 
 def assert_same(a, b):

@@ -72,8 +72,6 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     power = watts(light) * light_nodes.factor(light, source.name, findings)
     if not power.any():
         return [], findings
-    if source.visible_camera:
-        findings.warn("Lights are not seen by the camera", source.name)
     linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
     if None in linked:
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
@@ -87,7 +85,8 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         findings.warn(f"{light.type.capitalize()} lights too bright to be drawn are left out", source.name)
         return [], findings
     receivers, blockers = (-1 if group is None else group for group in linked)
-    return _by_shadow(row | Row(receivers=receivers, blockers=blockers), light), findings
+    row |= Row(receivers=receivers, blockers=blockers, visible_camera=source.visible_camera)
+    return _by_shadow(row, light), findings
 
 
 def _by_shadow(row: Row, light: bpy.types.Light) -> list[Row]:

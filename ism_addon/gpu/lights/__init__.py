@@ -120,6 +120,7 @@ GLSL_INTERFACE = (
     ("LightSample", "sample", "vec3 p, vec3 n, vec2 uv"),  # uv in [0,1)
     ("float", "pdf", "vec3 p, vec3 n, vec3 wi"),  # of the directions of `sample`; 0 if there is only one
     ("float", "emitted", "vec3 p, vec3 wi"),  # radiance along a ray from p
+    ("float", "hit_distance", "vec3 p, vec3 wi"),  # m, along a ray from p on which it emits
     ("vec3", "centre", "vec3 p, vec3 to"),  # about which shadow_softness scales `to`, a point of the light
     ("float", "virtual_weight", "vec3 v, vec3 n, vec3 axis"),  # of a virtual light; v: from it, in the light's space
 )

@@ -240,3 +240,5 @@ float area_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
 }
 
 vec3 area_centre(Light light, vec3 p, vec3 to) { return light.position; }
+
+float area_hit_distance(Light light, vec3 p, vec3 wi) { return area_hit(light, p, wi).z; }

@@ -74,3 +74,8 @@ float point_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
 }
 
 vec3 point_centre(Light light, vec3 p, vec3 to) { return light.position; }
+
+float point_hit_distance(Light light, vec3 p, vec3 wi) {
+    PointCap cap = point_cap(light, p);
+    return point_distance(light, cap, dot(wi, cap.axis));
+}

@@ -115,3 +115,5 @@ float spot_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
 }
 
 vec3 spot_centre(Light light, vec3 p, vec3 to) { return light.position; }
+
+float spot_hit_distance(Light light, vec3 p, vec3 wi) { return point_hit_distance(light, p, wi); }

@@ -49,3 +49,6 @@ float sun_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
 float sun_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) { return max(-dot(n, axis), 0.0); }
 
 vec3 sun_centre(Light light, vec3 p, vec3 to) { return p + dot(to - p, light.normal) * light.normal; }
+
+// Behind all surfaces, before the background.
+float sun_hit_distance(Light light, vec3 p, vec3 wi) { return 1e29; }

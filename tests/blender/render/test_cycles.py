@@ -110,8 +110,40 @@ def test_suns_equal_those_of_cycles(device, light_over_plane, angle, normalize):
     assert_equals_cycles(device, 64 if angle < 1.0 else 1024, (0.0003, 0.002))
 
 
-def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> None:
-    """Compare tiles of the open scene: bounds of the median and of the 0.9 quantile of their relative errors."""
+SEEN = {
+    "square": ("AREA", {"shape": "SQUARE", "size": 0.8}),
+    "ellipse with spread": ("AREA", {"shape": "ELLIPSE", "size": 1.0, "size_y": 0.5, "spread": 2.0}),
+    "sphere": ("POINT", {"shadow_soft_size": 0.3}),
+    "disk": ("POINT", {"shadow_soft_size": 0.3, "use_soft_falloff": True}),
+    "spot": ("SPOT", {"shadow_soft_size": 0.3, "spot_size": 1.5, "spot_blend": 1.0}),
+    "sun": ("SUN", {"angle": 0.5}),
+}
+
+
+@pytest.mark.parametrize("rotation", [(math.pi - 0.6, 0.2, 0.5), (0.6, 0.2, 0.5)], ids=["towards", "away"])
+@pytest.mark.parametrize("name", SEEN)
+def test_lights_that_the_camera_sees_equal_those_of_cycles(device, light_over_plane, name, rotation):
+    """The camera sees through them. It looks down at them, and sees the sun beside a small plane."""
+    kind, properties = SEEN[name]
+    light = bpy.data.lights.new("lamp", kind)
+    light.energy = 2.0 if kind == "SUN" else 50.0
+    for key, value in properties.items():
+        setattr(light, key, value)
+    lamp = light_over_plane(light)
+    lamp.visible_camera, lamp.rotation_euler = True, rotation
+    bpy.data.objects["plane"].scale = (0.2, 0.2, 1.0) if kind == "SUN" else (1.0, 1.0, 1.0)
+    ours = our_picture(device)
+    lamp.visible_camera = False
+    is_seen = np.abs(ours - our_picture(device)).max(-1) > 0.1 * ours.max()
+    lamp.visible_camera = True
+    theirs = direct_light(64)[..., :3]
+    differs = ~np.isclose(ours, theirs, 0.03, 2e-3 * theirs.max()).all(-1)  # by noise, and by a pixel at the outline
+    assert differs.mean() < 0.01
+    assert is_seen.any() == (rotation[0] > 1.0 or kind == "POINT")
+
+
+def our_picture(device) -> np.ndarray:
+    """(H,W,3) of the open scene, without shadows and ambient occlusion."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     scene = scene_reader.scene(depsgraph)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the reference
@@ -121,8 +153,14 @@ def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> N
     )
     for _ in renderer.sample(scene, view, settings, 0, Profile()):
         pass
-    ours, theirs = renderer.picture()[..., :3], direct_light(samples)[..., :3]
+    picture = renderer.picture()[..., :3]
     renderer.release()
+    return picture
+
+
+def assert_equals_cycles(device, samples: int, bounds: tuple[float, float]) -> None:
+    """Compare tiles of the open scene: bounds of the median and of the 0.9 quantile of their relative errors."""
+    ours, theirs = our_picture(device), direct_light(samples)[..., :3]
     tiles = np.median(
         [np.reshape(p, (SIDE // TILE, TILE, SIDE // TILE, TILE, 3)).mean((1, 3)) for p in (ours, theirs)], -1
     )

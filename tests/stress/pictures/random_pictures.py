@@ -110,6 +110,7 @@ def lights(draw: st.DrawFn) -> Lights:
         blend=random.choice([0.0, 0.2, 1.0], count).astype(np.float32),
         radius=random.choice([0.0, 1e-3, 0.1, 1.0, 20.0], count),
         soft_falloff=random.random(count) < 0.5,
+        visible_camera=random.random(count) < 0.1,
         shadow_softness=random.choice([1.0, 0.0, 0.5, 4.0], count, p=[0.8, 0.05, 0.1, 0.05]).astype(np.float32),
         casts_shadow=random.random(count) < 0.9,
         receivers=unlinked,

@@ -86,8 +86,9 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     if not len(scales) or scales.min() < 1e-6:
         return None
     meshes = tuple(mesh(each.positions, each.triangles) for each in scene.meshes)
-    as_large = np.ones(len(scene.lights.shape), np.float32)  # the reference's shadows see the lights' sizes
-    scene = replace(scene, meshes=meshes, lights=replace(scene.lights, shadow_softness=as_large))
+    count = len(scene.lights.shape)  # the reference does not show lights, and their shadows see their sizes
+    lights = replace(scene.lights, shadow_softness=np.ones(count, np.float32), visible_camera=np.zeros(count, np.bool_))
+    scene = replace(scene, meshes=meshes, lights=lights)
     view = replace(view, filter_width=0.01, transparent=False)
     plain_settings = Settings(
         ssao=SSAO(enabled=False),

@@ -18,3 +18,5 @@ float bulb_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
 }
 
 vec3 bulb_centre(Light light, vec3 p, vec3 to) { return light.position; }
+
+float bulb_hit_distance(Light light, vec3 p, vec3 wi) { return length(light.position - p); }

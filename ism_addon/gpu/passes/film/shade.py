@@ -2,8 +2,8 @@
 """The radiance of a pixel towards the camera, in linear light.
 
 It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
-background it is the world's. Occlusion is upsampled to full resolution from the half-resolution pixels that show the
-same surface.
+background it is the world's. Lights that the camera sees add theirs. Occlusion is upsampled to full resolution from the
+half-resolution pixels that show the same surface.
 """
 
 import moderngl
@@ -19,12 +19,14 @@ from ....resources import (
     SAMPLE_COLOR,
     SAMPLE_HEADROOM,
     SAMPLE_RESIDUAL,
+    SEEN_LIGHTS,
     TILES,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
+from ...gl.shader_records import LIGHT
 
 
 class Shade(Pass):
@@ -32,13 +34,17 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(Change.WORLD, Change.VIEW),
+        *(SEEN_LIGHTS, Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
-        program = self.tile_program(occluded=int(not frame.is_neutral(AMBIENT_OCCLUSION)))
+        seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
+        records = () if seen is None else (LIGHT,)
+        program = self.tile_program(*records, occluded=occluded, seen_lights=int(seen is not None))
+        if seen is not None:
+            bind(program, seen_lights=seen, seen_count=int(frame.scene.lights.visible_camera.sum()))
         bind(
             program,
             position=frame[POSITION],

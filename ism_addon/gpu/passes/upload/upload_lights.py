@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ....resources import LIGHT_BUFFER
+from ....resources import LIGHT_BUFFER, SEEN_LIGHTS
 from ....scene import Change, Lights
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import LIGHT
@@ -22,7 +22,7 @@ class UploadLights(Pass):
     """Upload the table of lights."""
 
     inputs = (Change.LIGHTS,)
-    outputs = outputs(LIGHT_BUFFER)
+    outputs = outputs(LIGHT_BUFFER, SEEN_LIGHTS)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -30,4 +30,6 @@ class UploadLights(Pass):
     def execute(self, frame: Frame) -> None:
         table = light_table(frame.scene.lights, frame.anchor)
         frame[LIGHT_BUFFER] = LIGHT.upload(self.device, table)
+        seen = table[frame.scene.lights.visible_camera]
+        frame[SEEN_LIGHTS] = LIGHT.upload(self.device, seen) if len(seen) else None
         frame.counts["bytes_uploaded"] += table.nbytes

@@ -91,9 +91,10 @@ def test_what_lights_nothing_diffuse_in_cycles_is_left_out_silently(light_object
     assert direct_light(4)[..., :3].max() < 1e-6
 
 
-def test_a_light_that_is_visible_to_the_camera_is_reported(light_object, read_scene):
-    light_object.visible_camera = True
-    assert read_scene().warnings == ("Lights are not seen by the camera: 'Lamp'.",)
+@pytest.mark.parametrize("visible", [True, False])
+def test_a_light_may_be_visible_to_the_camera(light_object, read_scene, visible):
+    light_object.visible_camera = visible
+    assert read_scene().lights.visible_camera.tolist() == [visible]
 
 
 @pytest.mark.parametrize("shape", ["ELLIPSE", "RECTANGLE"])
