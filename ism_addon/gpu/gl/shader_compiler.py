@@ -52,6 +52,8 @@ def expand(path: Path, files: list[Path]) -> str:
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
+            if line.startswith("#endif"):  # an include may have been skipped, with its line numbers
+                lines.append(f"#line {start + count + 1}")
         elif (included := FOLDER / "glsl" / include[1]) not in files:
             lines += [expand(included, files), f"#line {start + count + 1}"]
     return "\n".join(lines)
