@@ -127,7 +127,8 @@ MATERIAL = Record(
     levels="int",
 )
 
-#: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal.
+#: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
+#: the sine of half of their angle.
 LIGHT = Record(
     "Light",
     position="vec3",

@@ -1,5 +1,5 @@
-// Suns: parallel light, or light of uniform radiance from a cap of directions. The irradiance of a surface that faces one
-// is 1 W/m^2. The functions of caps are included by point.glsl, which programs include before, see LIGHT_TYPES.
+// Suns: parallel light, or light of uniform radiance from a cap of directions. A surface that faces one has the
+// irradiance 1 W/m^2.
 // A shader variant for lights with or without an angle sets one of these to 0, as some drivers execute both branches.
 #ifndef SUNS_WITH_ANGLE
 #define SUNS_WITH_ANGLE 1

@@ -28,8 +28,8 @@ float line_integral(vec2 base, vec2 along, float d, float first, float last, vec
     return sum * (last - first) * d / root;
 }
 
-// A foot on an edge or a corner is moved inside by this distance. Coordinates below FOOT_ROUNDING are rounding errors: without
-// them the angles at a corner add up.
+// A foot on an edge or a corner is moved inside by this distance. Coordinates below FOOT_ROUNDING count as 0: rounding
+// errors of both edges at a corner would put the foot on different sides of it.
 const float INSIDE = 1e-15, FOOT_ROUNDING = 1e-6;
 
 float without_rounding(float x, float size) { return abs(x) <= FOOT_ROUNDING * max(size, 1.0) ? 0.0 : x; }

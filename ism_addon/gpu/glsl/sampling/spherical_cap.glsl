@@ -1,5 +1,6 @@
-// Samples of the part of a spherical cap of directions that is above the receiver's horizon, uniform by projected area in
-// the plane perpendicular to the cap's axis, x towards the normal. `sine`: of half of the cap's angle; 1: a hemisphere;
+// Samples of the part of a spherical cap of directions that is above the receiver's horizon. In the plane perpendicular
+// to the cap's axis, x towards the normal, chords along x are chosen evenly over y, and points evenly along a chord; a
+// cap that the horizon does not cut is sampled by solid angle. `sine`: of half of the cap's angle; 1: a hemisphere;
 // more: all directions. `cosine`: of the angle from the receiver's normal to the axis.
 struct CapSample { vec3 wi; float pdf; }; // 1/sr
 

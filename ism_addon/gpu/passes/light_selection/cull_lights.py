@@ -110,29 +110,31 @@ class CullLights(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def execute(self, frame: Frame) -> None:
-        surfaces = self.bound_tiles(frame)
+        is_parallel, region = any(light_type.parallel for light_type, *_ in by_type(frame.scene.lights)), None
         if frame.settings.shortcuts:
-            state = self.first_state(frame, surfaces) if frame.sample == 0 else self.next_state(frame, surfaces)
+            state = self.first_state(frame) if frame.sample == 0 else self.next_state(frame)
             frame[CULLING_STATE] = state
-            surfaces, influences = state.surfaces, light_influences(state)
+            influences = light_influences(state)
         else:
             influences = without_culling(frame)
+        if is_parallel:
+            region = ReceiverRegion.around(state.surfaces if frame.settings.shortcuts else self.bound_tiles(frame))
         frame[LIGHT_INFLUENCE] = influences
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
-        is_parallel = any(light_type.parallel for light_type, *_ in by_type(frame.scene.lights))
-        frame[RECEIVER_REGION] = ReceiverRegion.around(surfaces) if is_parallel else None
+        frame[RECEIVER_REGION] = region
 
-    def first_state(self, frame: Frame, surfaces: SurfaceBounds) -> CullingState:
-        """The state after the first sample, with its surfaces."""
+    def first_state(self, frame: Frame) -> CullingState:
+        """The state after the first sample."""
+        surfaces = self.bound_tiles(frame)
         bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
         visibility = self.probe_coarsely(frame, bounds)
         zeros = np.zeros(frame.tiles[::-1])
         irradiance = sum((visibility[light] * estimates[light] for light in visibility), zeros)
         return CullingState(surfaces, bounds, visibility, neighbourhood(irradiance).mean((2, 3)))
 
-    def next_state(self, frame: Frame, visible: SurfaceBounds) -> CullingState:
-        """The state updated with the visible surfaces of this sample and the rediscovered lights."""
-        state, narrow = frame[CULLING_STATE], is_narrow(frame.scene.lights)
+    def next_state(self, frame: Frame) -> CullingState:
+        """The state updated with the surfaces of this sample and the rediscovered lights."""
+        state, visible, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
         visibility = dict(state.coarse_visibility)
         rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
