@@ -66,7 +66,7 @@ def current_scene(scene: Any) -> Any:
 
 
 def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays of an old snapshot with current names. All of its lights are area lights."""
+    """The arrays of an old snapshot with current names. All of its lights are area lights; materials emit nothing."""
     lights = "scene/lights/"
     converted = {name.replace(f"{lights}radiance", f"{lights}emission"): array for name, array in arrays.items()}
     if f"{lights}shape" in arrays:
@@ -78,6 +78,13 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             f"{lights}visible_camera": np.zeros(count, bool),
             f"{lights}shadow_softness": np.ones(count, np.float32),
         }
+    instances, materials = "scene/instances/", "scene/materials/"
+    if f"{instances}mesh" in arrays:
+        count = len(np.atleast_1d(arrays[f"{instances}mesh"]))
+        converted[f"{instances}visible_diffuse"] = np.ones(count, bool)
+        converted |= {f"{instances}{name}": np.full(count, -1, np.int32) for name in ("receivers", "blockers")}
+    if f"{materials}image" in arrays:
+        converted[f"{materials}emission"] = np.zeros((len(np.atleast_1d(arrays[f"{materials}image"])), 3), np.float32)
     return converted
 
 

@@ -14,6 +14,8 @@ from .resource_types import Channel, Lifetime, Resource, Target
 from .scene import MATERIAL_INPUTS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import moderngl
     import numpy as np
 
@@ -47,6 +49,11 @@ NO_OCCLUDER = 1e30
 
 _SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
 
+
+def _of_tiles(name: str, about: str, format: str = "rgba32f") -> Target:
+    return Target(name, about, format=format, divisor=TILE_SIZE, strips=True)
+
+
 # The scene on the GPU.
 RESIDENT_MESHES: Resource[ResidentMeshes] = Resource("resident_meshes", "Meshes needed so far", _SCENE, by_value=True)
 BLAS: Resource[BLASTable] = Resource("blas", "Bottom-level acceleration structures, one a resident mesh", _SCENE)
@@ -58,15 +65,13 @@ MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and tri
 UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
-LIGHT_BUFFER: Resource[BufferTexture] = Resource("light_buffer", "Rows of LIGHT", _SCENE)
+LIGHT_BUFFERS: Resource[Mapping[str, BufferTexture]] = Resource("light_buffers", "Rows of LIGHT, of emitters", _SCENE)
 SEEN_LIGHTS: Resource[BufferTexture | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
 
 # Adaptive sampling: the tiles that take part in a sample.
 TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")
 TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "Probability and phase of each tile", _PICTURE)
-SAMPLES_PER_TILE: Resource[np.ndarray] = Resource(
-    "samples_per_tile", "(rows,columns) float32: samples of the pixels of each tile", _PICTURE
-)
+SAMPLES_PER_TILE: Resource[np.ndarray] = Resource("samples_per_tile", "(rows,columns): of its pixels", _PICTURE)
 TILE_SAMPLE_COUNTS = Target("tile_sample_counts", "The same as a texture", _PICTURE, format="r32f", divisor=TILE_SIZE)
 TILE_PROBABILITIES = Target(
     "tile_probabilities",
@@ -74,12 +79,8 @@ TILE_PROBABILITIES = Target(
     format="rg32f",
     divisor=TILE_SIZE,
 )
-TILE_VARIANCE = Target(
-    "tile_variance",
-    "Variance of a tile's samples, in squares of luminance; their mean luminance",
-    format="rg32f",
-    divisor=TILE_SIZE,
-    strips=True,
+TILE_VARIANCE = _of_tiles(
+    "tile_variance", "Variance of a tile's samples, in squares of luminance; their mean luminance", "rg32f"
 )
 MEAN_LUMINANCE: Resource[float] = Resource("mean_luminance", "Of all samples so far, W/(sr m²)", _PICTURE)
 
@@ -124,12 +125,7 @@ TERMINATOR_OFFSET = Channel(
     "terminator_offset", "Height of shadow rays' origins above a triangle with smooth normals, in metres", of=BASE_COLOR
 )
 
-
 # Light selection.
-def _of_tiles(name: str, about: str) -> Target:
-    return Target(name, about, divisor=TILE_SIZE, strips=True)
-
-
 TILE_MIN = _of_tiles("tile_min", "Low corner of the box around near surfaces; in alpha, whether there are any")
 TILE_MAX = _of_tiles("tile_max", "High corner of that box")
 TILE_NORMAL_CONE = _of_tiles("tile_normal_cone", "Axis of the cone of their normals; the cosine of its angle")
@@ -147,6 +143,14 @@ CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
 )
 RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
     "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True
+)
+#: Pixels from one texel of the irradiance cache to the next, in x and in y.
+CACHE_SPACING = 4
+IRRADIANCE_RATIO = Target(
+    "irradiance_ratio", "Of one light: unshadowed irradiance over its estimate", format="r16f", divisor=CACHE_SPACING
+)
+IRRADIANCE_CACHE: Resource[dict[int, moderngl.Texture]] = Resource(
+    "irradiance_cache", "IRRADIANCE_RATIO textures by light, of those with a light BVH", _PICTURE
 )
 PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
@@ -280,12 +284,8 @@ SIGNAL_AND_NOISE = Target(
 )
 IMAGE = Target("image", "The render of all samples so far, alpha premultiplied")
 HALF_SAMPLES_IMAGE = Target("half_samples_image", "The image at half as many samples", _PICTURE)
-DOUBLING_DIFFERENCE = Target(
-    "doubling_difference",
-    "Mean square of a tile's difference from half_samples_image; mean luminance",
-    format="rg32f",
-    divisor=TILE_SIZE,
-    strips=True,
+DOUBLING_DIFFERENCE = _of_tiles(
+    "doubling_difference", "Mean square of a tile's difference from half_samples_image; mean luminance", "rg32f"
 )
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 

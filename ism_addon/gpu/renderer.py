@@ -8,6 +8,7 @@ occlusion").
 
 import math
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ..scene import Scene, View
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
+from .emission.emitters import with_emissive_meshes
 from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
@@ -30,6 +32,7 @@ from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
 from .passes.film.shade import Shade
+from .passes.light_selection.cache_irradiance import CacheIrradiance
 from .passes.light_selection.cull_lights import CullLights
 from .passes.shadow_maps.atlas import batches
 from .passes.surfaces.gbuffer import GBuffer
@@ -48,7 +51,7 @@ UPLOAD = CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, Upload
 #: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
-SELECTION = UploadBLAS, BuildTLAS, CullLights
+SELECTION = UploadBLAS, BuildTLAS, CullLights, CacheIrradiance
 #: Radiance of a sample, and the sums of all samples.
 FILM = Shade, DebugImage, Accumulate
 
@@ -72,6 +75,8 @@ class Renderer:
         self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
+        #: A scene, and the same with lights of its emissive meshes.
+        self.lit: tuple[Scene, Scene] | None = None
         #: The scene and view of `uniforms`, and their anchor.
         self.placed: tuple[Scene, View, np.ndarray] | None = None
 
@@ -121,6 +126,7 @@ class Renderer:
             raise ValueError(
                 f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
             )
+        scene = self.with_emissive_meshes(scene)
         if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
             anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
             self.uniforms.write(frame_uniforms.frame_block(scene, view, anchor))
@@ -143,6 +149,15 @@ class Renderer:
             submission=self.submission,
             uniforms=self.uniforms,
         )
+
+    def with_emissive_meshes(self, scene: Scene) -> Scene:
+        """The scene with the lights of its emissive meshes: the same one as before if nothing has changed."""
+        if self.lit is None or self.lit[0] is not scene:
+            lights, last = with_emissive_meshes(scene), None if self.lit is None else self.lit[1].lights
+            if last is not None and type(last) is type(lights) and lights is not scene.lights and lights.equals(last):
+                lights = last
+            self.lit = scene, scene if lights is scene.lights else replace(scene, lights=lights)
+        return self.lit[1]
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""

@@ -23,3 +23,8 @@ class Instances(Arrays):
     casts_shadow: np.ndarray = array("bool I")
     #: Bit k is set if the instance belongs to group k.
     groups: np.ndarray = array("uint32 I")
+    #: Whether surfaces receive the light that it emits.
+    visible_diffuse: np.ndarray = array("bool I")
+    #: Groups of the instances that receive this light, and that cast its shadows; -1: all.
+    receivers: np.ndarray = index("int32 I", into=MAX_LINK_GROUPS, first=-1)
+    blockers: np.ndarray = index("int32 I", into=MAX_LINK_GROUPS, first=-1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lights: areas, points, spots and suns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Self
 
@@ -20,14 +20,16 @@ class LightShape(IntEnum):
     POINT = 2
     SPOT = 3
     SUN = 4
+    #: A group of emissive triangles. Only the renderer makes these, see gpu/emission/emitters.py.
+    EMISSIVE_MESH = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Lights(Arrays):
     """Lights in world space. Fields that a shape does not use have valid values all the same; suns have no position."""
 
-    #: LightShape.
-    shape: np.ndarray = index("int32 L", into=len(LightShape))
+    #: LightShape, of lamps.
+    shape: np.ndarray = index("int32 L", into=LightShape.EMISSIVE_MESH)
     position: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
     #: Of areas, full width and height, scale included. Of spots, in proportion to the width and height of their cone,
     #: of unit length if it is circular.
@@ -59,4 +61,11 @@ class Lights(Arrays):
 
     def select(self, rows: np.ndarray | slice) -> Self:
         """A table of these rows."""
-        return type(self)(**{name: getattr(self, name)[rows] for name in array_specs(type(self))})
+        return replace(
+            self,
+            **{
+                name: getattr(self, name)[rows]
+                for name, spec in array_specs(type(self)).items()
+                if spec.shapes[0][0] == "L"
+            },
+        )

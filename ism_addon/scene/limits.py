@@ -9,7 +9,7 @@ import numpy as np
 #: Limit of distances, m, and of other values, such as matrix elements and colours. Blender allows 3e38.
 MAX_DISTANCE = 1e9
 
-#: Limit of the emission of lights: radiance, W/(sr m²), intensity, W/sr, or irradiance, W/m².
+#: Limit of the emission of lights and materials: radiance, W/(sr m²), intensity, W/sr, or irradiance, W/m².
 MAX_EMISSION = 1e15
 
 #: Limit of the factor of a light's size for its shadow.

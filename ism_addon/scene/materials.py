@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Arrays, ArraySpec, index
-from .limits import MAX_DISTANCE
+from .arrays import Arrays, ArraySpec, array, index
+from .limits import MAX_DISTANCE, MAX_EMISSION
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def material_input(layout: str, default: float, sockets: Mapping[str, str], max_
 
 @dataclass(frozen=True, eq=False)
 class Materials(Arrays):
-    """Lambertian materials: a base color, or an image instead."""
+    """Lambertian materials: a base color, or an image instead; and the light that they emit from both sides."""
 
     base_color: np.ndarray = material_input(
         "float32 M 3",
@@ -48,6 +48,8 @@ class Materials(Arrays):
     )
     #: -1: no image.
     image: np.ndarray = index("int32 M", into="images", first=-1)
+    #: Radiance, the same in all directions.
+    emission: np.ndarray = array("float32 M 3", "W/(sr m²)", max_abs=MAX_EMISSION)
 
 
 #: Inputs by name.

@@ -11,7 +11,7 @@ ROWS = {
     "or a third of the driver's `GL_MAX_TEXTURE_BUFFER_SIZE` if that is less",
     "groups of objects that lights are linked to": f"{MAX_LINK_GROUPS}",
     "distance from the world's origin": f"{MAX_DISTANCE:,.0f} m",
-    "emission of a light": f"{MAX_EMISSION:g} W/(sr m²), W/sr or W/m²",
+    "emission of a light or a material": f"{MAX_EMISSION:g} W/(sr m²), W/sr or W/m²",
     "texels of all images at their size": f"{TEXTURE_WIDTH * MAX_TEXTURE_LINES:,}",
     "width of the pixel filter": f"{WIDEST_FILTER:g} px",
 }

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ism_addon.scene import Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from ism_addon.scene import Lights, LightShape, Mesh, Scene, View, World
+from tests.scenes.parts.tables import instances_of, materials_of
 
 #: Shape, position (m), target (m), size (m), watts and spread (rad).
 AreaLight = tuple[LightShape, Sequence[float], Sequence[float], tuple[float, float], float, float]
@@ -64,11 +65,10 @@ def scene(
     world_from_object = np.tile(np.eye(4), (len(ids), 1, 1))
     if positions is not None:
         world_from_object[:, :3, 3] = positions
-    visible, groups = np.ones(len(ids), bool), np.zeros(len(ids), np.uint32)
     return Scene(
         meshes=tuple(meshes),
-        instances=Instances(ids.astype(np.int32), world_from_object, visible, visible.copy(), groups),
-        materials=Materials(np.full((1, 3), 0.6, np.float32), np.full(1, -1, np.int32)),
+        instances=instances_of(ids, world_from_object),
+        materials=materials_of([(0.6, 0.6, 0.6)]),
         images=(),
         lights=lights(area_lights),
         world=World(np.full(3, 0.05, np.float32)),

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ism_addon.resources import RESOURCES, TILES
-from ism_addon.scene import Image, Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from ism_addon.scene import Image, Lights, LightShape, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import basis, mesh, perspective
 
 #: The shapes of area lights.
@@ -102,20 +103,14 @@ def make_scene(
     world: float = 0.0,
     base_color: Sequence[float] = (0.6, 0.6, 0.6),
     image: Image | None = None,
+    emission: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> Scene:
     """A scene of one material; each mesh once, or an instance of `mesh_ids` for each of `matrices` (I,4,4)."""
     ids = np.arange(len(meshes)) if mesh_ids is None else np.array(mesh_ids)
-    enabled = np.ones(len(ids), bool)
     return Scene(
         meshes=tuple(meshes),
-        instances=Instances(
-            ids.astype(np.int32),
-            np.tile(np.eye(4), (len(ids), 1, 1)) if matrices is None else np.array(matrices, np.float64),
-            enabled,
-            enabled.copy(),
-            np.zeros(len(ids), np.uint32),
-        ),
-        materials=Materials(np.array([base_color], np.float32), np.full(1, -1 if image is None else 0, np.int32)),
+        instances=instances_of(ids, matrices),
+        materials=materials_of([base_color], [-1 if image is None else 0], [emission]),
         images=() if image is None else (image,),
         lights=no_lights() if lights is None else lights,
         world=World(np.full(3, world, np.float32)),

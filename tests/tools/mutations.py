@@ -80,8 +80,8 @@ MUTATIONS = (
     ),
     Mutation(
         "another world leaves the picture as it was",
-        "*(SEEN_LIGHTS, Change.WORLD, Change.VIEW),",
-        "*(SEEN_LIGHTS, Change.VIEW),",
+        "MESH_BUFFERS, Change.WORLD, Change.VIEW),",
+        "MESH_BUFFERS, Change.VIEW),",
         ("test_edits", "test_reuse"),
     ),
     Mutation(

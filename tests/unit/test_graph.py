@@ -116,7 +116,7 @@ def test_every_resource_is_written_and_read():
     written = {output for each in PASSES for output in each.outputs} | {ATLAS_BATCH}
     read = {item for each in PASSES for item in (*each.inputs, *each.feedback) if isinstance(item, Resource)}
     unread = {output for each in PASSES for output in each.outputs if output not in read}
-    per_light = {"probe", "prediction", "ray_count"}
+    per_light = {"probe", "prediction", "ray_count", "irradiance_ratio"}
     assert {each.name for each in set(RESOURCES.values()) - written} == per_light
     assert read <= written
     #: Read by their own pass only, read back for the user, or read through a channel.

@@ -11,8 +11,9 @@ from ism_addon.gpu.jobs.job import Request
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.render_passes import COMBINED, RENDER_PASSES, RenderPass
 from ism_addon.resources import BASE_COLOR, POSITION
-from ism_addon.scene import Materials, Scene, View
+from ism_addon.scene import Scene, View
 from tests.pictures.test_cli import call as call
+from tests.scenes.parts.tables import materials_of
 from tests.scenes.small import sphere_in_corner, view
 from tests.support import reference
 from tests.support.jobs import wait_for_end
@@ -37,7 +38,7 @@ def two_colors(width: int = 48, height: int = 32) -> tuple[Scene, View]:
     scene, _ = sphere_in_corner()
     *walls, ball = scene.meshes
     ball = replace(ball, materials=np.ones(len(ball.triangles), np.uint32))
-    materials = Materials(np.array([[0.5, 0.6, 0.7], [0.8, 0.1, 0.2]], np.float32), np.full(2, -1, np.int32))
+    materials = materials_of([(0.5, 0.6, 0.7), (0.8, 0.1, 0.2)])
     offset, matrices = np.array([60.0, -90.0, 0.0]), scene.instances.world_from_object.copy()
     matrices[:, :3, 3] += offset
     scene = replace(

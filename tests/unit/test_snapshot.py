@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ism_addon import old_names, snapshot
-from ism_addon.scene import Image, Instances, Lights, Materials, Mesh, Scene, View, World
+from ism_addon import snapshot
+from ism_addon.scene import Image, Instances, Lights, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
+from tests.scenes.parts.tables import materials_of
 
 
 def directions(generator, *shape):
@@ -42,8 +43,11 @@ def a_scene():
             visible=np.array([True, False, True]),
             casts_shadow=np.array([False, True, True]),
             groups=np.array([0, 5, 1], np.uint32),
+            visible_diffuse=np.array([True, False, True]),
+            receivers=np.array([-1, 3, 0], np.int32),
+            blockers=np.array([31, -1, 2], np.int32),
         ),
-        materials=Materials(generator.random((2, 3), np.float32), np.array([-1, 0], np.int32)),
+        materials=materials_of(generator.random((2, 3)), [-1, 0], generator.random((2, 3))),
         images=(Image(generator.integers(0, 256, (3, 2, 4)).astype(np.uint8), repeat=False),),
         lights=Lights(
             shape=np.array([0, 1], np.int32),
@@ -65,9 +69,6 @@ def a_scene():
     )
 
 
-#: Lights' fields that version 0.1.0 did not have, with the values that its lights get.
-NEW_LIGHT_FIELDS = {"blend": np.zeros(2, np.float32), "radius": np.zeros(2), "soft_falloff": np.zeros(2, bool)}
-NEW_LIGHT_FIELDS |= {"shadow_softness": np.ones(2, np.float32), "visible_camera": np.zeros(2, bool)}
 VIEW = View(np.diag([0.1, 0.2, -0.3, 1.0]), np.eye(4)[[1, 0, 2, 3]], 640, 480, 1.25, True)
 SHADOW = Shadow(method=Method.SHADOW_MAPS, bias=0.1 + 0.2)
 SETTINGS = Settings(SHADOW, SSAO(enabled=False), Quality(samples=3), debug_view=DebugView.NORMAL)
@@ -107,7 +108,7 @@ def test_an_empty_scene_is_saved_and_loaded(tmp_path):
     nothing = Scene(
         meshes=(),
         instances=Instances(*(getattr(scene.instances, member.name)[:0] for member in fields(Instances))),
-        materials=Materials(scene.materials.base_color[:0], scene.materials.image[:0]),
+        materials=materials_of(np.zeros((0, 3))),
         images=(),
         lights=Lights(*(getattr(scene.lights, member.name)[:0] for member in fields(Lights))),
         world=scene.world,
@@ -272,26 +273,3 @@ def test_a_damaged_file_is_refused_or_loaded(path):
         except snapshot.SnapshotError:
             refused += 1
     assert refused > 300
-
-
-def test_a_snapshot_of_version_0_1_0_keeps_its_settings_and_lights(path):
-    missing = {f"scene/lights/{name}": None for name in ("emission", *NEW_LIGHT_FIELDS)}
-    old = {"version": snapshot.PREVIOUS_VERSION, "settings/shadow/method": "CLASSIC"} | missing
-    for section, names in old_names.SETTINGS.items():
-        values = getattr(SETTINGS, section) if section else SETTINGS
-        for name, new in names.items():
-            below = "/".join(filter(None, ("settings", section)))
-            old |= {f"{below}/{name}": getattr(values, new), f"{below}/{new}": None}
-    scene = a_scene()
-    arrays = missing | {"scene/lights/radiance": scene.lights.emission}
-    scene = replace(scene, lights=replace(scene.lights, **NEW_LIGHT_FIELDS))
-    assert_same(snapshot.load(rewritten(path, arrays, old)), (scene, VIEW, SETTINGS))
-    for name, current in old_names.DEBUG_VIEWS.items():
-        loaded = snapshot.load(rewritten(path, values=old | {"settings/show": name}))
-        assert_same(loaded, (scene, VIEW, replace(SETTINGS, debug_view=DebugView(current))))
-
-
-@pytest.mark.parametrize("settings", [None, [], 1, {"quality": 3, "shadow": []}, {"shadow": {"method": {}}}])
-def test_a_snapshot_of_version_0_1_0_without_its_settings_is_refused(path, settings):
-    with pytest.raises(snapshot.SnapshotError):
-        snapshot.load(rewritten(path, values={"version": snapshot.PREVIOUS_VERSION, "settings": settings}))

@@ -16,6 +16,14 @@ class LightLinks:
         """To be called before all lights are added."""
         self._groups.clear()
 
+    def of_light(self, owners: tuple[bpy.types.Object, ...], role: str) -> int | None:
+        """The group of the receivers or blockers of a light or emissive object, `owners` also has its instancer.
+
+        As in Cycles, the instancer counts if the object itself is linked to no collection. As for `group`.
+        """
+        collections = (getattr(owner.light_linking, f"{role}_collection") for owner in owners)
+        return self.group(next((each for each in collections if each is not None), None))
+
     def group(self, collection: bpy.types.Collection | None) -> int | None:
         """The index of a linking collection's group; -1: all objects. None if there are too many groups."""
         states: dict[str, set[int]] = {"INCLUDE": set(), "EXCLUDE": set()}

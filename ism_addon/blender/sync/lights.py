@@ -72,7 +72,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     power = watts(light) * light_nodes.factor(light, source.name, findings)
     if not power.any():
         return [], findings
-    linked = [links.group(getattr(source.light_linking, f"{role}_collection")) for role in ("receiver", "blocker")]
+    linked = [links.of_light((source,), role) for role in ("receiver", "blocker")]
     if None in linked:
         findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
     row = ROWS[light.type](light, world_from_light, power)

@@ -58,7 +58,7 @@ class MaterialBuffers:
 
     def __init__(self, device: Device, materials: Materials, texels: TextureBuffer):
         table = np.zeros(materials.row_count, MATERIAL.dtype)
-        for name in MATERIAL_INPUTS:
+        for name in (*MATERIAL_INPUTS, "emission"):
             table[name] = getattr(materials, name)
         for row in np.flatnonzero(materials.image >= 0):
             index = materials.image[row]
@@ -68,6 +68,7 @@ class MaterialBuffers:
             entry["height"], entry["width"] = texels.sizes[index]
         self.table = MATERIAL.upload(device, table)
         self.texels = texels
+        self.emissive = bool(materials.emission.any())
         self.bytes = table.nbytes
 
 

@@ -67,11 +67,15 @@ class Record:
             f"    return {self.name}({', '.join(values)});\n}}\n"
         )
 
-    def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
-        """Upload a table (N,) of this record's dtype."""
+    def words(self, table: np.ndarray) -> np.ndarray:
+        """(N * texels,4) uint32: the texels of a table (N,) of this record's dtype."""
         words = table.view(np.uint32).reshape(len(table), self.dtype.itemsize // 4)
         packed = np.pad(words, ((0, 0), (0, TEXEL_WORDS * self.texels - words.shape[1])))
-        return device.buffer_from(packed.reshape(-1, TEXEL_WORDS))
+        return packed.reshape(-1, TEXEL_WORDS)
+
+    def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
+        """Upload a table (N,) of this record's dtype."""
+        return device.buffer_from(self.words(table))
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
@@ -115,10 +119,11 @@ CASTER = Record(
     link_groups="uint",
 )
 
-#: The inputs of a material, and its image: a width of 0 means no image.
+#: The inputs of a material, its radiance, and its image: a width of 0 means no image.
 MATERIAL = Record(
     "Material",
     **{name: each.glsl_type for name, each in MATERIAL_INPUTS.items()},
+    emission="vec3",
     encoding="int",
     first_line="int",
     width="int",
@@ -128,7 +133,8 @@ MATERIAL = Record(
 )
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
-#: the sine of half of their angle.
+#: the sine of half of their angle. Of emissive meshes: a sphere around the triangles; as axes, two corners of a box;
+#: and the first rows of their triangles and nodes in the table of emitters, see lights/emissive_mesh.glsl.
 LIGHT = Record(
     "Light",
     position="vec3",
@@ -149,7 +155,36 @@ LIGHT = Record(
     circular_cone="int",
     receivers="int",
     blockers="int",
+    first_triangle="int",
+    triangle_count="int",
+    first_node="int",
+    leaves="int",
 )
+
+#: A triangle that emits light, in anchor space: a corner, and the edges from it to the others.
+EMISSIVE_TRIANGLE = Record("EmissiveTriangle", corner="vec3", u="vec3", v="vec3", one_sided="int")
+
+#: A node of a light BVH over emissive triangles, in anchor space, see emission/light_bvh.py. Of symmetric matrices: xx,
+#: yy and zz; xy, yz and zx. Of normal_position: rows.
+LIGHT_NODE = Record(
+    "LightNode",
+    centre="vec3",
+    radius="float",
+    normal="vec3",
+    area="float",
+    normal_squares="vec3",
+    one_sided="int",
+    normal_products="vec3",
+    normal_sine="float",
+    position_squares="vec3",
+    position_products="vec3",
+    normal_x_position="vec3",
+    normal_y_position="vec3",
+    normal_z_position="vec3",
+)
+
+#: Records of shaders that include lights/light.glsl.
+LIGHT_RECORDS = LIGHT, EMISSIVE_TRIANGLE, LIGHT_NODE
 
 #: Probe rays to one light: its index, the light_uv of the picture's first texel in 32-bit fixed point, and the position
 #: of the block's first texel in the picture.

@@ -14,8 +14,10 @@ import numpy as np
 from ...scene import Lights
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
+from ..emission.emissive_lights import EmissiveLights
 from ..gl import shader_compiler
 from .area import AreaLight
+from .emissive_mesh import EmissiveMesh
 from .point import PointLight
 from .spot import SpotLight
 from .sun import SunLight
@@ -102,7 +104,7 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight())
+LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh())
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """
@@ -140,6 +142,11 @@ def is_narrow(lights: Lights) -> np.ndarray:
     for light_type, rows, type_lights in by_type(lights):
         narrow[rows] = light_type.is_narrow(type_lights)
     return narrow
+
+
+def has_light_bvh(lights: Lights) -> np.ndarray:
+    """(L,) bool: whether a light's irradiance in GLSL is an estimate that the irradiance cache corrects."""
+    return lights.leaves > 0 if isinstance(lights, EmissiveLights) else np.zeros(len(lights.shape), bool)
 
 
 def type_of(lights: Lights, light: int) -> LightType:

@@ -36,7 +36,6 @@ SOCKETS = [
     ("Diffuse Roughness", 0.5, "Diffuse roughness is not drawn"),
     ("Coat Weight", 0.5, "Coats and sheen are not drawn"),
     ("Sheen Weight", 0.5, "Coats and sheen are not drawn"),
-    ("Emission Strength", 1.0, "Emission of surfaces is not drawn"),
     ("Roughness", 0.25, "Gloss is not drawn"),
     ("IOR", 2.0, "Gloss is not drawn"),
     ("Specular IOR Level", 0.75, "Gloss is not drawn"),

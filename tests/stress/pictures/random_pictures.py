@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from ism_addon.scene import Instances, Lights, LightShape, Materials, Mesh, Scene, View, World
+from ism_addon.scene import Instances, Lights, LightShape, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
+from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import mesh, perspective
 from tests.stress.pictures.moves import Picture
 from tests.support.small_scenes import AREA_SHAPES
@@ -72,7 +73,7 @@ def instances(draw: st.DrawFn, mesh_count: int) -> Instances:
         matrix[:3, :3], matrix[:3, 3] = random_orthogonal(random) @ shear * stretch, np.round(random.normal(size=3), 1)
     visible, casts_shadow = random.random((2, count)) < 0.85
     mesh_ids = random.integers(0, mesh_count, count).astype(np.int32)
-    return Instances(mesh_ids, matrices, visible, casts_shadow, np.zeros(count, np.uint32))
+    return instances_of(mesh_ids, matrices, visible=visible, casts_shadow=casts_shadow)
 
 
 def basis_towards_origin(random: np.random.Generator, position: np.ndarray) -> np.ndarray:
@@ -165,7 +166,7 @@ def pictures(draw: st.DrawFn) -> Picture:
     scene = Scene(
         meshes=scene_meshes,
         instances=draw(instances(len(scene_meshes))),
-        materials=Materials(np.array([[0.6, 0.3, 0.9]], np.float32), np.full(1, -1, np.int32)),
+        materials=materials_of([(0.6, 0.3, 0.9)]),
         images=(),
         lights=draw(lights()),
         world=World(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),

@@ -8,8 +8,9 @@ import pytest
 
 from ism_addon import setting_limits
 from ism_addon.gpu.buffers.material_buffers import mip_chain
-from ism_addon.scene import Image, Materials
+from ism_addon.scene import Image
 from ism_addon.setting_limits import images_beyond_limits, images_within_limits, lines_for
+from tests.scenes.parts.tables import materials_of
 from tests.support.small_scenes import draw, make_scene, quad, view_from_above
 
 
@@ -24,7 +25,7 @@ def textured_quads(*images: Image):
     count = len(images)
     meshes = [quad((k - count / 2.0, -0.5, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) for k in range(count)]
     meshes = [replace(mesh, materials=np.full(2, k, np.uint32)) for k, mesh in enumerate(meshes)]
-    materials = Materials(np.ones((count, 3), np.float32), np.arange(count, dtype=np.int32))
+    materials = materials_of(np.ones((count, 3)), np.arange(count))
     scene = replace(make_scene(meshes, world=1.0), images=images, materials=materials)
     return scene, view_from_above(float(count), (128 * count, 128))
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
-from ism_addon.gpu.gl.shader_records import LIGHT
-from ism_addon.gpu.passes.upload.upload_lights import light_table
+from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
+from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights
 
 RECEIVERS = 8
@@ -27,7 +27,7 @@ void main() {
 def shader(opened_device):
     """shader(lights, points (N,3), normals (N,3)): (N,) irradiance by the first light, of radiance 1; N ≤ RECEIVERS."""
     with opened_device.gl as gl:
-        begin = head((LIGHT,), {})
+        begin = head(LIGHT_RECORDS, {})
         program = gl.program(
             begin + (FOLDER / "glsl/full_screen.vert").read_text(),
             fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + MAIN,
@@ -41,10 +41,10 @@ def shader(opened_device):
         padded = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
         with opened_device.gl as gl:
             points, normals = map(opened_device.buffer_from, padded)
-            table = LIGHT.upload(opened_device, light_table(lights, np.zeros(3)))
+            buffers = light_buffers(opened_device, lights, np.zeros(3))
             gl.enable_only(moderngl.NOTHING)
             frame.use()
-            bind(program, points=points, normals=normals, lights=table)
+            bind(program, points=points, normals=normals, **buffers)
             triangle.render(moderngl.TRIANGLES, vertices=3)
             irradiances = np.frombuffer(target.read(), "f4").reshape(-1, 4)[:count, 0].astype(float)
         assert np.isfinite(irradiances).all() and (irradiances >= 0.0).all()

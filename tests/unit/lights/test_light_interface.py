@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import lights
+from ism_addon.gpu.emission.emitters import with_emissive_meshes
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
-from ism_addon.gpu.gl.shader_records import LIGHT
-from ism_addon.gpu.passes.upload.upload_lights import light_table
+from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
+from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape
-from tests.support.small_scenes import light
+from tests.scenes.small import sphere, subdivided_box
+from tests.support.small_scenes import light, make_scene, quad
 
 from .bulb import BULB, Bulb
 
@@ -72,6 +74,14 @@ EXAMPLES: dict[str, list[Lights]] = {
         for axis_v in ((0.0, -1.0, 0.0), (0.0, -0.8, 0.6))
         for spread in (0.0, 1.2448, 2.2, np.pi)
     ],
+    "emissive_mesh": [
+        with_emissive_meshes(make_scene([mesh], emission=(1.0, 1.0, 1.0)))
+        for mesh in (
+            quad((-0.9, -1.0, 1.1), (2.5, 0.4, 0.2), (0.3, 1.7, 0.1)),
+            subdivided_box((-0.4, -0.9, 0.6), (0.9, 0.3, 1.4), 1),
+            sphere((0.3, -0.2, 1.1), 0.6, 12, 6),
+        )
+    ],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 #: Normals of the receiver at the origin. All lights are above the horizon of the first.
@@ -86,7 +96,7 @@ def evaluate():
         patch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, Bulb()))
         device = open_device()
         with device.gl as gl:
-            begin = head((LIGHT,), {"side": SIDE})
+            begin = head(LIGHT_RECORDS, {"side": SIDE})
             program = gl.program(
                 begin + (FOLDER / "glsl/full_screen.vert").read_text(),
                 fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + MAIN,
@@ -95,10 +105,10 @@ def evaluate():
             framebuffer, triangle = gl.framebuffer(targets), gl.vertex_array(program, [])
 
             def run(of: Lights, normal: np.ndarray) -> np.ndarray:
-                table = LIGHT.upload(device, light_table(of, np.zeros(3)))
+                buffers = light_buffers(device, of, np.zeros(3))
                 gl.enable_only(moderngl.NOTHING)
                 framebuffer.use()
-                bind(program, lights=table, point=(0.0, 0.0, 0.0), normal=tuple(normal))
+                bind(program, **buffers, point=(0.0, 0.0, 0.0), normal=tuple(normal))
                 triangle.render(moderngl.TRIANGLES, vertices=3)
                 return np.concatenate([pixels(target) for target in targets], 2).reshape(SIDE**2, -1).astype(float)
 
@@ -112,17 +122,19 @@ def evaluated(request, evaluate):
     name, index, k = request.param
     columns = evaluate(EXAMPLES[name][index], NORMALS[k]).T
     radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = columns
+    estimated = lights.has_light_bvh(EXAMPLES[name][index])[0]  # by few nodes of a light BVH: not compared
     return {
         "arrives": (radiance > 0.0) & (cosine > 0.0),
         "radiance": radiance,
         "cosine": cosine,
         "pdf": pdf,
-        "irradiance": irradiance[0],
+        "irradiance": (any_emitted * any_cosine / uniform).mean() if estimated else irradiance[0],
         "own": (own_pdf, own_emitted),
         "hemisphere": (any_pdf / uniform, any_emitted * any_cosine / uniform),
         "one direction": (pdf == 1.0).all(),
         "slack": 1e-3 if name == "spot" else 0.0,  # where a hard edge and the horizon cut a cap, W/m²
         "exact": lights.type_of(EXAMPLES[name][index], 0).is_exact(EXAMPLES[name][index], 0),
+        "without a point": 0.15 if estimated else 0.0,  # fraction of samples that may lead to hidden triangles
     }
 
 
@@ -135,7 +147,9 @@ def test_samples_are_unbiased(evaluated):
     estimates = np.where(evaluated["arrives"], evaluated["radiance"] * evaluated["cosine"] / evaluated["pdf"], 0.0)
     assert (evaluated["irradiance"] > 0.0) == evaluated["arrives"].any()
     assert estimates.mean() == pytest.approx(
-        evaluated["irradiance"], rel=5e-3 if evaluated["exact"] else 0.03, abs=evaluated["slack"]
+        evaluated["irradiance"],
+        rel=0.01 if evaluated["without a point"] else 5e-3 if evaluated["exact"] else 0.03,
+        abs=evaluated["slack"],
     )
 
 
@@ -151,6 +165,7 @@ def test_the_pdf_of_a_sample_is_that_of_its_direction(evaluated):
 def test_the_pdf_integrates_to_one_and_emitted_radiance_to_the_irradiance(evaluated):
     pdf, emitted = evaluated["hemisphere"]
     if not evaluated["one direction"]:
-        assert pdf.mean() == pytest.approx(1.0, rel=0.03), "the pdf is unbounded where chords end"
+        # The pdf is unbounded where chords end.
+        assert 0.97 - evaluated["without a point"] < pdf.mean() < 1.03
         rel = 0.01 if evaluated["exact"] else 0.03
         assert emitted.mean() == pytest.approx(evaluated["irradiance"], rel=rel, abs=evaluated["slack"])

@@ -9,7 +9,8 @@ import pytest
 
 from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers.material_buffers import mip_chain
-from ism_addon.scene import Encoding, Image, Materials
+from ism_addon.scene import Encoding, Image
+from tests.scenes.parts.tables import materials_of
 from tests.support import reference
 from tests.support.small_scenes import make_scene, quad, view_from_above
 
@@ -98,7 +99,7 @@ def test_images_of_all_encodings_side_by_side(device):
         replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
         for k, x in enumerate((-1.5, -0.5, 0.5))
     ]
-    materials = Materials(np.zeros((3, 3), np.float32), np.arange(3, dtype=np.int32))
+    materials = materials_of(np.zeros((3, 3)), np.arange(3))
     scene = replace(make_scene(meshes), materials=materials, images=images)
     base_color = gbuffer(device, scene, view_from_above(3.0, (30, 10)))["base_color"][:, :3].reshape(10, 30, 3)
     for k, image in enumerate(images):

@@ -45,6 +45,9 @@ class _Row(NamedTuple):
     world_from_object: Matrix  # a copy
     visible: bool
     casts_shadow: bool
+    visible_diffuse: bool
+    receivers: int
+    blockers: int
     linked_by: tuple[int, ...]  # session_uids of the object, and of its instancer
     name: str
     unsupported: Diagnostics  # of the object, shared with its other instances
@@ -124,6 +127,9 @@ class InstanceReader:
             visible=[row.visible for row in valid_rows],
             casts_shadow=[row.casts_shadow for row in valid_rows],
             groups=[groups[row.linked_by] for row in valid_rows],
+            visible_diffuse=[row.visible_diffuse for row in valid_rows],
+            receivers=[row.receivers for row in valid_rows],
+            blockers=[row.blockers for row in valid_rows],
         )
         return tuple(indices), instances
 
@@ -143,11 +149,15 @@ class InstanceReader:
         uid = source.original.session_uid
         if uid not in self._unsupported:
             self._unsupported[uid] = _unsupported_features(source, owners[-1], view_layer)
+        receivers, blockers = (self._links.of_light(owners, role) for role in ("receiver", "blocker"))
         return _Row(
             self._mesh(source, owners, view_layer),
             world_from_object.copy(),
             all(each.visible_camera for each in owners) and not owners[-1].indirect_only_get(view_layer=view_layer),
             all(each.visible_shadow for each in owners),
+            all(each.visible_diffuse for each in owners),
+            -1 if receivers is None else receivers,
+            -1 if blockers is None else blockers,
             tuple(each.original.session_uid for each in owners),
             source.name,
             self._unsupported[uid],

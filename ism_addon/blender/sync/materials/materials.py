@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads materials: the values of their inputs, and the image of the base colour of a Principled or Diffuse BSDF."""
+"""Reads materials: the values of their inputs, the image of the base colour, and the light that they emit."""
 
 from typing import Any, NamedTuple
 
 import bpy
+import numpy as np
 
 from ....scene import MATERIAL_INPUTS, Image, Materials
 from ..diagnostics import Diagnostics
-from . import images, nodes, unsupported_features
+from . import emission, images, nodes, unsupported_features
 
 #: The session_uid of an image, whether it repeats, whether it is on black, and the file of a sequence's frame or "".
 ImageKey = tuple[int, bool, bool, str]
@@ -15,17 +16,19 @@ ImageKey = tuple[int, bool, bool, str]
 #: The only input that an image may give.
 COLOR = "base_color"
 
-#: Default values of the inputs.
+#: Default values of the inputs and of the emission.
 DEFAULTS: dict[str, Any] = {
     name: [each.default] * each.components if each.components > 1 else each.default
     for name, each in MATERIAL_INPUTS.items()
-}
+} | {"emission": [0.0, 0.0, 0.0]}
+#: Of materials that reflect nothing.
+BLACK: dict[str, Any] = {**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}
 
 
 class _Row(NamedTuple):
     """One row of Materials."""
 
-    values: dict[str, Any]  # of the inputs, by name
+    values: dict[str, Any]  # as DEFAULTS
     image: int
     layer: str | None  # the UV layer of its image; "": the one that renders; None without an image
     findings: tuple[Diagnostics, ...]  # those of its image are shared by all materials that use the image
@@ -105,22 +108,27 @@ class MaterialReader:
         shader = nodes.surface(output)
         if shader is None:
             findings.warn("Materials without a surface are drawn black", material.name)
-            return _Row({**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}, -1, None, (findings,))
+            return _Row(BLACK, -1, None, (findings,))
+        radiance = emission.read(shader, material.name, findings)
+        if shader.bl_idname == emission.EMISSION:
+            return _Row({**BLACK, "emission": radiance}, -1, None, (findings,))
         if shader.bl_idname not in MATERIAL_INPUTS[COLOR].sockets:
             issue = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
             findings.warn(issue, material.name)
             return _Row(self._viewport_values(material), -1, None, (findings,))
         unsupported_features.warn_of_shader(material, shader, findings)
-        return self._row_of_shader(material, shader, findings)
+        return self._row_of_shader(material, shader, radiance, findings)
 
     @staticmethod
     def _viewport_values(material: bpy.types.Material) -> dict[str, Any]:
         """Values of the inputs, with the material's viewport colour as base colour."""
         return {**DEFAULTS, COLOR: nodes.color(material.diffuse_color, MATERIAL_INPUTS[COLOR].default)}
 
-    def _row_of_shader(self, material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> _Row:
-        """A row with the values of a shader's sockets."""
-        values, image, layer, image_findings = dict(DEFAULTS), -1, None, Diagnostics()
+    def _row_of_shader(
+        self, material: bpy.types.Material, shader: bpy.types.Node, radiance: np.ndarray, findings: Diagnostics
+    ) -> _Row:
+        """A row with the values of a shader's sockets, which emits this radiance (3,)."""
+        values, image, layer, image_findings = {**DEFAULTS, "emission": radiance}, -1, None, Diagnostics()
         for name, each in MATERIAL_INPUTS.items():
             if (socket := shader.inputs.get(each.sockets.get(shader.bl_idname, ""))) is None:
                 continue

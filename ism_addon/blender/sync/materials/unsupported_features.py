@@ -48,21 +48,13 @@ def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, finding
     normal = nodes.source(shader.inputs["Normal"])
     if normal is not None:
         findings.warn(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
-    if shader.bl_idname == "ShaderNodeBsdfPrincipled":
-        if _is_glossy(shader):
-            findings.warn(GLOSS, material.name)
-        if not (_is(shader.inputs["Emission Strength"], 0.0) or _is_black(shader.inputs["Emission Color"])):
-            findings.warn("Emission of surfaces is not drawn", material.name)
+    if shader.bl_idname == "ShaderNodeBsdfPrincipled" and _is_glossy(shader):
+        findings.warn(GLOSS, material.name)
 
 
 def _is(socket: bpy.types.NodeSocket, expected: float) -> bool:
     value, node = nodes.number(socket)
     return node is None and value == expected
-
-
-def _is_black(socket: bpy.types.NodeSocket) -> bool:
-    color, node = nodes.rgb(socket, 1.0)
-    return node is None and not color.any()
 
 
 def _is_glossy(shader: bpy.types.Node) -> bool:

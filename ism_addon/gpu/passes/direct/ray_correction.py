@@ -10,7 +10,7 @@ import numpy as np
 from ....resources import MEAN_LUMINANCE
 from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_point
 from ...frame import Frame
-from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP
+from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP
 
 #: A pixel traces a ray in each sample if the ray can change the pixel by this fraction of the picture's mean luminance.
 RAY_THRESHOLD = 0.1
@@ -20,7 +20,7 @@ RAY_THRESHOLD = 0.1
 MIN_DOUBT = 0.03
 
 #: Records that the shaders fetch.
-RECORDS = LIGHT, CASTER, MEMBERSHIP
+RECORDS = *LIGHT_RECORDS, CASTER, MEMBERSHIP
 
 
 def shader_constants(

@@ -4,6 +4,9 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
+#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#include "textures/irradiance_cache.glsl"
+#endif
 uniform usamplerBuffer lights;
 uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
@@ -50,6 +53,9 @@ void main() {
     Light light = fetch_Light(lights, light_index);
     bool is_lit = is_lit_by(surface, light);
     vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light) : vec3(0.0);
+#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+    unshadowed *= cached_irradiance_ratio(surface, at);
+#endif
     vec2 predicted = predicted_visibility_at(surface, at);
     float amount = luminance(unshadowed);
     bool uncertain = EXACT == 0 || predicted.y > 0.0;

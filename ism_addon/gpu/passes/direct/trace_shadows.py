@@ -15,11 +15,13 @@ import moderngl
 import numpy as np
 
 from ....resources import (
+    CACHE_SPACING,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
     FAINT_LIGHTS,
-    LIGHT_BUFFER,
+    IRRADIANCE_CACHE,
+    LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
     LIGHTS_USED,
     MEAN_LUMINANCE,
@@ -63,7 +65,8 @@ class TraceShadows(Pass):
     """Predicted radiance W/(sr m²), and the residuals that correct it."""
 
     inputs = (
-        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, FAINT_LIGHTS, TILE_VISIBILITY),
+        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, IRRADIANCE_CACHE),
+        *(FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -130,18 +133,20 @@ class TraceShadows(Pass):
         lights = frame.scene.lights
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
-        return variant | {"hard": int(hard)}
+        return variant | {"hard": int(hard), "cache_spacing": CACHE_SPACING}
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
+        cache = frame.get(IRRADIANCE_CACHE) or {}
         return {
             **surface_samplers(frame),
             **material_samplers(frame),
-            "lights": frame[LIGHT_BUFFER],
+            **frame[LIGHT_BUFFERS],
             "light_index": light,
             "depth": frame[DEPTH],
             "prediction_surface": frame[PREDICTION_SURFACE],
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
+            **({"irradiance_ratio": cache[light]} if light in cache else {}),
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:
@@ -195,7 +200,7 @@ class TraceShadows(Pass):
             bind(
                 program,
                 **surface_samplers(frame) | material_samplers(frame),
-                lights=frame[LIGHT_BUFFER],
+                **frame[LIGHT_BUFFERS],
                 light_steps=light_steps(),
                 **ray_sequence(),
                 ray_threshold=ray_threshold(frame) if rays else 0.0,

@@ -7,6 +7,10 @@ uniform usamplerBuffer seen_lights;
 uniform int seen_count;
 flat in vec4 visibility_texel_and_offset;
 #endif
+#if EMISSIVE
+#include "trace/triangle_fetch.glsl"
+uniform usamplerBuffer materials;
+#endif
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
@@ -47,6 +51,14 @@ vec3 seen_radiance(Surface surface) {
     return sum;
 }
 
+vec3 emitted_radiance(Surface surface) {
+#if EMISSIVE
+    return fetch_Material(materials, fetch_triangle(surface.triangle).material).emission;
+#else
+    return vec3(0.0);
+#endif
+}
+
 // Fetches a target that is a few neutral texels if no pass draws it.
 vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
@@ -62,7 +74,7 @@ void main() {
     vec4 direct = fetch_clamped(direct_prediction, at);
     // A Lambertian surface reflects the fraction base_color of a world of constant radiance.
     sample_color = vec4(direct.rgb + surface.material.base_color * world * ambient_visibility(at, surface), 1.0);
-    sample_color.rgb += seen_radiance(surface);
+    sample_color.rgb += emitted_radiance(surface) + seen_radiance(surface);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;
 }

@@ -2,8 +2,8 @@
 """The radiance of a pixel towards the camera, in linear light.
 
 It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
-background it is the world's. Lights that the camera sees add theirs. Occlusion is upsampled to full resolution from the
-half-resolution pixels that show the same surface.
+background it is the world's. Emissive surfaces and lights that the camera sees add theirs. Occlusion is upsampled to
+full resolution from the half-resolution pixels that show the same surface.
 """
 
 import moderngl
@@ -14,8 +14,11 @@ from ....resources import (
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
+    MATERIAL_BUFFERS,
+    MESH_BUFFERS,
     NORMAL,
     POSITION,
+    PRIMITIVE,
     SAMPLE_COLOR,
     SAMPLE_HEADROOM,
     SAMPLE_RESIDUAL,
@@ -26,7 +29,7 @@ from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import LIGHT
+from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
 
 
 class Shade(Pass):
@@ -34,15 +37,21 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(SEEN_LIGHTS, Change.WORLD, Change.VIEW),
+        *(SEEN_LIGHTS, PRIMITIVE, MATERIAL_BUFFERS, MESH_BUFFERS, Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
         self.device.gl.enable_only(moderngl.NOTHING)
         seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
-        records = () if seen is None else (LIGHT,)
-        program = self.tile_program(*records, occluded=occluded, seen_lights=int(seen is not None))
+        emissive = frame[MATERIAL_BUFFERS].emissive
+        records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())
+        program = self.tile_program(
+            *records, occluded=occluded, seen_lights=int(seen is not None), emissive=int(emissive)
+        )
+        if emissive:
+            materials, corners = frame[MATERIAL_BUFFERS].table, frame[MESH_BUFFERS].samplers["corners"]
+            bind(program, primitive=frame[PRIMITIVE], materials=materials, corners=corners)
         if seen is not None:
             bind(program, seen_lights=seen, seen_count=int(frame.scene.lights.visible_camera.sum()))
         bind(

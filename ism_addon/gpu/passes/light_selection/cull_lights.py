@@ -22,7 +22,7 @@ from ....resources import (
     FAR_TILE_MAX,
     FAR_TILE_MIN,
     FAR_TILE_NORMAL_CONE,
-    LIGHT_BUFFER,
+    LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
     POSITION,
     RECEIVER_REGION,
@@ -96,7 +96,7 @@ class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
     schedule = Schedule.DOUBLING  # further samples show additional surfaces
-    inputs = *SURFACE, DEPTH, LIGHT_BUFFER, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
+    inputs = *SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     feedback = (REDISCOVERED,)
     outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS, RECEIVER_REGION)
 

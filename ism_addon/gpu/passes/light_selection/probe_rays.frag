@@ -11,12 +11,14 @@ uniform ivec2 pixel_offset; // px, from a texel's first pixel to the one that th
 out vec2 rays;              // unoccluded, traced
 
 // If the sampled point is below the horizon, but not all of the light, visibility is unknown: half of the ray counts as
-// unoccluded. If all of the light is below the horizon, no ray is counted.
+// unoccluded. No ray is counted if all of the light is below the horizon, or if a light BVH has led to triangles that do
+// not emit towards the surface.
 vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
     if (arrives(surface, from)) return vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
+    if (light.leaves > 0) return vec2(0.0);
     return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }
 

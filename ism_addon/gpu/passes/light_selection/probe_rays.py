@@ -11,20 +11,20 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFER, PROBE, TLAS
+from ....resources import LIGHT_BUFFERS, PROBE, TLAS
 from ....sampling.dimensions import fixed_point
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
-from ...gl.shader_records import CASTER, LIGHT, MEMBERSHIP, PROBE_BLOCK
+from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
 from ...lights import shader_variant, softness_variant
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
 SHADER = "passes/light_selection/probe_rays.frag"
-RECORDS = LIGHT, CASTER, MEMBERSHIP, PROBE_BLOCK
+RECORDS = *LIGHT_RECORDS, CASTER, MEMBERSHIP, PROBE_BLOCK
 
 #: Light index of blocks without rays.
 NO_LIGHT = -1
@@ -88,7 +88,7 @@ def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -
     return {
         **surface_samplers(frame),
         **frame[TLAS],
-        "lights": frame[LIGHT_BUFFER],
+        **frame[LIGHT_BUFFERS],
         "probe_blocks": blocks,
         "first_block": first,
         "block_size": grid.block_size,

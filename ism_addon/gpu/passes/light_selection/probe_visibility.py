@@ -3,7 +3,7 @@
 
 import moderngl
 
-from ....resources import LIGHT_BUFFER, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...frame import Frame, Pass, Schedule, outputs
@@ -18,7 +18,7 @@ class ProbeVisibility(Pass):
     """For each light that casts shadows, whether a ray from one pixel in 2×2 is unoccluded."""
 
     schedule = Schedule.FIRST
-    inputs = *SURFACE, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
+    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
     outputs = outputs(PROBES)
 
     def needed(self, frame: Frame) -> bool:

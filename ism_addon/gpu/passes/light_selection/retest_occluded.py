@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 
 from ....resources import (
-    LIGHT_BUFFER,
+    LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
     PROBE_SPACING,
     REDISCOVERED,
@@ -53,7 +53,7 @@ class Retest:
 class RetestOccluded(Pass):
     """Where lights are visible that had been believed occluded."""
 
-    inputs = *SURFACE, LIGHT_BUFFER, TLAS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
+    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
     feedback = (TILE_VISIBILITY,)
     outputs = outputs(RETESTS, RETEST_CANDIDATES, REDISCOVERED)
 

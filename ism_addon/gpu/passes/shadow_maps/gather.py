@@ -17,7 +17,7 @@ from ....resources import (
     ATLAS_BATCH,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
-    LIGHT_BUFFER,
+    LIGHT_BUFFERS,
     NO_OCCLUDER,
     NORMAL,
     POSITION,
@@ -32,7 +32,7 @@ from ....scene import Change, Lights
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import LIGHT, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
+from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import type_of, types_variant
 from ...material_inputs import MATERIAL, material_samplers
 
@@ -44,7 +44,7 @@ class GatherLight(Pass):
     """Radiance W/(sr m²) of each pixel: the sum over the atlases of virtual lights."""
 
     inputs = (
-        *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFER, VIRTUAL_LIGHT_COUNTS),
+        *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFERS, VIRTUAL_LIGHT_COUNTS),
         *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
         *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
     )
@@ -60,7 +60,7 @@ class GatherLight(Pass):
         light_types = {type_of(lights, light) for light in contributing}
         types = frozenset(each.name for each in light_types)
         if types not in self.shaders:
-            records = LIGHT, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
+            records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
             constants = types_variant(types) | {"parallel": int(any(each.parallel for each in light_types))}
             self.shaders[types] = self.full_screen_program(*records, suffix="", empty=NO_OCCLUDER, **constants)
         return self.shaders[types]
@@ -86,7 +86,7 @@ class GatherLight(Pass):
             **material_samplers(frame),
             primitive=frame[PRIMITIVE],
             link_groups=frame[INSTANCE_BUFFERS].memberships,
-            lights=frame[LIGHT_BUFFER],
+            **frame[LIGHT_BUFFERS],
             virtual_light_ranges=frame[VIRTUAL_LIGHT_RANGES],
             virtual_lights=frame[VIRTUAL_LIGHTS],
             shadow_maps=frame[SHADOW_MAPS if shadow.fill_holes else SHADOW_MAP_SPLATS],

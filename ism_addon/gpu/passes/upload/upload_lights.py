@@ -3,11 +3,15 @@
 
 import numpy as np
 
-from ....resources import LIGHT_BUFFER, SEEN_LIGHTS
+from ....resources import LIGHT_BUFFERS, SEEN_LIGHTS
 from ....scene import Change, Lights
+from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, outputs
-from ...gl.shader_records import LIGHT
+from ...gl.buffer_texture import BufferTexture
+from ...gl.context import Device
+from ...gl.shader_records import EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE
 from ...lights import by_type
+from ...lights.emissive_mesh import padded_nodes
 
 
 def light_table(lights: Lights, anchor: np.ndarray) -> np.ndarray:
@@ -18,18 +22,45 @@ def light_table(lights: Lights, anchor: np.ndarray) -> np.ndarray:
     return table
 
 
+def emitter_words(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
+    """Rows of LIGHT_NODE, and after padded_nodes of these rows of EMISSIVE_TRIANGLE, as words."""
+    nodes = np.zeros(padded_nodes(lights), LIGHT_NODE.dtype)
+    used = nodes[: len(lights.node_area)]
+    used["centre"] = lights.node_centre - anchor
+    for name in ("radius", "normal", "area", "normal_sine", "one_sided"):
+        used[name] = getattr(lights, f"node_{name}")
+    for name in ("normal", "position"):
+        matrix = getattr(lights, f"node_{name}_{name}")
+        used[f"{name}_squares"] = matrix[:, (0, 1, 2), (0, 1, 2)]
+        used[f"{name}_products"] = matrix[:, (0, 1, 2), (1, 2, 0)]
+    for row, axis in enumerate("xyz"):
+        used[f"normal_{axis}_position"] = lights.node_normal_position[:, row]
+    triangles, corners = np.zeros(len(lights.corners), EMISSIVE_TRIANGLE.dtype), lights.corners - anchor
+    triangles["corner"], triangles["one_sided"] = corners[:, 0], lights.one_sided
+    triangles["u"], triangles["v"] = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return np.concatenate([LIGHT_NODE.words(nodes), EMISSIVE_TRIANGLE.words(triangles)])
+
+
+def light_buffers(device: Device, lights: Lights, anchor: np.ndarray) -> dict[str, BufferTexture]:
+    """The table of lights, and that of emitters if there are any, by sampler name."""
+    buffers = {"lights": LIGHT.upload(device, light_table(lights, anchor))}
+    if isinstance(lights, EmissiveLights):
+        buffers["emitters"] = device.buffer_from(emitter_words(lights, anchor))
+    return buffers
+
+
 class UploadLights(Pass):
-    """Upload the table of lights."""
+    """Upload the lights, and those that the camera sees once more."""
 
     inputs = (Change.LIGHTS,)
-    outputs = outputs(LIGHT_BUFFER, SEEN_LIGHTS)
+    outputs = outputs(LIGHT_BUFFERS, SEEN_LIGHTS)
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
 
     def execute(self, frame: Frame) -> None:
-        table = light_table(frame.scene.lights, frame.anchor)
-        frame[LIGHT_BUFFER] = LIGHT.upload(self.device, table)
-        seen = table[frame.scene.lights.visible_camera]
-        frame[SEEN_LIGHTS] = LIGHT.upload(self.device, seen) if len(seen) else None
-        frame.counts["bytes_uploaded"] += table.nbytes
+        lights = frame.scene.lights
+        frame[LIGHT_BUFFERS] = buffers = light_buffers(self.device, lights, frame.anchor)
+        seen = lights.select(lights.visible_camera)
+        frame[SEEN_LIGHTS] = LIGHT.upload(self.device, light_table(seen, frame.anchor)) if len(seen.shape) else None
+        frame.counts["bytes_uploaded"] += sum(buffer.bytes for buffer in buffers.values())

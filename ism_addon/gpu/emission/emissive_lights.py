@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of a scene's lights when some of them are emissive meshes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scene import Lights
+from ...scene.arrays import array
+
+
+@dataclass(frozen=True, eq=False)
+class EmissiveLights(Lights):
+    """Lamps, and lights of emissive triangles; the latter have a sphere around them as position and radius."""
+
+    #: Range of its triangles.
+    first_triangle: np.ndarray = array("int32 L")
+    triangle_count: np.ndarray = array("int32 L")
+    #: Its light BVH: node k, from 1 on, is row first_node + k; leaf j has the j-th part of the triangles. 0: none.
+    first_node: np.ndarray = array("int32 L")
+    leaves: np.ndarray = array("int32 L")
+    area: np.ndarray = array("float64 L", "m²")
+    #: Corners of a box outside of which one-sided triangles emit from one side only.
+    enclosure: np.ndarray = array("float64 L 2 3", "m")
+    #: Triangles in world space. Those that fill up a leaf have no area.
+    corners: np.ndarray = array("float64 T 3 3", "m")
+    one_sided: np.ndarray = array("bool T")
+    #: Nodes of all light BVHs: see LightBVH.
+    node_centre: np.ndarray = array("float64 N 3", "m")
+    node_radius: np.ndarray = array("float64 N", "m")
+    node_area: np.ndarray = array("float64 N", "m²")
+    node_normal: np.ndarray = array("float64 N 3", "m²")
+    node_normal_sine: np.ndarray = array("float64 N")
+    node_normal_normal: np.ndarray = array("float64 N 3 3", "m²")
+    node_position_position: np.ndarray = array("float64 N 3 3", "m⁴")
+    node_normal_position: np.ndarray = array("float64 N 3 3", "m³")
+    node_one_sided: np.ndarray = array("bool N")

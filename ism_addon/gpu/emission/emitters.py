@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes lights of emissive meshes: one of each connected part of an instance, with a light BVH if it is large.
+
+Materials emit light from both sides. The inner side of a closed part is hidden from outside of it, so its triangles
+count as one-sided there: otherwise half of the light would be unshadowed light that its other half occludes.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ...scene import Instances, Lights, LightShape, Mesh, Scene
+from ...scene.arrays import array_specs
+from .emissive_lights import EmissiveLights
+from .light_bvh import LightBVH, median_leaves, normal_areas
+from .mesh_parts import parts_of
+
+#: A light with more triangles than this has a light BVH, and its irradiance is an estimate.
+MAX_EXACT_TRIANGLES = 16
+
+#: If there are more lights than this, neighbours of the same emission are joined until no emission has more.
+MAX_LIGHTS = 256
+
+
+class Emitters(NamedTuple):
+    """Emissive triangles (T,) and the lights (L,) that they belong to."""
+
+    corners: np.ndarray  # (T,3,3) m, counterclockwise as seen from outside if one-sided
+    one_sided: np.ndarray  # (T,) bool
+    light: np.ndarray  # (T,) int
+    emission: np.ndarray  # (L,3)
+    links: np.ndarray  # (L,2) int: groups of receivers and blockers
+    enclosure: np.ndarray  # (L,2,3) m
+
+
+def with_emissive_meshes(scene: Scene) -> Lights:
+    """The lights of a scene, and those of its emissive meshes, if there are any."""
+    emits = scene.materials.emission.any(1)
+    found = list(emitters_of_meshes(scene, emits)) if emits.any() else []
+    if not found:
+        return scene.lights
+    return with_lights(scene.lights, joined(concatenated(found)))
+
+
+def emitters_of_meshes(scene: Scene, emits: np.ndarray) -> Iterator[Emitters]:
+    """The emitters of each mesh with all of its instances; `emits` (M,): materials that emit light."""
+    _, emission_of = np.unique(scene.materials.emission, axis=0, return_inverse=True)
+    order = np.argsort(scene.instances.mesh, kind="stable")
+    order = order[scene.instances.visible_diffuse[order]]
+    for index, mesh in enumerate(scene.meshes):
+        chosen = np.flatnonzero(emits[mesh.materials])
+        first, end = np.searchsorted(scene.instances.mesh[order], (index, index + 1))
+        if len(chosen) and end > first:
+            yield emitters_of(scene, mesh, chosen, order[first:end], emission_of.ravel())
+
+
+def emitters_of(
+    scene: Scene, mesh: Mesh, chosen: np.ndarray, instances: np.ndarray, emission_of: np.ndarray
+) -> Emitters:
+    """The emitters of the chosen triangles of a mesh in these instances. `emission_of` (M,): equal for equal ones."""
+    parts, materials = parts_of(mesh), mesh.materials[chosen]
+    pairs = np.stack([parts.part[chosen], emission_of[materials]], 1)
+    _, example, own = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    own, part, count = own.ravel(), parts.part[chosen[example]], len(instances)
+    matrices = scene.instances.world_from_object[instances]
+    linear, offset = matrices[:, :3, :3], matrices[:, :3, 3]
+    vertices = mesh.positions[mesh.triangles[chosen]].astype(np.float64)
+    corners = np.einsum("kij,tcj->ktci", linear, vertices) + offset[:, None, None]
+    hidden = hides_its_back(scene.instances, instances)
+    side = parts.side[part][own] * (np.sign(np.linalg.det(linear)) * hidden)[:, None]
+    corners = np.where((side < 0.0)[..., None, None], corners[:, :, ::-1], corners)
+    middle, half = parts.boxes[part].sum(1) / 2.0, (parts.boxes[part, 1] - parts.boxes[part, 0]) / 2.0
+    middle = np.einsum("kij,pj->kpi", linear, middle) + offset[:, None]
+    half = np.einsum("kij,pj->kpi", np.abs(linear), half)
+    enclosure = np.stack([middle - half, middle + half], 2)
+    links = np.stack([scene.instances.receivers[instances], scene.instances.blockers[instances]], 1)
+    return Emitters(
+        corners.reshape(-1, 3, 3),
+        (side != 0.0).ravel(),
+        (own + len(part) * np.arange(count)[:, None]).ravel(),
+        np.tile(scene.materials.emission[materials[example]], (count, 1)),
+        links.repeat(len(part), 0),
+        enclosure.reshape(-1, 2, 3),
+    )
+
+
+def hides_its_back(instances: Instances, chosen: np.ndarray) -> np.ndarray:
+    """(K,) bool: which of the chosen instances cast shadows of their own light."""
+    group = instances.blockers[chosen]
+    linked = instances.groups[chosen] >> np.maximum(group, 0).astype(np.uint32) & 1 == 1
+    return instances.casts_shadow[chosen] & ((group < 0) | linked)
+
+
+def concatenated(all_emitters: list[Emitters]) -> Emitters:
+    """Emitters as one, with their lights one after the other."""
+    counts = [len(each.emission) for each in all_emitters]
+    shifted = [
+        each._replace(light=each.light + first)
+        for each, first in zip(all_emitters, np.cumsum([0, *counts[:-1]]), strict=True)
+    ]
+    return Emitters(*(np.concatenate(columns) for columns in zip(*shifted, strict=True)))
+
+
+def joined(emitters: Emitters) -> Emitters:
+    """At most MAX_LIGHTS lights for each emission and links: neighbours are joined."""
+    if len(emitters.emission) <= MAX_LIGHTS:
+        return emitters
+    keys, centres = np.concatenate([emitters.emission, emitters.links], 1), emitters.enclosure.mean(1)
+    kind, light, count = np.unique(keys, axis=0, return_inverse=True)[1].ravel(), np.empty(len(keys), int), 0
+    for each in range(kind.max() + 1):
+        members = np.flatnonzero(kind == each)
+        leaves = median_leaves(centres[members], -(-len(members) // MAX_LIGHTS))
+        for leaf in leaves:
+            light[members[leaf[leaf < len(members)]]] = count
+            count += int((leaf < len(members)).any())
+    order = np.argsort(light, kind="stable")
+    first = np.searchsorted(light[order], np.arange(count))
+    low, high = np.moveaxis(emitters.enclosure[order], 1, 0)
+    low, high = np.minimum.reduceat(low, first), np.maximum.reduceat(high, first)
+    return emitters._replace(
+        light=light[emitters.light],
+        emission=emitters.emission[order[first]],
+        links=emitters.links[order[first]],
+        enclosure=np.stack([low, high], 1),
+    )
+
+
+def with_lights(lamps: Lights, emitters: Emitters) -> EmissiveLights:
+    """Lamps, and after them the lights of emissive triangles."""
+    count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
+    bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
+    triangles, bvhs = [], []
+    for first, end in pairwise(bounds):
+        bvh = LightBVH.over(emitters.corners[order[first:end]]) if end - first > MAX_EXACT_TRIANGLES else None
+        rows = np.append(order[first:end], -1)
+        triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
+        bvhs.append(bvh)
+    own = emissive_rows(emitters, triangles, bvhs)
+    one_sided = np.bincount(emitters.light, ~emitters.one_sided, count) == 0
+    first_row = len(lamps.shape)
+    lamp_values = {name: getattr(lamps, name) for name in array_specs(Lights)}
+    values = {
+        name: np.concatenate([lamp_values.get(name, np.zeros((first_row, *own[name].shape[1:]))), own[name]])
+        for name, spec in array_specs(EmissiveLights).items()
+        if spec.shapes[0][0] == "L"
+    }
+    return EmissiveLights.of(**values, **triangle_tables(emitters, triangles), **node_tables(one_sided, bvhs))
+
+
+def emissive_rows(
+    emitters: Emitters, triangles: list[np.ndarray], bvhs: list[LightBVH | None]
+) -> dict[str, np.ndarray]:
+    """Fields of the lights, by name; `triangles`: rows of the emitters by light, -1 to fill up leaves."""
+    count, light = len(emitters.emission), emitters.light
+    order = np.argsort(light, kind="stable")
+    starts = np.searchsorted(light[order], np.arange(count))
+    low = np.minimum.reduceat(emitters.corners.min(1)[order], starts)
+    high = np.maximum.reduceat(emitters.corners.max(1)[order], starts)
+    sizes, leaves = np.array([len(each) for each in triangles]), np.array([bvh.leaves if bvh else 0 for bvh in bvhs])
+    unit = np.tile(np.eye(3)[:, None], (1, count, 1))
+    return {
+        "shape": np.full(count, LightShape.EMISSIVE_MESH),
+        "position": (low + high) / 2.0,
+        "axis_u": unit[0],
+        "axis_v": unit[1],
+        "normal": unit[2],
+        "emission": emitters.emission,
+        "spread": np.full(count, np.pi),
+        "blend": np.zeros(count),
+        "radius": np.linalg.norm(high - low, axis=1) / 2.0,
+        "soft_falloff": np.zeros(count, bool),
+        "casts_shadow": np.ones(count, bool),
+        "visible_camera": np.zeros(count, bool),
+        "shadow_softness": np.ones(count),
+        "receivers": emitters.links[:, 0],
+        "blockers": emitters.links[:, 1],
+        "first_triangle": np.cumsum(sizes) - sizes,
+        "triangle_count": sizes,
+        "first_node": 2 * (np.cumsum(leaves) - leaves),
+        "leaves": leaves,
+        "area": np.bincount(light, np.linalg.norm(normal_areas(emitters.corners), axis=1), count),
+        "enclosure": emitters.enclosure,
+    }
+
+
+def triangle_tables(emitters: Emitters, triangles: list[np.ndarray]) -> dict[str, np.ndarray]:
+    """Fields of the triangles, by name."""
+    rows = np.concatenate(triangles)
+    corners = np.where((rows < 0)[:, None, None], 0.0, emitters.corners[rows])
+    return {"corners": corners, "one_sided": emitters.one_sided[rows]}
+
+
+def node_tables(one_sided: np.ndarray, bvhs: list[LightBVH | None]) -> dict[str, np.ndarray]:
+    """Fields of the nodes, by name; `one_sided` (L,): whether all triangles of a light are."""
+    tables = {
+        name: np.concatenate(
+            [spec.empty(), *(getattr(bvh, name.removeprefix("node_")) for bvh in bvhs if bvh is not None)]
+        )
+        for name, spec in array_specs(EmissiveLights).items()
+        if spec.shapes[0][0] == "N" and name != "node_one_sided"
+    }
+    nodes = [2 * bvh.leaves if bvh is not None else 0 for bvh in bvhs]
+    return tables | {"node_one_sided": np.repeat(one_sided, nodes)}

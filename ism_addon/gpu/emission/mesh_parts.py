@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Connected parts of meshes, and which of them are closed."""
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ...scene import Mesh
+
+
+@dataclass(frozen=True)
+class MeshParts:
+    """The parts of a mesh. Triangles that share a corner are connected."""
+
+    part: np.ndarray  # (T,) int: index of each triangle's part
+    #: (P,) 1: closed, and its triangles are counterclockwise as seen from outside; -1: clockwise; 0: not closed.
+    side: np.ndarray
+    boxes: np.ndarray  # (P,2,3) float64 m, object space
+
+
+#: Size of the grid on which vertices are at the same place, relative to the mesh: more than rounding errors.
+WELD_DISTANCE = 1e-6
+
+#: Of meshes that exist.
+_CACHE: WeakKeyDictionary[Mesh, MeshParts] = WeakKeyDictionary()
+
+
+def parts_of(mesh: Mesh) -> MeshParts:
+    """The parts of a mesh; computed once."""
+    if mesh not in _CACHE:
+        # Vertices at the same place are one: seams of texture coordinates or of sharp edges may be in between.
+        size = max(float((mesh.box[1] - mesh.box[0]).max()), 1e-30)
+        places = np.rint((mesh.positions - mesh.box[0]) / (WELD_DISTANCE * size))
+        _, vertices = np.unique(places, axis=0, return_inverse=True)
+        _CACHE[mesh] = find_parts(mesh.positions[mesh.triangles].astype(np.float64), vertices.ravel()[mesh.triangles])
+    return _CACHE[mesh]
+
+
+def find_parts(corners: np.ndarray, triangles: np.ndarray) -> MeshParts:
+    """The parts of triangles with corners (T,3,3) m and indices of vertices (T,3)."""
+    part = connected(triangles)
+    count = part.max() + 1
+    order = np.argsort(part, kind="stable")
+    starts = np.searchsorted(part[order], np.arange(count))
+    low = np.minimum.reduceat(corners.min(1)[order], starts)
+    high = np.maximum.reduceat(corners.max(1)[order], starts)
+    a, b, c = np.moveaxis(corners - ((low + high) / 2.0)[part][:, None], 1, 0)
+    volume = np.bincount(part, np.einsum("ti,ti->t", a, np.cross(b, c)), count)
+    is_open = np.bincount(part, ~has_all_neighbours(triangles), count) > 0
+    return MeshParts(part, np.where(is_open, 0.0, np.sign(volume)), np.stack([low, high], 1))
+
+
+def connected(triangles: np.ndarray) -> np.ndarray:
+    """(T,) int from 0 on: equal for connected triangles (T,3)."""
+    _, corners = np.unique(triangles, return_inverse=True)
+    corners = corners.ravel()
+    order = np.argsort(corners, kind="stable")
+    starts = np.flatnonzero(np.diff(corners[order], prepend=-1))
+    labels = np.arange(len(starts))  # of vertices: each takes the smallest of its triangles, and then of that vertex
+    while True:
+        smallest = labels[corners].reshape(-1, 3).min(1)
+        new = np.minimum.reduceat(smallest.repeat(3)[order], starts)
+        new = new[new]
+        if np.array_equal(new, labels):
+            return np.unique(smallest, return_inverse=True)[1].ravel()
+        labels = new
+
+
+def has_all_neighbours(triangles: np.ndarray) -> np.ndarray:
+    """(T,) bool: whether each edge has exactly one other triangle, with the same orientation."""
+    start, end = triangles, np.roll(triangles, -1, 1)
+    vertices = triangles.max() + 1
+    edges, opposite = (start * vertices + end).ravel(), (end * vertices + start).ravel()
+    ascending = np.sort(edges)
+    once = np.searchsorted(ascending, edges, "right") - np.searchsorted(ascending, edges) == 1
+    matched = np.searchsorted(ascending, opposite, "right") - np.searchsorted(ascending, opposite) == 1
+    # Welding may have left triangles without area: their edges are matched by each other.
+    return (once & matched | (start == end).ravel()).reshape(-1, 3).all(1)

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Emissive meshes: groups of triangles of the same radiance, see emission/emitters.py."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from ...color import REC709, luminance
+from ...scene import LightShape
+from ..culling.receiver_region import ReceiverRegion
+from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
+from ..emission.emissive_lights import EmissiveLights
+from ..emission.light_bvh import normal_areas
+from ..gl.shader_records import EMISSIVE_TRIANGLE, LIGHT_NODE
+from .light_records import light_records
+
+TRIANGLE_TEXELS = EMISSIVE_TRIANGLE.texels
+
+
+def padded_nodes(lights: EmissiveLights) -> int:
+    """Number of nodes in the table of emitters: their texels make up complete rows of triangles, which follow them."""
+    return -(-len(lights.node_area) // TRIANGLE_TEXELS) * TRIANGLE_TEXELS
+
+
+@dataclass(frozen=True)
+class EmissiveMeshBounds:
+    """Bounds of K lights: float32, anchor space, columns (K,1)."""
+
+    position: np.ndarray  # (3,K,1) m
+    radius: np.ndarray  # m
+    area: np.ndarray  # m²
+    luminance: np.ndarray  # of the radiance
+
+    @classmethod
+    def of(cls, lights: EmissiveLights, anchor: np.ndarray, working_space: str = REC709) -> Self:
+        """All lights, about the anchor (3,)."""
+        luminances = np.abs(lights.emission) @ luminance(working_space)
+        columns = (lights.position - anchor).T, lights.radius, lights.area, luminances
+        return cls(*(column[..., None].astype(np.float32) for column in columns))
+
+    @property
+    def peak(self) -> np.ndarray:
+        """(K,1) luminance of the irradiance of a light that fills a receiver's hemisphere."""
+        return np.pi * self.luminance
+
+    def __getitem__(self, rows: slice) -> Self:
+        return type(self)(*(getattr(self, member.name)[..., rows, :] for member in fields(self)))
+
+    def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
+        """See LightBounds: by all of the area at the nearest point of the sphere around it."""
+        half = (surfaces.high - surfaces.low) * np.float32(0.5)
+        centre, size = surfaces.low + half, np.abs(surfaces.low) + np.abs(surfaces.high)
+        to = self.position - centre[:, None]
+        square = dot(to, to)
+        distance = np.sqrt(square) + np.float32(1e-20)
+        slack = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
+        slack = slack + self.radius
+        axis_cosine = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
+        above = surfaces.max_cosine(axis_cosine) * distance + slack
+        near = distance - slack
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # where they touch, or not lit
+            solid_angle = self.area / (near * near) * np.minimum(above / near, 1.0)
+        upper_bound = np.where(near > 0.0, np.minimum(solid_angle, np.pi), np.pi)
+        upper_bound = np.where(surfaces.exists & (above > 0.0), self.luminance * upper_bound, 0.0)
+        # About half of the area faces a receiver, and of that half is its projection.
+        visible = self.area * np.float32(0.25)
+        estimate = np.pi * self.luminance * visible * np.maximum(axis_cosine, 0.0) / (np.pi * square + visible)
+        return upper_bound.astype(np.float32), estimate.astype(np.float32)
+
+
+class EmissiveMesh:
+    """See LightType; the tables are EmissiveLights."""
+
+    name = "emissive_mesh"
+    shapes: tuple[int, ...] = (LightShape.EMISSIVE_MESH,)
+    glsl = Path(__file__).with_suffix(".glsl")
+    min_virtual_lights = 2
+    parallel = False
+
+    def records(self, lights: Any, anchor: np.ndarray) -> np.ndarray:
+        table = light_records(lights, anchor, "radius", "triangle_count", "leaves")
+        table["axis_u"], table["axis_v"] = np.moveaxis(lights.enclosure - anchor, 1, 0)
+        table["first_node"] = lights.first_node
+        table["first_triangle"] = lights.first_triangle + padded_nodes(lights) * LIGHT_NODE.texels // TRIANGLE_TEXELS
+        return table
+
+    def bounds(self, lights: Any, anchor: np.ndarray, working_space: str) -> EmissiveMeshBounds:
+        return EmissiveMeshBounds.of(lights, anchor, working_space)
+
+    def shadow_ends(self, lights: Any, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
+        centre = (lights.position - anchor).T
+        return np.stack([centre - lights.radius, centre + lights.radius])[..., None]
+
+    def heights(self, lights: Any, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+        return np.full((boxes.shape[2], len(lights.shape)), np.inf)
+
+    def is_narrow(self, lights: Any) -> np.ndarray:
+        return lights.leaves > 0  # a sample may lead to no triangle that emits towards the receiver
+
+    def is_exact(self, lights: Any, row: int) -> bool:
+        return True
+
+    def is_hard(self, lights: Any, row: int) -> bool:
+        return False
+
+    def is_round(self, lights: Any, row: int) -> bool:
+        return False
+
+    def virtual_lights(self, lights: Any, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Evenly over the area; every other one is on the back of a two-sided triangle."""
+        first, count = lights.first_triangle[row], lights.triangle_count[row]
+        corners, one_sided = lights.corners[first : first + count], lights.one_sided[first : first + count]
+        normals = normal_areas(corners)
+        areas = np.linalg.norm(normals, axis=1)
+        ends = np.cumsum(areas)
+        chosen = np.minimum(np.searchsorted(ends, squares[:, 0] * ends[-1], "right"), np.flatnonzero(areas)[-1])
+        in_triangle = (squares[:, 0] * ends[-1] - ends[chosen]) / areas[chosen] + 1.0
+        root, along = np.sqrt(np.clip(in_triangle, 0.0, 1.0)), squares[:, 1]
+        weights = np.stack([1.0 - root, root * (1.0 - along), root * along], 1)
+        points = np.einsum("nc,nci->ni", weights, corners[chosen])
+        back = ~one_sided[chosen] & (np.arange(len(squares)) % 2 == 1)
+        axes = normals[chosen] / areas[chosen, None] * np.where(back, -1.0, 1.0)[:, None]
+        return points - lights.position[row], axes
+
+    def solid_angles(
+        self,
+        lights: Any,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
+    ) -> np.ndarray:
+        """A third of the value of an occluder facing the light is added to all, so that edge-on ones are not lost."""
+        to = points - (lights.position[row] - anchor).astype(np.float32)
+        square = np.einsum("nk,nk->n", to, to) + np.float32(lights.radius[row] ** 2 / 4.0 + 1e-12)
+        facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)
+        return (facing + np.float32(1.0 / 3.0)) / square
+
+    def variant(self, lights: Any, row: int) -> dict[str, int]:
+        return {"light_bvh": int(lights.leaves[row] > 0)}

@@ -1,0 +1,19 @@
+// Irradiance cache of one light: the ratio of its unshadowed irradiance to the estimate that shaders use.
+#include "surfaces/surface.glsl"
+#include "lights/light.glsl"
+uniform usamplerBuffer lights;
+uniform int light_index;
+out float irradiance_ratio;
+
+const float MAX_RATIO = 4.0; // near a horizon
+
+void main() {
+    Surface surface = surface_at(min(CACHE_SPACING * ivec2(gl_FragCoord.xy), last_pixel()));
+    irradiance_ratio = 1.0;
+    if (!surface.exists) return;
+    Light light = fetch_Light(lights, light_index);
+    float estimate = light_irradiance(light, surface.position, surface.normal);
+    if (estimate <= 0.0) return;
+    float accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
+    irradiance_ratio = min(accurate / estimate, MAX_RATIO);
+}
