@@ -19,6 +19,10 @@ from .light_records import light_records
 TRIANGLE_TEXELS = EMISSIVE_TRIANGLE.texels
 
 
+#: Heights of virtual lights over a flat and over a closed mesh, relative to its radius.
+MIN_HEIGHT, MAX_HEIGHT = 1e-4, 0.02
+
+
 def padded_nodes(lights: EmissiveLights) -> int:
     """Number of nodes in the table of emitters: their texels make up complete rows of triangles, which follow them."""
     return -(-len(lights.node_area) // TRIANGLE_TEXELS) * TRIANGLE_TEXELS
@@ -109,7 +113,10 @@ class EmissiveMesh:
         return False
 
     def virtual_lights(self, lights: Any, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Evenly over the area; every other one is on the back of a two-sided triangle."""
+        """Evenly over the area; every other one is on the back of a two-sided triangle.
+
+        They are off the surface, so that discs of the mesh around them lie below their horizon.
+        """
         first, count = lights.first_triangle[row], lights.triangle_count[row]
         corners, one_sided = lights.corners[first : first + count], lights.one_sided[first : first + count]
         normals = normal_areas(corners)
@@ -122,7 +129,9 @@ class EmissiveMesh:
         points = np.einsum("nc,nci->ni", weights, corners[chosen])
         back = ~one_sided[chosen] & (np.arange(len(squares)) % 2 == 1)
         axes = normals[chosen] / areas[chosen, None] * np.where(back, -1.0, 1.0)[:, None]
-        return points - lights.position[row], axes
+        flatness = np.linalg.norm(normals.sum(0)) / ends[-1]
+        height = lights.radius[row] * (MIN_HEIGHT + MAX_HEIGHT * (1.0 - flatness))
+        return points - lights.position[row] + height * axes, axes
 
     def solid_angles(
         self,

@@ -5,6 +5,8 @@ At each pixel it is estimated from few nodes. The cache has the ratio of the irr
 every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpolating it adds almost no error.
 """
 
+from typing import Any
+
 import moderngl
 
 from ....resources import (
@@ -46,9 +48,8 @@ class CacheIrradiance(Pass):
             if not has_bvh[light] or not (influence.contributes & ~influence.is_faint).any():
                 continue
             ratios[light] = create(gl, IRRADIANCE_RATIO, size_of(IRRADIANCE_RATIO, *frame.size))
-            shader = self.full_screen_program(
-                *LIGHT_RECORDS, **shader_variant(lights, light) | {"cache_spacing": CACHE_SPACING}
-            )
+            variant: dict[str, Any] = shader_variant(lights, light)
+            shader = self.full_screen_program(*LIGHT_RECORDS, cache_spacing=CACHE_SPACING, **variant)
             surfaces = {"position": frame[POSITION], "normal": frame[NORMAL]}
             bind(shader.program, **surfaces, **frame[LIGHT_BUFFERS], light_index=light)
             draw_pixels(frame, gl.framebuffer([ratios[light]]), shader, RAYS_PER_TEXEL)

@@ -2,12 +2,16 @@
 // their irradiance, that are visible from the pixel.
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
+#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#include "textures/irradiance_cache.glsl"
+#endif
 
 uniform usamplerBuffer lights;
 uniform usamplerBuffer virtual_light_ranges;
 uniform usamplerBuffer virtual_lights;
 uniform sampler2D shadow_maps;
-uniform int light_count; // of those that contribute
+uniform int first_light; // of those that contribute
+uniform int light_count;
 uniform ivec2 batch;     // first virtual light, number of virtual lights
 uniform int side;
 uniform int columns;
@@ -63,6 +67,9 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
     vec3 unshadowed = bsdf_unshadowed(surface, light);
+#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+    unshadowed *= cached_irradiance_ratio(surface, ivec2(gl_FragCoord.xy));
+#endif
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
     LightSample middle_sample = light_sample(light, surface.position, surface.normal, vec2(0.5));
@@ -95,7 +102,7 @@ void main() {
     direct_prediction = vec4(0.0);
     Surface surface = surface_at(ivec2(gl_FragCoord.xy));
     if (!surface.exists) return;
-    for (int k = 0; k < light_count; ++k) {
+    for (int k = first_light; k < first_light + light_count; ++k) {
         VirtualLightRange range = fetch_VirtualLightRange(virtual_light_ranges, k);
         Light light = fetch_Light(lights, range.light);
         if (!is_lit_by(surface, light)) continue;

@@ -10,13 +10,18 @@ no limit.
 
 from collections.abc import Iterable
 from functools import cached_property
+from itertools import groupby
+from typing import Any
 
 import moderngl
 
 from ....resources import (
     ATLAS_BATCH,
+    CACHE_SPACING,
+    DEPTH,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
+    IRRADIANCE_CACHE,
     LIGHT_BUFFERS,
     NO_OCCLUDER,
     NORMAL,
@@ -45,25 +50,29 @@ class GatherLight(Pass):
 
     inputs = (
         *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFERS, VIRTUAL_LIGHT_COUNTS),
+        *(DEPTH, IRRADIANCE_CACHE),
         *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
         *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
     )
     outputs = outputs(DIRECT_PREDICTION)
 
     @cached_property
-    def shaders(self) -> dict[frozenset[str], moderngl.VertexArray]:
-        """By names of light types: the shader for lights of these types."""
+    def shaders(self) -> dict[tuple[frozenset[str], bool], moderngl.VertexArray]:
+        """By names of light types, and whether the light is in the irradiance cache: the shader for such lights."""
         return {}
 
-    def shader(self, lights: Lights, contributing: Iterable[int]) -> moderngl.VertexArray:
+    def shader(self, lights: Lights, drawn: Iterable[int], cached: bool) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
-        light_types = {type_of(lights, light) for light in contributing}
+        light_types = {type_of(lights, light) for light in drawn}
         types = frozenset(each.name for each in light_types)
-        if types not in self.shaders:
+        if (types, cached) not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            constants = types_variant(types) | {"parallel": int(any(each.parallel for each in light_types))}
-            self.shaders[types] = self.full_screen_program(*records, suffix="", empty=NO_OCCLUDER, **constants)
-        return self.shaders[types]
+            constants: dict[str, Any] = types_variant(types)
+            constants["parallel"] = int(any(each.parallel for each in light_types))
+            if cached:
+                constants |= {"light_bvh": 1, "cache_spacing": CACHE_SPACING}
+            self.shaders[types, cached] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
+        return self.shaders[types, cached]
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0
@@ -76,25 +85,30 @@ class GatherLight(Pass):
             target.clear()
         if not counts:
             return
-        shader = self.shader(frame.scene.lights, counts)
         gl.enable_only(moderngl.BLEND)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        bind(
-            shader.program,
-            position=frame[POSITION],
-            normal=frame[NORMAL],
+        cache = frame.get(IRRADIANCE_CACHE) or {}
+        uniforms = {
+            "position": frame[POSITION],
+            "normal": frame[NORMAL],
             **material_samplers(frame),
-            primitive=frame[PRIMITIVE],
-            link_groups=frame[INSTANCE_BUFFERS].memberships,
+            "primitive": frame[PRIMITIVE],
+            "link_groups": frame[INSTANCE_BUFFERS].memberships,
             **frame[LIGHT_BUFFERS],
-            virtual_light_ranges=frame[VIRTUAL_LIGHT_RANGES],
-            virtual_lights=frame[VIRTUAL_LIGHTS],
-            shadow_maps=frame[SHADOW_MAPS if shadow.fill_holes else SHADOW_MAP_SPLATS],
-            light_count=len(counts),
-            batch=(batch.first, batch.count),
-            side=batch.side,
-            columns=batch.columns,
-            shadows=frame.casts_shadows,
-            bias=shadow.bias,
-        )
-        draw_pixels(frame, target, shader, (1 + len(counts) + sum(counts.values())) / VIRTUAL_LIGHTS_PER_RAY)
+            "virtual_light_ranges": frame[VIRTUAL_LIGHT_RANGES],
+            "virtual_lights": frame[VIRTUAL_LIGHTS],
+            "shadow_maps": frame[SHADOW_MAPS if shadow.fill_holes else SHADOW_MAP_SPLATS],
+            "batch": (batch.first, batch.count),
+            "side": batch.side,
+            "columns": batch.columns,
+            "shadows": frame.casts_shadows,
+            "bias": shadow.bias,
+        }
+        # Each light of the cache is drawn alone, with its ratios; the others between them are drawn together.
+        for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
+            indices, drawn = zip(*group, strict=True)
+            shader = self.shader(frame.scene.lights, drawn, cached is not None)
+            ratio = {} if cached is None else {"depth": frame[DEPTH], "irradiance_ratio": cache[cached]}
+            bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
+            virtual_lights = sum(counts[light] for light in drawn)
+            draw_pixels(frame, target, shader, (1 + len(drawn) + virtual_lights) / VIRTUAL_LIGHTS_PER_RAY)

@@ -33,9 +33,10 @@ void main() {
     gl_PointSize = radius / map_radius * float(side) + 1.0;
 #else
     float distance = length(c), angle = radius / distance;
+    float top = c.z + radius * sqrt(max(1.0 - disc_normal.z * disc_normal.z, 0.0)); // the disc's highest point
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 2.0 * float(side);
-    if (c.z <= -radius || distance <= 1e-6 * radius) { // below the horizon, or at the virtual light
+    if (top <= 0.0 || distance <= 1e-6 * radius) { // below the horizon, or at the virtual light
         gl_Position.x = 2.0; // outside the map
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
