@@ -8,6 +8,9 @@ import numpy as np
 from ...scene import Lights
 from ...scene.arrays import array
 
+#: A light with more triangles than this has a light BVH, and its irradiance is an estimate.
+MAX_EXACT_TRIANGLES = 16
+
 
 @dataclass(frozen=True, eq=False)
 class EmissiveLights(Lights):

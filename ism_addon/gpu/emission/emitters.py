@@ -13,12 +13,9 @@ import numpy as np
 
 from ...scene import Instances, Lights, LightShape, Mesh, Scene
 from ...scene.arrays import array_specs
-from .emissive_lights import EmissiveLights
+from .emissive_lights import MAX_EXACT_TRIANGLES, EmissiveLights
 from .light_bvh import LightBVH, median_leaves, normal_areas
 from .mesh_parts import parts_of
-
-#: A light with more triangles than this has a light BVH, and its irradiance is an estimate.
-MAX_EXACT_TRIANGLES = 16
 
 #: If there are more lights than this, neighbours of the same emission are joined until no emission has more.
 MAX_LIGHTS = 256

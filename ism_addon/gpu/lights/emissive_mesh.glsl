@@ -1,6 +1,7 @@
 // Emissive meshes of uniform radiance. Few triangles have a closed form together, and one is chosen for a sample by its
 // irradiance. More have a light BVH: their irradiance is estimated from the 16 nodes at its depth 4, which the irradiance
 // cache corrects, and a triangle is chosen by importance, from node to node.
+#include "lights/emissive_limits.glsl"
 #include "closed_forms/triangle.glsl"
 #include "sampling/triangle.glsl"
 #ifndef LIGHT_BVH
@@ -113,7 +114,7 @@ float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
         LightNode bounds = fetch_LightNode(emitters, light.first_node + node);
         sum += estimate_node(bounds, p, n, enclosed).x;
     }
-    return sum;
+    return min(sum, 3.141592653589793);
 }
 
 // The same without the estimate's error: by nodes that face the receiver and are seen as smaller than MAX_NODE_SIZE, and
@@ -176,20 +177,20 @@ TriangleRange choose_leaf(Light light, vec3 p, vec3 n, bool enclosed, inout floa
 LightSample emissive_mesh_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     bool enclosed = emissive_mesh_encloses(light, p);
     TriangleRange range = choose_leaf(light, p, n, enclosed, uv.x);
-    // One pass: each triangle replaces the chosen one with its share of the irradiance so far.
-    float sum = 0.0, chosen_irradiance = 0.0;
+    float irradiances[MAX_EXACT_TRIANGLES], sum = 0.0;
+    for (int k = 0; k < range.count; ++k) {
+        irradiances[k] = emissive_triangle_irradiance(range.first + k, p, n, enclosed);
+        sum += irradiances[k];
+    }
+    // Contiguous parts of uv.x in the order of the triangles keep points even that have neighbouring uv.
+    float target = uv.x * sum, chosen_irradiance = 0.0;
     int chosen = range.first;
-    for (int k = range.first; k < range.first + range.count; ++k) {
-        float irradiance = emissive_triangle_irradiance(k, p, n, enclosed);
-        if (irradiance <= 0.0) continue;
-        sum += irradiance;
-        float fraction = irradiance / sum;
-        bool replaces = uv.x < fraction;
-        uv.x = clamp(replaces ? uv.x / fraction : (uv.x - fraction) / (1.0 - fraction), 0.0, 0.99999994);
-        if (replaces) {
-            chosen = k;
-            chosen_irradiance = irradiance;
-        }
+    for (int k = 0; k < range.count; ++k) {
+        bool takes = irradiances[k] > 0.0 && (target >= 0.0 || chosen_irradiance == 0.0);
+        chosen = takes ? range.first + k : chosen;
+        chosen_irradiance = takes ? irradiances[k] : chosen_irradiance;
+        uv.x = takes ? min(target / irradiances[k], 0.99999994) : uv.x;
+        target -= irradiances[k];
     }
     EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, chosen);
     TriangleSample of_triangle = triangle_sample(triangle.corner - p, triangle.u, triangle.v, n, uv);

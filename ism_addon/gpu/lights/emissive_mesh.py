@@ -11,8 +11,9 @@ from ...color import REC709, luminance
 from ...scene import LightShape
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
-from ..emission.emissive_lights import EmissiveLights
+from ..emission.emissive_lights import MAX_EXACT_TRIANGLES, EmissiveLights
 from ..emission.light_bvh import normal_areas
+from ..gl import shader_compiler
 from ..gl.shader_records import EMISSIVE_TRIANGLE, LIGHT_NODE
 from .light_records import light_records
 
@@ -151,3 +152,11 @@ class EmissiveMesh:
 
     def variant(self, lights: Any, row: int) -> dict[str, int]:
         return {"light_bvh": int(lights.leaves[row] > 0)}
+
+
+def limits() -> str:
+    """The generated file lights/emissive_limits.glsl. Leaves have fewer triangles."""
+    return f"const int MAX_EXACT_TRIANGLES = {MAX_EXACT_TRIANGLES};"
+
+
+shader_compiler.GENERATED["lights/emissive_limits.glsl"] = limits

@@ -4,6 +4,7 @@
 import math
 from dataclasses import replace
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -140,6 +141,57 @@ def test_lights_that_the_camera_sees_equal_those_of_cycles(device, light_over_pl
     differs = ~np.isclose(ours, theirs, 0.03, 2e-3 * theirs.max()).all(-1)  # by noise, and by a pixel at the outline
     assert differs.mean() < 0.01
     assert is_seen.any() == (rotation[0] > 1.0 or kind == "POINT")
+
+
+EMITTERS = {
+    "triangle": ([(-0.6, -0.5, 0), (0.7, -0.4, 0), (0, 0.8, 0)], [(0, 1, 2)]),
+    "quad": ([(-0.6, -0.5, 0), (0.6, -0.5, 0), (0.6, 0.5, 0), (-0.6, 0.5, 0)], [(0, 1, 2, 3)]),
+    "box": lambda shape: bmesh.ops.create_cube(shape, size=0.7),
+    "sphere of 960 triangles": lambda shape: bmesh.ops.create_uvsphere(
+        shape, u_segments=32, v_segments=16, radius=0.5
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "shader"), [*((name, "Emission") for name in EMITTERS), ("quad", "Principled"), ("box", "Principled")]
+)
+def test_emissive_meshes_equal_those_of_cycles(device, light_over_plane, add, name, shader):
+    """Convex ones: without shadows ours have no inner sides. The camera sees a part of them."""
+    lamp = light_over_plane(point_light(0.0, False))
+    bpy.data.objects.remove(lamp)
+    emitter = add("emitter", EMITTERS[name] if isinstance(EMITTERS[name], tuple) else ([], []))
+    if not isinstance(EMITTERS[name], tuple):
+        shape = bmesh.new()
+        EMITTERS[name](shape)
+        shape.to_mesh(emitter.data)
+        shape.free()
+    emitter.location, emitter.rotation_euler, emitter.scale = (0.4, 0.2, 1.5), (0.3, 0.2, 0.5), (1.4, 0.8, 1.0)
+    emitter.data.materials.append(emissive_material(shader))
+    emitter.visible_camera = False
+    assert_equals_cycles(device, 1024 if name.startswith("sphere") else 256, (0.001, 0.004))
+    emitter.visible_camera = True
+    ours, theirs = our_picture(device), direct_light(1)[..., :3]
+    assert ours.max() == pytest.approx(theirs.max(), rel=1e-6)
+    assert ((ours == ours.max()) != (theirs == theirs.max())).mean() < 0.003, "but for pixels at the outline"
+
+
+def emissive_material(shader: str) -> bpy.types.Material:
+    """Black, and emits."""
+    material = bpy.data.materials.new("glow")
+    material.use_nodes = True
+    tree, node = material.node_tree, material.node_tree.nodes["Principled BSDF"]
+    names = ("Emission Color", "Emission Strength")
+    if shader == "Emission":
+        node = tree.nodes.new("ShaderNodeEmission")
+        tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        names = ("Color", "Strength")
+    else:
+        node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+        node.inputs["Specular IOR Level"].default_value = 0.0
+    for socket, value in zip(names, ((1.0, 0.6, 0.3, 1.0), 5.0), strict=True):
+        node.inputs[socket].default_value = value
+    return material
 
 
 def our_picture(device) -> np.ndarray:

@@ -9,9 +9,8 @@ import pytest
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.scene import Lights, LightShape
 from ism_addon.settings import Method, Shadow
+from tests.pictures.test_picture import SETTINGS
 from tests.support.small_scenes import draw, light, make_scene, quad, view_from_above, with_quality
-
-from .test_picture import SETTINGS
 
 FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
 PLATE = quad((-0.5, -0.5, 1), (1, 0, 0), (0, 1, 0))

@@ -9,6 +9,7 @@ import pytest
 
 from ism_addon.scene import LightShape, Scene, View, World
 from ism_addon.settings import Method, Shadow
+from tests.pictures.test_picture import SETTINGS
 from tests.scenes.small import SMALL
 from tests.support import reference
 from tests.support.small_scenes import (
@@ -22,8 +23,6 @@ from tests.support.small_scenes import (
     view_from_above,
     with_quality,
 )
-
-from .test_picture import SETTINGS
 
 #: Bounds of the root mean square of the error over the mean, by radius (m). Measured: 0.0091 and 0.0033 by rays, 0.039
 #: and 0.032 by shadow maps, 0.075 and 0.05 of spots. Without a radius it is in the few pixels that an edge crosses.

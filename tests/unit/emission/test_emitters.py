@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights of emissive meshes: which there are, and their triangles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.emission.emissive_lights import MAX_EXACT_TRIANGLES
+from ism_addon.gpu.emission.emitters import MAX_LIGHTS, with_emissive_meshes
+from ism_addon.scene import Scene
+from tests.scenes.parts.tables import instances_of, materials_of
+from tests.scenes.small import mesh, sphere, subdivided_box
+from tests.support.small_scenes import light, make_scene, quad, transform
+
+WARM = (2.0, 1.0, 0.5)
+PANEL = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
+BOX = subdivided_box((0, 0, 0), (1, 1, 1), 1)
+BALL = sphere((0, 0, 0), 0.5, 16, 8)
+
+
+def test_a_scene_that_emits_nothing_keeps_its_lights():
+    scene = make_scene([PANEL], light())
+    assert with_emissive_meshes(scene) is scene.lights
+
+
+def test_lights_follow_the_lamps():
+    lights = with_emissive_meshes(make_scene([PANEL, BALL], light(radiance=3.0), emission=WARM))
+    assert lights.shape.tolist() == [0, 5, 5]
+    assert np.allclose(lights.emission, [(3.0, 3.0, 3.0), WARM, WARM])
+    assert lights.triangle_count[1] == 2 and lights.leaves[1] == 0
+    assert lights.triangle_count[2] >= len(BALL.triangles) > MAX_EXACT_TRIANGLES and lights.leaves[2] > 0
+    assert np.allclose(lights.area[1:], [1.0, 4.0 * np.pi * 0.25], rtol=0.1)
+    assert np.allclose(lights.position[1:], [(0.5, 0.5, 0.0), (0.0, 0.0, 0.0)], atol=1e-6)
+    assert lights.one_sided[: lights.triangle_count[1]].tolist() == [False, False]
+
+
+def test_instances_are_lights_of_their_own():
+    matrices = np.array([transform(offset=(3.0 * k, 0.0, 0.0)) for k in range(3)])
+    lights = with_emissive_meshes(make_scene([BOX], matrices=matrices, mesh_ids=[0, 0, 0], emission=WARM))
+    assert np.allclose(lights.position, [(3.0 * k + 0.5, 0.5, 0.5) for k in range(3)])
+    assert lights.one_sided.all()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_closed_parts_face_outwards(mirrored):
+    linear = np.diag([-1.0 if mirrored else 1.0, 1.0, 2.0])
+    turned = mesh(BOX.positions, BOX.triangles[:, ::-1])
+    for one in (BOX, turned):
+        lights = with_emissive_meshes(make_scene([one], matrices=np.array([transform(linear)]), emission=WARM))
+        edges = lights.corners[:, 1:] - lights.corners[:, :1]
+        normals, outwards = np.cross(edges[:, 0], edges[:, 1]), lights.corners.mean(1) - lights.position[0]
+        assert (np.einsum("ni,ni->n", normals, outwards) > 0.0).all()
+        assert np.allclose(lights.enclosure[0], [lights.corners.min((0, 1)), lights.corners.max((0, 1))])
+
+
+@pytest.mark.parametrize(
+    ("changes", "one_sided"),
+    [
+        ({}, True),
+        ({"casts_shadow": [False]}, False),
+        ({"blockers": [1], "groups": [2]}, True),
+        ({"blockers": [1], "groups": [1]}, False),
+    ],
+    ids=["usual", "without shadow", "linked to itself", "linked to others"],
+)
+def test_a_part_that_does_not_hide_its_inner_side_emits_from_both(changes, one_sided):
+    scene = replace(make_scene([BOX], emission=WARM), instances=instances_of([0], **changes))
+    assert with_emissive_meshes(scene).one_sided.all() == one_sided
+
+
+def test_objects_without_diffuse_visibility_light_nothing():
+    scene = replace(make_scene([BOX], emission=WARM), instances=instances_of([0], visible_diffuse=[False]))
+    assert with_emissive_meshes(scene) is scene.lights
+
+
+def two_materials() -> Scene:
+    """A box whose triangles have materials of two emissions, and a third without."""
+    scene = make_scene([replace(BOX, materials=np.arange(12, dtype=np.uint32) % 4)])
+    emission = [WARM, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), WARM]
+    return replace(scene, materials=materials_of(np.ones((4, 3)), emission=emission))
+
+
+def test_parts_of_two_emissions_are_two_lights():
+    lights = with_emissive_meshes(two_materials())
+    assert sorted(zip(lights.triangle_count.tolist(), lights.emission[:, 0].tolist(), strict=True)) == [(3, 1), (6, 2)]
+    assert lights.one_sided.all(), "the box is closed, whatever its triangles emit"
+
+
+def test_links_are_the_instances():
+    scene = replace(
+        make_scene([PANEL, PANEL], emission=WARM), instances=instances_of([0, 1], receivers=[3, -1], blockers=[-1, 4])
+    )
+    lights = with_emissive_meshes(scene)
+    assert lights.receivers.tolist() == [3, -1] and lights.blockers.tolist() == [-1, 4]
+
+
+def test_many_lights_are_joined_with_their_neighbours():
+    side = 30
+    places = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2) * 2.0
+    matrices = np.array([transform(offset=(x, y, 0.0)) for x, y in places])
+    lights = with_emissive_meshes(make_scene([BOX], matrices=matrices, mesh_ids=[0] * side**2, emission=WARM))
+    assert side**2 / 8 <= len(lights.shape) <= MAX_LIGHTS
+    assert lights.area.sum() == pytest.approx(6.0 * side**2)
+    assert lights.radius.max() < 8.0, "neighbours"
+    assert np.count_nonzero(np.linalg.norm(lights.corners, axis=2).any(1)) >= 12 * side**2
