@@ -208,7 +208,7 @@ def _check_indices(scene: Scene) -> None:
             indices = getattr(record, name)
             if spec.into == "" or not indices.size:
                 continue
-            end = spec.into if isinstance(spec.into, int) else _length(spec.into, record, scene)
+            end = spec.into if isinstance(spec.into, int) else _length(name, spec.into, record, scene)
             if not (spec.first <= int(indices.min()) and int(indices.max()) < end):
                 raise SnapshotError(f"The snapshot's {path}/{name} leads outside {spec.first} to {end - 1}.")
     for index, image in enumerate(scene.images):
@@ -228,7 +228,7 @@ def _records(value: Any, path: str) -> Iterator[tuple[str, Arrays]]:
             yield from _records(getattr(value, member.name), f"{path}/{member.name}")
 
 
-def _length(name: str, record: Arrays, scene: Scene) -> int:
-    """Length of the target of a record's indices: one of its arrays, or a tuple or record of the scene."""
-    target = getattr(record if name in array_specs(type(record)) else scene, name)
+def _length(name: str, into: str, record: Arrays, scene: Scene) -> int:
+    """Length of the target of a field of indices: another array of its record, or a tuple or record of the scene."""
+    target = getattr(record if into in array_specs(type(record)) and into != name else scene, into)
     return target.row_count if isinstance(target, Arrays) else len(target)

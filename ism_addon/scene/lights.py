@@ -20,16 +20,14 @@ class LightShape(IntEnum):
     POINT = 2
     SPOT = 3
     SUN = 4
-    #: A group of emissive triangles. Only the renderer makes these, see gpu/emission/emitters.py.
-    EMISSIVE_MESH = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Lights(Arrays):
     """Lights in world space. Fields that a shape does not use have valid values all the same; suns have no position."""
 
-    #: LightShape, of lamps.
-    shape: np.ndarray = index("int32 L", into=LightShape.EMISSIVE_MESH)
+    #: LightShape.
+    shape: np.ndarray = index("int32 L", into=len(LightShape))
     position: np.ndarray = array("float64 L 3", "m", max_abs=MAX_DISTANCE)
     #: Of areas, full width and height, scale included. Of spots, in proportion to the width and height of their cone,
     #: of unit length if it is circular.

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scene import Lights
+from ...scene import Lights, LightShape
 from ...scene.arrays import array
+
+#: The shape of lights of emissive triangles.
+EMISSIVE_MESH = len(LightShape)
 
 #: A light with more triangles than this has a light BVH, and its irradiance is an estimate.
 MAX_EXACT_TRIANGLES = 16

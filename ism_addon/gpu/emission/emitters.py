@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...scene import Instances, Lights, LightShape, Mesh, Scene
+from ...scene import Instances, Lights, Mesh, Scene
 from ...scene.arrays import array_specs
-from .emissive_lights import MAX_EXACT_TRIANGLES, EmissiveLights
-from .light_bvh import LightBVH, median_leaves, normal_areas
+from .emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
+from .light_bvh import LightBVH, median_leaves, normal_areas, triangle_boxes
 from .mesh_parts import parts_of
 
 #: If there are more lights than this, neighbours of the same emission are joined until no emission has more.
@@ -153,12 +153,12 @@ def emissive_rows(
     count, light = len(emitters.emission), emitters.light
     order = np.argsort(light, kind="stable")
     starts = np.searchsorted(light[order], np.arange(count))
-    low = np.minimum.reduceat(emitters.corners.min(1)[order], starts)
-    high = np.maximum.reduceat(emitters.corners.max(1)[order], starts)
+    low, high = triangle_boxes(emitters.corners[order])
+    low, high = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
     sizes, leaves = np.array([len(each) for each in triangles]), np.array([bvh.leaves if bvh else 0 for bvh in bvhs])
     unit = np.tile(np.eye(3)[:, None], (1, count, 1))
     return {
-        "shape": np.full(count, LightShape.EMISSIVE_MESH),
+        "shape": np.full(count, EMISSIVE_MESH),
         "position": (low + high) / 2.0,
         "axis_u": unit[0],
         "axis_v": unit[1],

@@ -8,11 +8,20 @@ longest axis of position and normal, so that nodes become flat as well as small.
 """
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
+from ..accel.bvh import SHORT_ROW, ascending
+
 #: Maximum number of triangles in a leaf.
 MAX_PER_LEAF = 4
+
+#: Key of slots without a point, which are sorted to the end.
+LAST_KEY = np.int16(32767)
+
+#: Instead of 0, to divide by.
+TINY = np.float32(1e-30)
 
 #: Minimum number of leaves: shaders estimate irradiance from the nodes at depth 4.
 MIN_LEAVES = 16
@@ -38,22 +47,22 @@ class LightBVH:
 
     @classmethod
     def over(cls, corners: np.ndarray) -> "LightBVH":
-        """The BVH over triangles (N,3,3)."""
-        normals, middles = normal_areas(corners), corners.mean(1)
+        """The BVH over triangles (N,3,3). Sums are of float32, about the middle of all."""
+        origin = corners.mean((0, 1))
+        local = with_empty_row((corners - origin).astype(np.float32))
+        normals, middles = normal_areas(local), local.mean(1)
         low, high = middles.min(0), middles.max(0)
-        places = (middles - low) / max((high - low).max() / 2.0, 1e-30)
-        directions = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-        leaves = median_leaves(np.concatenate([places, directions], 1), MAX_PER_LEAF, MIN_LEAVES)
-        origin = middles.mean(0)
-        sums = {
-            name: tree_of(np.append(values, np.zeros_like(values[:1]), 0)[leaves].sum(1), np.add)
-            for name, values in moments(corners - origin, normals).items()
-        }
+        places = (middles - low) / max((high - low).max() / 2.0, TINY)
+        directions = normals / np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None]
+        leaves = median_leaves(np.concatenate([places, directions], 1)[:-1], MAX_PER_LEAF, MIN_LEAVES)
+        sums = tree_sums(moments(local, normals, middles), leaves)
         area, normal, position = sums["area"], sums["normal"], sums["position"]
-        offset = position / np.maximum(area, 1e-300)[:, None]
-        low, high = np.append(corners.min(1), [[np.inf] * 3], 0), np.append(corners.max(1), [[-np.inf] * 3], 0)
-        low, high = tree_of(low[leaves].min(1), np.minimum), tree_of(high[leaves].max(1), np.maximum)
-        extent = np.where(low <= high, np.maximum(high - origin - offset, offset + origin - low), 0.0)
+        offset = position / np.maximum(area, TINY)[:, None]
+        low, high = triangle_boxes(local)
+        low[-1], high[-1] = np.inf, -np.inf
+        low = tree_of(reduce(np.minimum, (low[column] for column in leaves.T)), np.minimum)
+        high = tree_of(reduce(np.maximum, (high[column] for column in leaves.T)), np.maximum)
+        extent = np.where(low <= high, np.maximum(high - offset, offset - low), np.float32(0.0))
         return cls(
             triangles=leaves.ravel(),
             leaves=len(leaves),
@@ -61,37 +70,45 @@ class LightBVH:
             radius=np.linalg.norm(extent, axis=1),
             area=area,
             normal=normal,
-            normal_sine=normal_sines(normal, np.append(directions, np.zeros((1, 3)), 0)[leaves.ravel()]),
+            normal_sine=normal_sines(normal, directions[leaves.ravel()]),
             normal_normal=sums["normal_normal"],
             position_position=sums["position_position"] - outer(position, offset),
             normal_position=sums["normal_position"] - outer(normal, offset),
         )
 
 
+def with_empty_row(rows: np.ndarray) -> np.ndarray:
+    """(N + 1,…): rows (N,…) and one of zeros."""
+    result = np.zeros((len(rows) + 1, *rows.shape[1:]), rows.dtype)
+    result[:-1] = rows
+    return result
+
+
 def normal_sines(means: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(2 L,): LightBVH.normal_sine, from mean normals (2 L,3) and the triangles' normals (T,3), 0 without triangle."""
-    lengths = np.linalg.norm(means, axis=1)
-    axes, sines, first = means / np.maximum(lengths, 1e-300)[:, None], np.zeros(len(means)), 1
+    axes = means / np.maximum(np.linalg.norm(means, axis=1), TINY)[:, None]
+    sines, first, missing = np.zeros(len(means), np.float32), 1, ~normals.any(1)
     while first < len(means):
-        level = slice(first, 2 * first)
-        own = normals.reshape(first, -1, 3)
-        cosine = np.where(own.any(2), np.einsum("nti,ni->nt", own, axes[level]), 1.0).min(1)
+        level, each = slice(first, 2 * first), len(normals) // first
+        cosines = np.einsum("nti,ni->nt", normals.reshape(first, each, 3), axes[level])
+        cosines[missing.reshape(first, each)] = 1.0
+        cosine = cosines.min(1) if each > SHORT_ROW else reduce(np.minimum, cosines.T)
         sines[level] = np.where(cosine > 0.0, np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0)), 2.0)
         first *= 2
     return sines
 
 
-def moments(corners: np.ndarray, normals: np.ndarray) -> dict[str, np.ndarray]:
-    """Of triangles (N,3,3) with these normals times areas (N,3), the moments of LightBVH, about the origin."""
-    areas, middles = np.linalg.norm(normals, axis=1), corners.mean(1)
+def moments(corners: np.ndarray, normals: np.ndarray, middles: np.ndarray) -> dict[str, np.ndarray]:
+    """Of triangles (N,3,3) with normals times areas (N,3) and middles (N,3), the moments of LightBVH, about 0."""
+    areas = np.linalg.norm(normals, axis=1)
     inner = corners - middles[:, None]
-    within = np.einsum("nci,ncj->nij", inner, inner) * (areas / 12.0)[:, None, None]
+    within = np.einsum("nci,ncj->nij", inner, inner) * (areas / np.float32(12.0))[:, None, None]
     return {
         "area": areas,
         "normal": normals,
         "position": middles * areas[:, None],
-        "normal_normal": outer(normals, normals) / np.maximum(areas, 1e-300)[:, None, None],
-        "position_position": outer(middles, middles) * areas[:, None, None] + within,
+        "normal_normal": outer(normals, normals / np.maximum(areas, TINY)[:, None]),
+        "position_position": outer(middles, middles * areas[:, None]) + within,
         "normal_position": outer(normals, middles),
     }
 
@@ -101,6 +118,12 @@ def outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, :, None] * b[:, None, :]
 
 
+def triangle_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N,3) low and high corners of the boxes of triangles (N,3,3)."""
+    a, b, c = np.moveaxis(corners, 1, 0)  # numpy is slow along short axes
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+
 def normal_areas(corners: np.ndarray) -> np.ndarray:
     """(N,3) m²: normals of triangles (N,3,3) times their areas."""
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
@@ -108,19 +131,28 @@ def normal_areas(corners: np.ndarray) -> np.ndarray:
 
 def median_leaves(points: np.ndarray, max_per_leaf: int, min_leaves: int = 1) -> np.ndarray:
     """(leaves,T) int: neighbouring points (N,K) by leaf of a complete tree; N where a leaf is not full."""
-    count = len(points)
+    count, low, high = len(points), points.min(0), points.max(0)
     leaves = max(1 << int(np.ceil(np.log2(max(count / max_per_leaf, 1.0)))), min_leaves)
-    slots = leaves * -(-count // leaves)
-    rows = np.minimum(np.arange(slots), count)[None]
-    points = np.concatenate([points, np.full((1, points.shape[1]), np.nan)]).astype(np.float32)
+    rows = np.minimum(np.arange(leaves * -(-count // leaves)), count)[None]
+    scale = 65534.0 / max((high - low).max(), 1e-30)
+    keys = np.full((points.shape[1], count + 1), LAST_KEY)
+    keys[:, :count] = np.rint((points - low) * scale - 32767.0).T
     while len(rows) < leaves:
-        values = points[rows]
-        with np.errstate(invalid="ignore"):
-            longest = (np.fmax.reduce(values, 1) - np.fmin.reduce(values, 1)).argmax(1)
-        keys = np.take_along_axis(values, longest[:, None, None], 2)[..., 0]
-        order = np.argsort(keys, axis=1, kind="stable")  # slots without a point are last
+        present = np.where(rows == count, rows[:, :1], rows)  # slots without a point do not count
+        values = keys[:, present.T]  # numpy is slow along short rows
+        extents = values.max(1).astype(np.int32) - values.min(1)
+        order = ascending(keys[extents.argmax(0)[:, None], rows])  # slots without a point are last
         rows = np.take_along_axis(rows, order, 1).reshape(2 * len(rows), -1)
     return rows
+
+
+def tree_sums(values: dict[str, np.ndarray], leaves: np.ndarray) -> dict[str, np.ndarray]:
+    """Sums over a complete tree's nodes, (2 L,…) each, of values (N,…) of its triangles by leaf (L,T)."""
+    widths = [int(np.prod(each.shape[1:])) for each in values.values()]
+    table = np.concatenate([each.reshape(len(each), -1) for each in values.values()], 1)
+    sums = tree_of(sum(table[column] for column in leaves.T), np.add)
+    parts = np.split(sums, np.cumsum(widths)[:-1], 1)
+    return {name: part.reshape(-1, *each.shape[1:]) for part, (name, each) in zip(parts, values.items(), strict=True)}
 
 
 def tree_of(leaves: np.ndarray, join: np.ufunc) -> np.ndarray:

@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ...scene import Mesh
+from .light_bvh import triangle_boxes
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,8 @@ def find_parts(corners: np.ndarray, triangles: np.ndarray) -> MeshParts:
     count = part.max() + 1
     order = np.argsort(part, kind="stable")
     starts = np.searchsorted(part[order], np.arange(count))
-    low = np.minimum.reduceat(corners.min(1)[order], starts)
-    high = np.maximum.reduceat(corners.max(1)[order], starts)
+    low, high = triangle_boxes(corners[order])
+    low, high = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
     a, b, c = np.moveaxis(corners - ((low + high) / 2.0)[part][:, None], 1, 0)
     volume = np.bincount(part, np.einsum("ti,ti->t", a, np.cross(b, c)), count)
     is_open = np.bincount(part, ~has_all_neighbours(triangles), count) > 0

@@ -120,7 +120,8 @@ float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
 // The same without the estimate's error: by nodes that face the receiver and are seen as smaller than MAX_NODE_SIZE, and
 // by the triangles of other leaves. These have separate loops, which drivers that execute both branches of an "if" can
 // skip.
-const float MAX_NODE_SIZE = 0.15; // radius over distance
+const float MAX_NODE_SIZE = 0.15, MAX_EDGE_NODE_SIZE = 0.05, MAX_HORIZON_NODE_SIZE = 0.002; // radius over distance
+const float MAX_EDGE_NODE_SLACK = 0.2;
 
 float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
     bool enclosed = emissive_mesh_encloses(light, p);
@@ -137,10 +138,14 @@ float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
             bool faces = abs(facing.cosine) > facing.slack; // all triangles do, or all face the other way
             bool is_hidden = height <= -bounds.radius || bounds.area <= 0.0 ||
                              (faces && facing.cosine < 0.0 && bounds.one_sided != 0 && !enclosed);
-            bool is_accurate = reach < MAX_NODE_SIZE && faces && height >= bounds.radius;
-            bool is_done = is_hidden || is_accurate;
+            bool is_small = reach < MAX_NODE_SIZE && faces && height >= bounds.radius;
+            // Of nodes at the horizon, or whose triangles do not all face p, what is small and flat is estimated.
+            bool is_tiny = reach < (height >= bounds.radius ? MAX_EDGE_NODE_SIZE : MAX_HORIZON_NODE_SIZE) &&
+                           facing.slack < MAX_EDGE_NODE_SLACK;
+            bool is_done = is_hidden || is_small || is_tiny;
             is_leaf = !is_done && node >= light.leaves;
-            sum += is_accurate && !is_hidden ? facing_node_irradiance(bounds, to, n) : 0.0;
+            float irradiance = is_small ? facing_node_irradiance(bounds, to, n) : estimate_node(bounds, p, n, enclosed).x;
+            sum += !is_hidden && (is_small || is_tiny) ? irradiance : 0.0;
             leaf = node - light.leaves;
             // To a child, or to the next node that is no descendant.
             int after = (node + 1) >> findLSB(node + 1);

@@ -8,10 +8,9 @@ from typing import Any, Self
 import numpy as np
 
 from ...color import REC709, luminance
-from ...scene import LightShape
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
-from ..emission.emissive_lights import MAX_EXACT_TRIANGLES, EmissiveLights
+from ..emission.emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
 from ..emission.light_bvh import normal_areas
 from ..gl import shader_compiler
 from ..gl.shader_records import EMISSIVE_TRIANGLE, LIGHT_NODE
@@ -79,7 +78,7 @@ class EmissiveMesh:
     """See LightType; the tables are EmissiveLights."""
 
     name = "emissive_mesh"
-    shapes: tuple[int, ...] = (LightShape.EMISSIVE_MESH,)
+    shapes: tuple[int, ...] = (EMISSIVE_MESH,)
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 2
     parallel = False

@@ -147,9 +147,7 @@ EMITTERS = {
     "triangle": ([(-0.6, -0.5, 0), (0.7, -0.4, 0), (0, 0.8, 0)], [(0, 1, 2)]),
     "quad": ([(-0.6, -0.5, 0), (0.6, -0.5, 0), (0.6, 0.5, 0), (-0.6, 0.5, 0)], [(0, 1, 2, 3)]),
     "box": lambda shape: bmesh.ops.create_cube(shape, size=0.7),
-    "sphere of 960 triangles": lambda shape: bmesh.ops.create_uvsphere(
-        shape, u_segments=32, v_segments=16, radius=0.5
-    ),
+    "sphere of 960 triangles": lambda shape: bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=0.5),
 }
 
 

@@ -42,17 +42,17 @@ def test_nodes_have_the_moments_of_their_triangles(triangles):
             continue
         area, corners = areas[own].sum(), triangles[own]
         centre = (corners.mean(1) * areas[own, None]).sum(0) / area
-        assert bvh.area[node] == pytest.approx(area)
-        assert np.allclose(bvh.centre[node], centre)
-        assert np.allclose(bvh.normal[node], normals[own].sum(0))
+        assert bvh.area[node] == pytest.approx(area, rel=1e-5)
+        assert np.allclose(bvh.centre[node], centre, rtol=0.0, atol=1e-5)
+        assert np.allclose(bvh.normal[node], normals[own].sum(0), atol=1e-5 * area)
         outer = np.einsum("ni,nj->ij", normals[own], normals[own] / areas[own, None])
-        assert np.allclose(bvh.normal_normal[node], outer)
+        assert np.allclose(bvh.normal_normal[node], outer, atol=1e-5 * area)
         offsets = corners.mean(1) - centre
-        assert np.allclose(bvh.normal_position[node], np.einsum("ni,nj->ij", normals[own], offsets))
+        assert np.allclose(bvh.normal_position[node], np.einsum("ni,nj->ij", normals[own], offsets), atol=1e-5 * area)
         # A quadrature of degree 2 is exact for second moments.
         points = np.einsum("kc,nci->nki", np.eye(3) * 0.5 + 1.0 / 6.0, corners) - centre
         second = np.einsum("nci,ncj,n->ij", points, points, areas[own] / 3.0)
-        assert np.allclose(bvh.position_position[node], second)
+        assert np.allclose(bvh.position_position[node], second, atol=2e-5 * area)
 
 
 def test_nodes_bound_their_triangles(triangles):
@@ -61,10 +61,10 @@ def test_nodes_bound_their_triangles(triangles):
     for node in range(1, 2 * bvh.leaves):
         own = members(bvh, node, len(triangles))
         if len(own):
-            assert np.linalg.norm(triangles[own] - bvh.centre[node], axis=2).max() <= bvh.radius[node] * (1 + 1e-9)
+            assert np.linalg.norm(triangles[own] - bvh.centre[node], axis=2).max() <= bvh.radius[node] * (1 + 1e-5)
             axis = bvh.normal[node] / np.linalg.norm(bvh.normal[node])
             angle = np.arccos(np.clip(normals[own] @ axis, -1.0, 1.0)).max()
-            assert bvh.normal_sine[node] == pytest.approx(np.sin(angle) if angle < np.pi / 2.0 else 2.0, abs=1e-6)
+            assert bvh.normal_sine[node] == pytest.approx(np.sin(angle) if angle < np.pi / 2.0 else 2.0, abs=2e-3)
 
 
 def test_a_tree_separates_the_sides_of_a_box():
