@@ -174,7 +174,7 @@ def test_emissive_meshes_equal_those_of_cycles(device, light_over_plane, add, na
     assert ((ours == ours.max()) != (theirs == theirs.max())).mean() < 0.003, "but for pixels at the outline"
 
 
-def emissive_material(shader: str) -> bpy.types.Material:
+def emissive_material(shader: str, strength: float = 5.0) -> bpy.types.Material:
     """Black, and emits."""
     material = bpy.data.materials.new("glow")
     material.use_nodes = True
@@ -187,7 +187,7 @@ def emissive_material(shader: str) -> bpy.types.Material:
     else:
         node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
         node.inputs["Specular IOR Level"].default_value = 0.0
-    for socket, value in zip(names, ((1.0, 0.6, 0.3, 1.0), 5.0), strict=True):
+    for socket, value in zip(names, ((1.0, 0.6, 0.3, 1.0), strength), strict=True):
         node.inputs[socket].default_value = value
     return material
 

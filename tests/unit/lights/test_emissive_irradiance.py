@@ -131,7 +131,7 @@ def of_bvh(opened_device):
 @pytest.mark.parametrize("distance", [0.55, 0.8, 1.5, 5.0, 50.0])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_irradiance_for_the_cache_is_that_of_the_triangles(of_bvh, shape, distance):
-    """In units of the mean irradiance. The largest errors are of receivers that see little of it, at a grazing angle."""
+    """In units of the mean irradiance. The largest errors are of receivers that see little of it, from the side."""
     random, lights = np.random.default_rng(3), lights_of(SHAPES[shape])
     both = np.concatenate([of_bvh(lights, *some_receivers(random, distance)) for _ in range(32)])
     error = np.abs(both[:, 0] - both[:, 1]) / both[:, 1].mean()

@@ -21,6 +21,10 @@ TEXELS_AT_A_TIME = 1 << 15
 DATA = ("Non-Color", "Raw")
 
 
+#: Texels along a side of an image from which its mean colour is computed.
+MEAN_TEXELS = 512
+
+
 def working_space() -> str:
     """The linear space of all colours in the open file: since Blender 5.0 it can be another than Rec.709's."""
     return bpy.data.colorspace.working_space if bpy.app.version >= (5, 0) else REC709
@@ -67,6 +71,18 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
         batch = slice(first, first + TEXELS_AT_A_TIME)
         rows[batch] = _encoded(image, _four_channels(pixels[batch]), on_black)
     return stored
+
+
+def mean_color(image: bpy.types.Image) -> np.ndarray | None:
+    """(3,) mean of an image's linear colour times alpha, from about MEAN_TEXELS² texels; None without pixels."""
+    stored = texels(image, on_black=True)
+    if stored is None:
+        return None
+    step = max(max(stored.shape[:2]) // MEAN_TEXELS, 1)
+    color, encoded = stored[::step, ::step, :3].reshape(-1, 3).astype(np.float32), encoding(image)
+    if encoded is not Encoding.FLOAT:
+        color /= 255.0
+    return (linear_from_srgb(color) if encoded is Encoding.SRGB else color).mean(0, dtype=np.float64)
 
 
 def texels_of_frame(image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:

@@ -48,6 +48,8 @@ class MaterialReader:
         self._images: list[Image] = []
         #: Images by the same keys, with their origin: they are read again only if that has changed.
         self._image_cache: dict[ImageKey, tuple[tuple, Image]] = {}
+        #: Mean colors of images that are emitted, by session_uid.
+        self._mean_colors: dict[int, np.ndarray | None] = {}
 
     def reset(self) -> None:
         """To be called before the materials of all instances are requested."""
@@ -84,6 +86,7 @@ class MaterialReader:
             self._image_cache = {key: cached for key, cached in self._image_cache.items() if key in self._read_images}
         self._read_images.clear()
         self._images.clear()
+        self._mean_colors.clear()
 
     def table(self, findings: Diagnostics) -> Materials:
         """All materials that have ever been used: their indices never change."""
@@ -109,7 +112,7 @@ class MaterialReader:
         if shader is None:
             findings.warn("Materials without a surface are drawn black", material.name)
             return _Row(BLACK, -1, None, (findings,))
-        radiance = emission.read(shader, material.name, findings)
+        radiance = emission.read(shader, self._mean_color, material.name, findings)
         if shader.bl_idname == emission.EMISSION:
             return _Row({**BLACK, "emission": radiance}, -1, None, (findings,))
         if shader.bl_idname not in MATERIAL_INPUTS[COLOR].sockets:
@@ -143,6 +146,13 @@ class MaterialReader:
             issue = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
             findings.warn(issue, material.name)
         return _Row(values, image, layer, (findings, image_findings))
+
+    def _mean_color(self, image: bpy.types.Image) -> np.ndarray | None:
+        """See emission.MeanColor; computed once."""
+        uid = image.original.session_uid
+        if uid not in self._mean_colors:
+            self._mean_colors[uid] = images.mean_color(image)
+        return self._mean_colors[uid]
 
     def _image(
         self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics

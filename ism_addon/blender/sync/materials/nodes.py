@@ -1,12 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the nodes linked to shader sockets, and evaluates the few that have a constant value."""
 
+import operator
+from collections.abc import Callable
 from typing import Any
 
 import bpy
 import numpy as np
 
+from ....blackbody import blackbody
+from ....color import REC709, between_spaces
 from ....scene.limits import is_within
+from . import images
+
+#: Nodes of which `number` may know the result if their first two inputs are constant, and operations of Math nodes.
+ARITHMETIC_NODES = {"ShaderNodeMath", "ShaderNodeLightFalloff"}
+ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "ADD": operator.add,
+    "SUBTRACT": operator.sub,
+    "MULTIPLY": operator.mul,
+    "DIVIDE": lambda a, b: a / b if b else 0.0,  # as in Cycles
+}
 
 #: Outputs of nodes that give the mesh's UVs unchanged: the node's type and the output's name.
 UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
@@ -30,22 +44,33 @@ def surface(output_node: bpy.types.Node | None) -> bpy.types.Node | None:
 
 
 def number(socket: bpy.types.NodeSocket) -> tuple[float, bpy.types.Node | None]:
-    """A socket's number, by itself or by a Value node; and the linked node if it is of another type, else None."""
+    """A socket's number, by itself or by nodes of constants; and the linked node if it is no such node, else None."""
     linked = source(socket)
     if linked is None:
         return socket.default_value, None
-    if linked.node.bl_idname == "ShaderNodeValue":
+    node = linked.node
+    if node.bl_idname == "ShaderNodeValue":
         return linked.default_value, None
-    return socket.default_value, linked.node
+    operands = [number(each) for each in node.inputs[:2]] if node.bl_idname in ARITHMETIC_NODES else []
+    if operands and not any(other for _, other in operands):
+        if node.bl_idname == "ShaderNodeMath" and node.operation in ARITHMETIC and not node.use_clamp:
+            return ARITHMETIC[node.operation](*(number for number, _ in operands)), None
+        if node.bl_idname == "ShaderNodeLightFalloff" and linked.name == "Quadratic" and operands[1][0] == 0.0:
+            return operands[0][0], None
+    return socket.default_value, node
 
 
 def rgb(socket: bpy.types.NodeSocket, fallback: float) -> tuple[np.ndarray, bpy.types.Node | None]:
-    """(3,) a socket's colour, by itself or by an RGB node, see `color`; and the linked node, likewise."""
+    """(3,) a socket's colour, by itself or by nodes of constants, see `color`; and the linked node as in `number`."""
     linked = source(socket)
     if linked is None:
         return color(socket.default_value, fallback), None
     if linked.node.bl_idname == "ShaderNodeRGB":
         return color(linked.default_value, fallback), None
+    if linked.node.bl_idname == "ShaderNodeBlackbody":
+        temperature, node = number(linked.node.inputs["Temperature"])
+        if node is None and np.isfinite(temperature):
+            return color(between_spaces(images.working_space(), REC709) @ blackbody(temperature), fallback), None
     return color(socket.default_value, fallback), linked.node
 
 
@@ -77,7 +102,7 @@ def uv_layer(vector: bpy.types.NodeSocket) -> str:
     return linked.node.uv_map if linked is not None and linked.node.bl_idname == "ShaderNodeUVMap" else ""
 
 
-def color(values: bpy.types.bpy_prop_array, fallback: float) -> np.ndarray:
+def color(values: Any, fallback: float) -> np.ndarray:
     """(3,) colour of a socket's values; `fallback` replaces those that are not finite or beyond limits."""
     rgb = np.array(values[:3], np.float32)
     return np.where(is_within(rgb), rgb, np.float32(fallback))

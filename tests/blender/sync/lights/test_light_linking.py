@@ -10,14 +10,19 @@ from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.scene import MAX_LINK_GROUPS
 from ism_addon.settings import SSAO, Quality, Settings
+from tests.blender.render.test_cycles import emissive_material
 from tests.scenes.cycles import direct_light
 
+SMALL_SQUARE = ([(-0.02, -0.02, 0), (0.02, -0.02, 0), (0.02, 0.02, 0), (-0.02, 0.02, 0)], [(0, 1, 2, 3)])
 NAMES = ("left", "right", "lid")
 
 
 @pytest.fixture
-def objects(empty_scene, add):
-    """Two plates side by side, a lid above both, a light above the lid, and a camera between plates and lid."""
+def objects(request, empty_scene, add):
+    """Two plates side by side, a lid above both, a light above the lid, and a camera between plates and lid.
+
+    The light is a lamp, or the mesh SMALL_SQUARE.
+    """
     corners = {"left": (-2, 0, 0), "right": (0, 2, 0), "lid": (-2, 2, 1)}
     objects = {
         name: add(name, ([(a, -2, z), (b, -2, z), (b, 2, z), (a, 2, z)], [(0, 1, 2, 3)]))
@@ -25,7 +30,10 @@ def objects(empty_scene, add):
     }
     light = bpy.data.lights.new("lamp", "AREA")
     light.size, light.energy = 0.05, 50.0
-    objects["light"] = add("lamp", light)
+    mesh = getattr(request, "param", None)
+    objects["light"] = add("lamp", light if mesh is None else mesh)
+    if mesh is not None:
+        objects["light"].data.materials.append(emissive_material("Emission", 1e4))
     objects["light"].location = 0, 0, 1.6
     data = bpy.data.cameras.new("camera")
     data.lens, data.clip_start = 20.0, 0.01
@@ -72,6 +80,7 @@ CASES = {
 }
 
 
+@pytest.mark.parametrize("objects", [None, SMALL_SQUARE], ids=["lamp", "emissive mesh"], indirect=True)
 @pytest.mark.parametrize("case", CASES)
 def test_the_same_plates_are_lit_as_by_cycles(device, objects, case):
     receivers, blockers, lit = CASES[case]

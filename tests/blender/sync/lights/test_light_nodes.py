@@ -60,6 +60,19 @@ def test_a_plain_emission_is_read(device, light_object, read_scene):
     assert np.allclose(draw(device).mean((0, 1)) / direct_light(16)[..., :3].mean((0, 1)), 1.0, atol=0.01)
 
 
+def test_the_colour_of_a_black_body_and_quadratic_falloff(device, light_object, read_scene):
+    tree = node_tree(light_object.data)
+    body, falloff = tree.nodes.new("ShaderNodeBlackbody"), tree.nodes.new("ShaderNodeLightFalloff")
+    body.inputs["Temperature"].default_value, falloff.inputs["Strength"].default_value = 3000.0, 2.0
+    emission = tree.nodes["Emission"]
+    tree.links.new(body.outputs["Color"], emission.inputs["Color"])
+    tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
+    assert read_scene().warnings == ()
+    assert np.allclose(draw(device).mean((0, 1)) / direct_light(16)[..., :3].mean((0, 1)), 1.0, atol=0.01)
+    tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
+    assert len(read_scene().warnings) == 1
+
+
 def test_an_empty_tree_gives_no_light(light_object, read_scene):
     node_tree(light_object.data).nodes.clear()
     assert len(read_scene().lights.shape) == 0
