@@ -171,8 +171,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
-        "bsdf_unshadowed(surface, light) / tile_probability",
-        "bsdf_unshadowed(surface, light)",
+        "bsdf_unshadowed(surface, light, irradiance) / tile_probability",
+        "bsdf_unshadowed(surface, light, irradiance)",
         ("test_faint_lights",),
     ),
 )

@@ -25,7 +25,8 @@ class EmissiveLights(Lights):
     #: Its light BVH: node k, from 1 on, is row first_node + k; leaf j has the j-th part of the triangles. 0: none.
     first_node: np.ndarray = array("int32 L")
     leaves: np.ndarray = array("int32 L")
-    area: np.ndarray = array("float64 L", "m²")
+    #: Upper bound of its area as seen from any direction.
+    projected_area: np.ndarray = array("float64 L", "m²")
     #: Corners of a box outside of which one-sided triangles emit from one side only.
     enclosure: np.ndarray = array("float64 L 2 3", "m")
     #: Triangles in world space. Those that fill up a leaf have no area.

@@ -177,9 +177,25 @@ def emissive_rows(
         "triangle_count": sizes,
         "first_node": 2 * (np.cumsum(leaves) - leaves),
         "leaves": leaves,
-        "area": np.bincount(light, np.linalg.norm(normal_areas(emitters.corners), axis=1), count),
+        "projected_area": projected_areas(normal_areas(emitters.corners), emitters.one_sided, light, count),
         "enclosure": emitters.enclosure,
     }
+
+
+def projected_areas(normals: np.ndarray, one_sided: np.ndarray, light: np.ndarray, count: int) -> np.ndarray:
+    """(L,) m²: upper bounds of the lights' areas as seen from any direction w, from normals times areas (T,3).
+
+    The sum of areas times |n . w| is at most that times its root mean square. Of one-sided triangles half of it counts,
+    and half of the sum of n . w.
+    """
+    areas = np.linalg.norm(normals, axis=1)
+    total = np.bincount(light, areas, count)
+    outer = np.einsum("ti,tj->tij", normals, normals / np.maximum(areas, 1e-300)[:, None]).reshape(-1, 9)
+    squares = np.stack([np.bincount(light, column, count) for column in outer.T], 1).reshape(-1, 3, 3)
+    both = np.sqrt(total * np.linalg.eigvalsh(squares)[:, -1])
+    mean = np.linalg.norm([np.bincount(light, column, count) for column in normals.T], axis=0)
+    is_one_sided = np.bincount(light, ~one_sided, count) == 0
+    return np.minimum(total, np.where(is_one_sided, (both + mean) / 2.0, both))
 
 
 def triangle_tables(emitters: Emitters, triangles: list[np.ndarray]) -> dict[str, np.ndarray]:

@@ -21,9 +21,9 @@ MAX_PER_LEAF = 4
 LAST_KEY = np.int16(32767)
 
 #: Instead of 0, to divide by.
-TINY = np.float32(1e-30)
+MIN_DIVISOR = np.float32(1e-30)
 
-#: Minimum number of leaves: shaders estimate irradiance from the nodes at depth 4.
+#: Minimum number of leaves: shaders estimate irradiance from up to as many nodes, see lights/emissive_mesh.glsl.
 MIN_LEAVES = 16
 
 
@@ -52,12 +52,12 @@ class LightBVH:
         local = with_empty_row((corners - origin).astype(np.float32))
         normals, middles = normal_areas(local), local.mean(1)
         low, high = middles.min(0), middles.max(0)
-        places = (middles - low) / max((high - low).max() / 2.0, TINY)
-        directions = normals / np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None]
+        places = (middles - low) / max((high - low).max() / 2.0, MIN_DIVISOR)
+        directions = normals / np.maximum(np.linalg.norm(normals, axis=1), MIN_DIVISOR)[:, None]
         leaves = median_leaves(np.concatenate([places, directions], 1)[:-1], MAX_PER_LEAF, MIN_LEAVES)
         sums = tree_sums(moments(local, normals, middles), leaves)
         area, normal, position = sums["area"], sums["normal"], sums["position"]
-        offset = position / np.maximum(area, TINY)[:, None]
+        offset = position / np.maximum(area, MIN_DIVISOR)[:, None]
         low, high = triangle_boxes(local)
         low[-1], high[-1] = np.inf, -np.inf
         low = tree_of(reduce(np.minimum, (low[column] for column in leaves.T)), np.minimum)
@@ -86,7 +86,7 @@ def with_empty_row(rows: np.ndarray) -> np.ndarray:
 
 def normal_sines(means: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(2 L,): LightBVH.normal_sine, from mean normals (2 L,3) and the triangles' normals (T,3), 0 without triangle."""
-    axes = means / np.maximum(np.linalg.norm(means, axis=1), TINY)[:, None]
+    axes = means / np.maximum(np.linalg.norm(means, axis=1), MIN_DIVISOR)[:, None]
     sines, first, missing = np.zeros(len(means), np.float32), 1, ~normals.any(1)
     while first < len(means):
         level, each = slice(first, 2 * first), len(normals) // first
@@ -107,7 +107,7 @@ def moments(corners: np.ndarray, normals: np.ndarray, middles: np.ndarray) -> di
         "area": areas,
         "normal": normals,
         "position": middles * areas[:, None],
-        "normal_normal": outer(normals, normals / np.maximum(areas, TINY)[:, None]),
+        "normal_normal": outer(normals, normals / np.maximum(areas, MIN_DIVISOR)[:, None]),
         "position_position": outer(middles, middles * areas[:, None]) + within,
         "normal_position": outer(normals, middles),
     }

@@ -1,11 +1,14 @@
 // Emissive meshes of uniform radiance. Few triangles have a closed form together, and one is chosen for a sample by its
-// irradiance. More have a light BVH: their irradiance is estimated from the 16 nodes at its depth 4, which the irradiance
-// cache corrects, and a triangle is chosen by importance, from node to node.
+// irradiance. More have a light BVH: their irradiance is estimated from its root, which the irradiance cache corrects,
+// and a triangle is chosen by importance, from node to node.
 #include "lights/emissive_limits.glsl"
 #include "closed_forms/triangle.glsl"
 #include "sampling/triangle.glsl"
 #ifndef LIGHT_BVH
 #define LIGHT_BVH 2 // 1 in a shader variant for lights that have one, 0 for others
+#endif
+#ifndef ESTIMATE_NODES
+#define ESTIMATE_NODES 1 // see estimate_light_bvh
 #endif
 uniform usamplerBuffer emitters; // rows of EMISSIVE_TRIANGLE and of LIGHT_NODE
 
@@ -105,16 +108,23 @@ float emissive_triangles_irradiance(int first, int count, vec3 p, vec3 n, bool e
     return sum;
 }
 
-float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
+// Estimated irradiance of a light BVH: the sum over `nodes` nodes, all of one depth, from the root at 1 to MAX_NODES.
+const int MAX_NODES = 16;
+
+float estimate_light_bvh(Light light, vec3 p, vec3 n, int nodes) {
     bool enclosed = emissive_mesh_encloses(light, p);
-    if (!has_light_bvh(light))
-        return emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed);
     float sum = 0.0;
-    for (int node = 16; node < 32; ++node) {
+    for (int node = nodes; node < 2 * nodes; ++node) {
         LightNode bounds = fetch_LightNode(emitters, light.first_node + node);
         sum += estimate_node(bounds, p, n, enclosed).x;
     }
     return min(sum, 3.141592653589793);
+}
+
+float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
+    if (has_light_bvh(light)) return estimate_light_bvh(light, p, n, ESTIMATE_NODES);
+    bool enclosed = emissive_mesh_encloses(light, p);
+    return emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed);
 }
 
 // The same without the estimate's error: by nodes that face the receiver and are seen as smaller than MAX_NODE_SIZE, and

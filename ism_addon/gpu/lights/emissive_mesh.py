@@ -34,14 +34,14 @@ class EmissiveMeshBounds:
 
     position: np.ndarray  # (3,K,1) m
     radius: np.ndarray  # m
-    area: np.ndarray  # m²
+    area: np.ndarray  # m²: as seen from any direction, at most
     luminance: np.ndarray  # of the radiance
 
     @classmethod
     def of(cls, lights: EmissiveLights, anchor: np.ndarray, working_space: str = REC709) -> Self:
         """All lights, about the anchor (3,)."""
         luminances = np.abs(lights.emission) @ luminance(working_space)
-        columns = (lights.position - anchor).T, lights.radius, lights.area, luminances
+        columns = (lights.position - anchor).T, lights.radius, lights.projected_area, luminances
         return cls(*(column[..., None].astype(np.float32) for column in columns))
 
     @property
@@ -68,8 +68,7 @@ class EmissiveMeshBounds:
             solid_angle = self.area / (near * near) * np.minimum(above / near, 1.0)
         upper_bound = np.where(near > 0.0, np.minimum(solid_angle, np.pi), np.pi)
         upper_bound = np.where(surfaces.exists & (above > 0.0), self.luminance * upper_bound, 0.0)
-        # About half of the area faces a receiver, and of that half is its projection.
-        visible = self.area * np.float32(0.25)
+        visible = self.area * np.float32(0.75)
         estimate = np.pi * self.luminance * visible * np.maximum(axis_cosine, 0.0) / (np.pi * square + visible)
         return upper_bound.astype(np.float32), estimate.astype(np.float32)
 

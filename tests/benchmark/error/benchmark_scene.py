@@ -15,6 +15,7 @@ from ism_addon.scene import Scene, View
 from tests.demo.figure6 import quiet_stdout
 from tests.scenes import corridor, dense, dim_atrium, lamps, objects, thin
 from tests.scenes.cycles import direct_light
+from tests.scenes.lights import garden, lanterns, stage, street
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,10 @@ SCENES = {
     "dense": Script(dense.build, light_tree=False),
     "corridor": Script(corridor.build, light_tree=True),
     "lamps": Script(lamps.build, light_tree=False),
+    "garden": Script(garden.build, light_tree=False),
+    "stage": Script(stage.build, light_tree=True),
+    "street": Script(street.build, light_tree=True),
+    "lanterns": Script(lanterns.build, light_tree=True),
 }
 #: Seeds of the two reference images. The renders that are measured have others.
 SEEDS = (1_000_001, 1_000_002)

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from ism_addon.blackbody import MAX_TEMPERATURE, MIN_TEMPERATURE, blackbody
+from ism_addon.color import MAX_TEMPERATURE, MIN_TEMPERATURE, blackbody
 from tests.scenes.cycles import direct_light
 
 from .test_materials import new_image, texture

@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon.gpu.emission.emissive_lights import MAX_EXACT_TRIANGLES
 from ism_addon.gpu.emission.emitters import MAX_LIGHTS, with_emissive_meshes
+from ism_addon.sampling.points import triangle_areas
 from ism_addon.scene import Scene
 from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import mesh, sphere, subdivided_box
@@ -30,7 +31,7 @@ def test_lights_follow_the_lamps():
     assert np.allclose(lights.emission, [(3.0, 3.0, 3.0), WARM, WARM])
     assert lights.triangle_count[1] == 2 and lights.leaves[1] == 0
     assert lights.triangle_count[2] >= len(BALL.triangles) > MAX_EXACT_TRIANGLES and lights.leaves[2] > 0
-    assert np.allclose(lights.area[1:], [1.0, 4.0 * np.pi * 0.25], rtol=0.1)
+    assert np.allclose(lights.projected_area[1:], [1.0, np.pi * 0.25], rtol=0.2)
     assert np.allclose(lights.position[1:], [(0.5, 0.5, 0.0), (0.0, 0.0, 0.0)], atol=1e-6)
     assert lights.one_sided[: lights.triangle_count[1]].tolist() == [False, False]
 
@@ -101,6 +102,20 @@ def test_many_lights_are_joined_with_their_neighbours():
     matrices = np.array([transform(offset=(x, y, 0.0)) for x, y in places])
     lights = with_emissive_meshes(make_scene([BOX], matrices=matrices, mesh_ids=[0] * side**2, emission=WARM))
     assert side**2 / 8 <= len(lights.shape) <= MAX_LIGHTS
-    assert lights.area.sum() == pytest.approx(6.0 * side**2)
+    assert triangle_areas(lights.corners).sum() == pytest.approx(6.0 * side**2)
     assert lights.radius.max() < 8.0, "neighbours"
     assert np.count_nonzero(np.linalg.norm(lights.corners, axis=2).any(1)) >= 12 * side**2
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_no_direction_sees_more_than_the_projected_area(closed):
+    shape = sphere((0, 0, 0), 1.0, 24, 12)
+    shape = mesh(shape.positions * np.array([1.0, 0.5, 0.1]), shape.triangles if closed else shape.triangles[40:])
+    lights = with_emissive_meshes(make_scene([shape], emission=WARM))
+    edges = lights.corners[:, 1:] - lights.corners[:, :1]
+    directions = np.random.default_rng(1).normal(size=(1000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    facing = np.cross(edges[:, 0], edges[:, 1]) @ directions.T / 2.0
+    seen = (np.maximum(facing, 0.0) if closed else np.abs(facing)).sum(0)
+    assert lights.one_sided.all() == closed
+    assert 0.8 * lights.projected_area[0] < seen.max() <= lights.projected_area[0]

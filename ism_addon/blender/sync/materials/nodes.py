@@ -8,8 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ....blackbody import blackbody
-from ....color import REC709, between_spaces
+from ....color import REC709, between_spaces, blackbody
 from ....scene.limits import is_within
 from . import images
 

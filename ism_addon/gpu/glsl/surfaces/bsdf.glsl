@@ -9,9 +9,8 @@ vec3 bsdf_evaluate(Surface surface, vec3 wi) {
     return surface.material.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
 }
 
-// Unshadowed radiance by a light. W/(sr m^2)
-vec3 bsdf_unshadowed(Surface surface, Light light) {
-    float irradiance = light_irradiance(light, surface.position, surface.normal);
+// Unshadowed radiance by a light of this irradiance, for a radiance or intensity of 1. W/(sr m^2)
+vec3 bsdf_unshadowed(Surface surface, Light light, float irradiance) {
     return light.emission * surface.material.base_color * (INVERSE_PI * irradiance);
 }
 

@@ -52,10 +52,12 @@ void main() {
     if (!surface.exists) return;
     Light light = fetch_Light(lights, light_index);
     bool is_lit = is_lit_by(surface, light);
-    vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light) : vec3(0.0);
 #if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
-    unshadowed *= cached_irradiance_ratio(surface, at);
+    float irradiance = cached_irradiance(surface, light, at);
+#else
+    float irradiance = light_irradiance(light, surface.position, surface.normal);
 #endif
+    vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light, irradiance) : vec3(0.0);
     vec2 predicted = predicted_visibility_at(surface, at);
     float amount = luminance(unshadowed);
     bool uncertain = EXACT == 0 || predicted.y > 0.0;

@@ -1,4 +1,5 @@
 // A faint light: one predicted visibility for all pixels of a tile.
+#define ESTIMATE_NODES 4 // of a light BVH: faint lights are not in the irradiance cache
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
@@ -19,7 +20,8 @@ void main() {
     Light light = fetch_Light(lights, tile_light);
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
-    vec3 unshadowed = bsdf_unshadowed(surface, light) / tile_probability;
+    float irradiance = light_irradiance(light, surface.position, surface.normal);
+    vec3 unshadowed = bsdf_unshadowed(surface, light, irradiance) / tile_probability;
     float amount = luminance(unshadowed); // always uncertain: the prediction is from few rays
     direct_prediction = vec4(unshadowed * visibility, light.casts_shadow == 0 ? 0.0 : headroom(amount, visibility));
 #if TRACE

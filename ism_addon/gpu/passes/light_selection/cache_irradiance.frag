@@ -3,14 +3,16 @@
 #include "lights/light.glsl"
 uniform usamplerBuffer lights;
 uniform int light_index;
+uniform sampler2D needed; // by tile: whether the ratio is
 out float irradiance_ratio;
 
 const float MAX_RATIO = 4.0; // near a horizon
 
 void main() {
-    Surface surface = surface_at(min(CACHE_SPACING * ivec2(gl_FragCoord.xy), last_pixel()));
+    ivec2 at = min(CACHE_SPACING * ivec2(gl_FragCoord.xy), last_pixel());
+    Surface surface = surface_at(at);
     irradiance_ratio = 1.0;
-    if (!surface.exists) return;
+    if (!surface.exists || fetch(needed, at / TILE_SIZE).x == 0.0) return;
     Light light = fetch_Light(lights, light_index);
     float estimate = light_irradiance(light, surface.position, surface.normal);
     if (estimate <= 0.0) return;

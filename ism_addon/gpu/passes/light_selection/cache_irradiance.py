@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Irradiance cache (Ward, Rubinstein & Clear 1988) of lights with a light BVH: their irradiance is dear to compute.
 
-At each pixel it is estimated from few nodes. The cache has the ratio of the irradiance to this estimate at one pixel of
+At each pixel it is estimated from one node. The cache has the ratio of the irradiance to this estimate at one pixel of
 every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpolating it adds almost no error.
 """
 
 from typing import Any
 
 import moderngl
+import numpy as np
 
 from ....resources import (
     CACHE_SPACING,
@@ -17,6 +18,7 @@ from ....resources import (
     LIGHT_INFLUENCE,
     NORMAL,
     POSITION,
+    TILE_SIZE,
 )
 from ....scene import Change
 from ...drawing import draw_pixels
@@ -45,12 +47,24 @@ class CacheIrradiance(Pass):
         gl.enable_only(moderngl.NOTHING)
         has_bvh = has_light_bvh(lights)
         for light, influence in frame[LIGHT_INFLUENCE].items():
-            if not has_bvh[light] or not (influence.contributes & ~influence.is_faint).any():
+            tiles = influence.contributes & ~influence.is_faint
+            if not has_bvh[light] or not tiles.any():
                 continue
-            ratios[light] = create(gl, IRRADIANCE_RATIO, size_of(IRRADIANCE_RATIO, *frame.size))
             variant: dict[str, Any] = shader_variant(lights, light)
-            shader = self.full_screen_program(*LIGHT_RECORDS, cache_spacing=CACHE_SPACING, **variant)
-            surfaces = {"position": frame[POSITION], "normal": frame[NORMAL]}
+            constants: dict[str, Any] = {"cache_spacing": CACHE_SPACING, "tile_size": TILE_SIZE}
+            shader = self.full_screen_program(*LIGHT_RECORDS, **constants, **variant)
+            needed = gl.texture(frame.tiles, 1, near_tiles(tiles).astype(np.uint8) * 255, alignment=1)
+            surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "needed": needed}
             bind(shader.program, **surfaces, **frame[LIGHT_BUFFERS], light_index=light)
+            width, height = size_of(IRRADIANCE_RATIO, *frame.size)
+            ratios[light] = create(gl, IRRADIANCE_RATIO, (width + 1, height + 1))  # to interpolate to the last pixels
             draw_pixels(frame, gl.framebuffer([ratios[light]]), shader, RAYS_PER_TEXEL)
         frame[IRRADIANCE_CACHE] = ratios
+
+
+def near_tiles(tiles: np.ndarray) -> np.ndarray:
+    """(rows,columns) bool: tiles (rows,columns), and those after them, whose first pixels they interpolate with."""
+    near = tiles.copy()
+    near[1:] |= tiles[:-1]
+    near[:, 1:] |= near[:, :-1].copy()
+    return near

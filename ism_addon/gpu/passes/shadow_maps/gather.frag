@@ -66,10 +66,12 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
 
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
-    vec3 unshadowed = bsdf_unshadowed(surface, light);
 #if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
-    unshadowed *= cached_irradiance_ratio(surface, ivec2(gl_FragCoord.xy));
+    float irradiance = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy));
+#else
+    float irradiance = light_irradiance(light, surface.position, surface.normal);
 #endif
+    vec3 unshadowed = bsdf_unshadowed(surface, light, irradiance);
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
     LightSample middle_sample = light_sample(light, surface.position, surface.normal, vec2(0.5));
