@@ -4,7 +4,7 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
-#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#if CACHED
 #include "textures/irradiance_cache.glsl"
 #endif
 uniform usamplerBuffer lights;
@@ -52,7 +52,7 @@ void main() {
     if (!surface.exists) return;
     Light light = fetch_Light(lights, light_index);
     bool is_lit = is_lit_by(surface, light);
-#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#if CACHED
     float irradiance = cached_irradiance(surface, light, at);
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);

@@ -28,14 +28,14 @@ from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS
 from ...lights import has_light_bvh, shader_variant
 
-#: Time of a texel, in rays.
+#: Time of a texel, in rays: measured with a ball of 960 triangles, from close by.
 RAYS_PER_TEXEL = 16.0
 
 
 class CacheIrradiance(Pass):
-    """For each light with a light BVH, the ratio of its irradiance to the estimate."""
+    """For each light with a light BVH that is visible, the ratio of its irradiance to the estimate."""
 
-    schedule = Schedule.FIRST
+    schedule = Schedule.DOUBLING  # for lights that were believed occluded before
     inputs = POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
     outputs = outputs(IRRADIANCE_CACHE)
 
@@ -43,12 +43,14 @@ class CacheIrradiance(Pass):
         return bool(has_light_bvh(frame.scene.lights).any())
 
     def execute(self, frame: Frame) -> None:
-        lights, gl, ratios = frame.scene.lights, self.device.gl, {}
+        lights, gl = frame.scene.lights, self.device.gl
+        ratios: dict[int, moderngl.Texture] = {} if frame.sample == 0 else dict(frame[IRRADIANCE_CACHE])
         gl.enable_only(moderngl.NOTHING)
         has_bvh = has_light_bvh(lights)
         for light, influence in frame[LIGHT_INFLUENCE].items():
             tiles = influence.contributes & ~influence.is_faint
-            if not has_bvh[light] or not tiles.any():
+            visible = tiles & (influence.coarse_visibility > 0.0)
+            if light in ratios or not has_bvh[light] or not visible.any():
                 continue
             variant: dict[str, Any] = shader_variant(lights, light)
             constants: dict[str, Any] = {"cache_spacing": CACHE_SPACING, "tile_size": TILE_SIZE}

@@ -2,7 +2,7 @@
 // their irradiance, that are visible from the pixel.
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
-#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#if CACHED
 #include "textures/irradiance_cache.glsl"
 #endif
 
@@ -66,7 +66,7 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
 
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
-#if HAS_EMISSIVE_MESH && LIGHT_BVH == 1
+#if CACHED
     float irradiance = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy));
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);

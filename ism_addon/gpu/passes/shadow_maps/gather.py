@@ -69,6 +69,7 @@ class GatherLight(Pass):
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
             constants: dict[str, Any] = types_variant(types)
             constants["parallel"] = int(any(each.parallel for each in light_types))
+            constants["cached"] = int(cached)
             if cached:
                 constants |= {"light_bvh": 1, "cache_spacing": CACHE_SPACING}
             self.shaders[types, cached] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
