@@ -20,7 +20,7 @@ from ..scene import Scene, View
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
-from .emission.emitters import with_emissive_meshes
+from .emission.emitters import EmissiveMeshes
 from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
@@ -75,6 +75,7 @@ class Renderer:
         self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
+        self.emissive_meshes = EmissiveMeshes()
         #: A scene, and the same with lights of its emissive meshes.
         self.lit: tuple[Scene, Scene] | None = None
         #: The scene and view of `uniforms`, and their anchor.
@@ -151,11 +152,9 @@ class Renderer:
         )
 
     def with_emissive_meshes(self, scene: Scene) -> Scene:
-        """The scene with the lights of its emissive meshes: the same one as before if nothing has changed."""
+        """The scene with the lights of its emissive meshes: the same object for the same scene."""
         if self.lit is None or self.lit[0] is not scene:
-            lights, last = with_emissive_meshes(scene), None if self.lit is None else self.lit[1].lights
-            if last is not None and type(last) is type(lights) and lights is not scene.lights and lights.equals(last):
-                lights = last
+            lights = self.emissive_meshes.lights_of(scene)
             self.lit = scene, scene if lights is scene.lights else replace(scene, lights=lights)
         return self.lit[1]
 

@@ -4,6 +4,12 @@
 import bpy
 
 from ...scene import MAX_LINK_GROUPS
+from .diagnostics import Diagnostics
+
+
+def warn_of_many_groups(findings: Diagnostics, name: str) -> None:
+    """Warn that a light cannot be linked."""
+    findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", name)
 
 
 class LightLinks:
@@ -13,7 +19,7 @@ class LightLinks:
         self._groups: dict[tuple[frozenset[int], bool], int] = {}
 
     def reset(self) -> None:
-        """To be called before all lights are added."""
+        """To be called before all lights and instances are added."""
         self._groups.clear()
 
     def of_light(self, owners: tuple[bpy.types.Object, ...], role: str) -> int | None:
@@ -21,8 +27,11 @@ class LightLinks:
 
         As in Cycles, the instancer counts if the object itself is linked to no collection. As for `group`.
         """
-        collections = (getattr(owner.light_linking, f"{role}_collection") for owner in owners)
-        return self.group(next((each for each in collections if each is not None), None))
+        for owner in owners:
+            collection = getattr(owner.light_linking, f"{role}_collection")
+            if collection is not None:
+                return self.group(collection)
+        return -1
 
     def group(self, collection: bpy.types.Collection | None) -> int | None:
         """The index of a linking collection's group; -1: all objects. None if there are too many groups."""

@@ -12,11 +12,11 @@ import bpy
 import numpy as np
 
 from ... import radiometry
-from ...scene import MAX_LINK_GROUPS, Lights, LightShape
+from ...scene import Lights, LightShape
 from ...scene.limits import MAX_EMISSION, is_within, spans_plane
 from . import light_nodes
 from .diagnostics import Diagnostics
-from .light_linking import LightLinks
+from .light_linking import LightLinks, warn_of_many_groups
 
 #: Blender's shapes: ours, and whether the height is a separate property.
 SHAPES = {
@@ -74,7 +74,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         return [], findings
     linked = [links.of_light((source,), role) for role in ("receiver", "blocker")]
     if None in linked:
-        findings.warn(f"Lights are linked to no more than {MAX_LINK_GROUPS} groups, others are not linked", source.name)
+        warn_of_many_groups(findings, source.name)
     row = ROWS[light.type](light, world_from_light, power)
     if row is None or not np.isfinite((row["spread"], row["blend"])).all():
         findings.warn(LEFT_OUT[light.type], source.name)

@@ -5,9 +5,9 @@ Materials emit light from both sides. The inner side of a closed part is hidden 
 count as one-sided there: otherwise half of the light would be unshadowed light that its other half occludes.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -32,25 +32,60 @@ class Emitters(NamedTuple):
     enclosure: np.ndarray  # (L,2,3) m
 
 
-def with_emissive_meshes(scene: Scene) -> Lights:
-    """The lights of a scene, and those of its emissive meshes, if there are any."""
+class EmissiveMeshes:
+    """Adds the lights of emissive meshes to a scene's. They are kept until one of these meshes changes."""
+
+    def __init__(self) -> None:
+        self.key: tuple[object, ...] = ()
+        self.own: EmissiveLights | None = None  # without lamps
+        #: Lamps, and the same with `own`.
+        self.joined: tuple[Lights, Lights] | None = None
+
+    def lights_of(self, scene: Scene) -> Lights:
+        """The lights of a scene, and after them those of its emissive meshes, if there are any."""
+        rows = emissive_instances(scene)
+        instances, materials = scene.instances, scene.materials
+        tables = (getattr(instances, name)[rows].tobytes() for name in array_specs(Instances) if name != "mesh")
+        key = (*(scene.meshes[k] for k in instances.mesh[rows]), materials.emission.tobytes(), *tables)
+        if key != self.key:
+            self.key, self.own, self.joined = key, emissive_lights(scene, rows), None
+        if self.own is None:
+            return scene.lights
+        if self.joined is None or self.joined[0] is not scene.lights:
+            self.joined = scene.lights, after_lamps(scene.lights, self.own)
+        return self.joined[1]
+
+
+def emissive_instances(scene: Scene) -> np.ndarray:
+    """(K,) int: instances that light surfaces, if any of their triangles emits."""
     emits = scene.materials.emission.any(1)
-    found = list(emitters_of_meshes(scene, emits)) if emits.any() else []
-    if not found:
-        return scene.lights
-    return with_lights(scene.lights, joined(concatenated(found)))
+    if not emits.any():
+        return np.zeros(0, int)
+    mesh_emits = np.array([emits[materials_of(mesh)].any() for mesh in scene.meshes], bool)
+    return np.flatnonzero(mesh_emits[scene.instances.mesh] & scene.instances.visible_diffuse)
 
 
-def emitters_of_meshes(scene: Scene, emits: np.ndarray) -> Iterator[Emitters]:
-    """The emitters of each mesh with all of its instances; `emits` (M,): materials that emit light."""
+#: The materials (M,) of each mesh that exists.
+_MATERIALS: WeakKeyDictionary[Mesh, np.ndarray] = WeakKeyDictionary()
+
+
+def materials_of(mesh: Mesh) -> np.ndarray:
+    """(M,) the materials of a mesh; found once."""
+    if mesh not in _MATERIALS:
+        _MATERIALS[mesh] = np.unique(mesh.materials)
+    return _MATERIALS[mesh]
+
+
+def emissive_lights(scene: Scene, rows: np.ndarray) -> EmissiveLights | None:
+    """The lights of the emissive instances (K,) of a scene; None if there are none."""
+    emits, mesh = scene.materials.emission.any(1), scene.instances.mesh[rows]
     _, emission_of = np.unique(scene.materials.emission, axis=0, return_inverse=True)
-    order = np.argsort(scene.instances.mesh, kind="stable")
-    order = order[scene.instances.visible_diffuse[order]]
-    for index, mesh in enumerate(scene.meshes):
-        chosen = np.flatnonzero(emits[mesh.materials])
-        first, end = np.searchsorted(scene.instances.mesh[order], (index, index + 1))
-        if len(chosen) and end > first:
-            yield emitters_of(scene, mesh, chosen, order[first:end], emission_of.ravel())
+    found = []
+    for k in np.unique(mesh):
+        chosen = np.flatnonzero(emits[scene.meshes[k].materials])
+        found.append(emitters_of(scene, scene.meshes[k], chosen, rows[mesh == k], emission_of.ravel()))
+    emitters = with_area(concatenated(found)) if found else None
+    return None if emitters is None or not len(emitters.light) else lights_of_emitters(joined(emitters))
 
 
 def emitters_of(
@@ -100,6 +135,18 @@ def concatenated(all_emitters: list[Emitters]) -> Emitters:
     return Emitters(*(np.concatenate(columns) for columns in zip(*shifted, strict=True)))
 
 
+def with_area(emitters: Emitters) -> Emitters:
+    """Without triangles that have no area, and lights that have no others."""
+    has_area = np.linalg.norm(normal_areas(emitters.corners), axis=1).astype(np.float32) > 0.0
+    lights, light = np.unique(emitters.light[has_area], return_inverse=True)
+    return Emitters(
+        emitters.corners[has_area],
+        emitters.one_sided[has_area],
+        light.ravel(),
+        *(column[lights] for column in (emitters.emission, emitters.links, emitters.enclosure)),
+    )
+
+
 def joined(emitters: Emitters) -> Emitters:
     """At most MAX_LIGHTS lights for each emission and links: neighbours are joined."""
     if len(emitters.emission) <= MAX_LIGHTS:
@@ -124,8 +171,8 @@ def joined(emitters: Emitters) -> Emitters:
     )
 
 
-def with_lights(lamps: Lights, emitters: Emitters) -> EmissiveLights:
-    """Lamps, and after them the lights of emissive triangles."""
+def lights_of_emitters(emitters: Emitters) -> EmissiveLights:
+    """A table of the lights of emissive triangles."""
     count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
     bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
     triangles, bvhs = [], []
@@ -134,16 +181,21 @@ def with_lights(lamps: Lights, emitters: Emitters) -> EmissiveLights:
         rows = np.append(order[first:end], -1)
         triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
         bvhs.append(bvh)
-    own = emissive_rows(emitters, triangles, bvhs)
     one_sided = np.bincount(emitters.light, ~emitters.one_sided, count) == 0
-    first_row = len(lamps.shape)
-    lamp_values = {name: getattr(lamps, name) for name in array_specs(Lights)}
-    values = {
-        name: np.concatenate([lamp_values.get(name, np.zeros((first_row, *own[name].shape[1:]))), own[name]])
-        for name, spec in array_specs(EmissiveLights).items()
-        if spec.shapes[0][0] == "L"
-    }
-    return EmissiveLights.of(**values, **triangle_tables(emitters, triangles), **node_tables(one_sided, bvhs))
+    of_lights = emissive_rows(emitters, triangles, bvhs)
+    return EmissiveLights.of(**of_lights, **triangle_tables(emitters, triangles), **node_tables(one_sided, bvhs))
+
+
+def after_lamps(lamps: Lights, own: EmissiveLights) -> EmissiveLights:
+    """A table of lamps, and after them the lights of emissive triangles."""
+    values = {}
+    for name, spec in array_specs(EmissiveLights).items():
+        rows = getattr(own, name)
+        if spec.shapes[0][0] == "L":
+            first = getattr(lamps, name, np.zeros((len(lamps.shape), *rows.shape[1:]), rows.dtype))
+            rows = np.concatenate([first, rows])
+        values[name] = rows
+    return EmissiveLights.of(**values)
 
 
 def emissive_rows(

@@ -47,15 +47,16 @@ class LightBVH:
 
     @classmethod
     def over(cls, corners: np.ndarray) -> "LightBVH":
-        """The BVH over triangles (N,3,3). Sums are of float32, about the middle of all."""
+        """The BVH over triangles (N,3,3)."""
         origin = corners.mean((0, 1))
-        local = with_empty_row((corners - origin).astype(np.float32))
+        exact = with_empty_row(corners - origin)  # moments of positions need its digits: they nearly cancel
+        local = exact.astype(np.float32)
         normals, middles = normal_areas(local), local.mean(1)
         low, high = middles.min(0), middles.max(0)
         places = (middles - low) / max((high - low).max() / 2.0, MIN_DIVISOR)
         directions = normals / np.maximum(np.linalg.norm(normals, axis=1), MIN_DIVISOR)[:, None]
         leaves = median_leaves(np.concatenate([places, directions], 1)[:-1], MAX_PER_LEAF, MIN_LEAVES)
-        sums = tree_sums(moments(local, normals, middles), leaves)
+        sums = tree_sums(moments_of_normals(normals), leaves) | tree_sums(moments_of_positions(exact, normals), leaves)
         area, normal, position = sums["area"], sums["normal"], sums["position"]
         offset = position / np.maximum(area, MIN_DIVISOR)[:, None]
         low, high = triangle_boxes(local)
@@ -98,17 +99,24 @@ def normal_sines(means: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return sines
 
 
-def moments(corners: np.ndarray, normals: np.ndarray, middles: np.ndarray) -> dict[str, np.ndarray]:
-    """Of triangles (N,3,3) with normals times areas (N,3) and middles (N,3), the moments of LightBVH, about 0."""
+def moments_of_normals(normals: np.ndarray) -> dict[str, np.ndarray]:
+    """The moments of LightBVH without positions, of triangles with normals times areas (N,3)."""
     areas = np.linalg.norm(normals, axis=1)
-    inner = corners - middles[:, None]
-    within = np.einsum("nci,ncj->nij", inner, inner) * (areas / np.float32(12.0))[:, None, None]
     return {
         "area": areas,
         "normal": normals,
-        "position": middles * areas[:, None],
         "normal_normal": outer(normals, normals / np.maximum(areas, MIN_DIVISOR)[:, None]),
-        "position_position": outer(middles, middles * areas[:, None]) + within,
+    }
+
+
+def moments_of_positions(corners: np.ndarray, normals: np.ndarray) -> dict[str, np.ndarray]:
+    """Those with positions, about 0, of triangles (N,3,3)."""
+    areas, middles = np.linalg.norm(normals, axis=1)[:, None], corners.mean(1)
+    inner = corners - middles[:, None]
+    within = np.einsum("nci,ncj->nij", inner, inner) * (areas / 12.0)[..., None]
+    return {
+        "position": middles * areas,
+        "position_position": outer(middles, middles * areas) + within,
         "normal_position": outer(normals, middles),
     }
 

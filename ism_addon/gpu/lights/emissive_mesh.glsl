@@ -8,8 +8,9 @@
 #define LIGHT_BVH 2 // 1 in a shader variant for lights that have one, 0 for others
 #endif
 #ifndef ESTIMATE_NODES
-#define ESTIMATE_NODES 1 // see estimate_light_bvh
+#define ESTIMATE_NODES MAX_NODES // see estimate_light_bvh
 #endif
+const int MAX_NODES = 16;
 uniform usamplerBuffer emitters; // rows of EMISSIVE_TRIANGLE and of LIGHT_NODE
 
 bool has_light_bvh(Light light) { return LIGHT_BVH == 2 ? light.leaves > 0 : LIGHT_BVH == 1; }
@@ -39,14 +40,14 @@ float cosine_above_horizon(float height, float radius, float distance) {
     return (height >= radius ? height : 0.25 * part * part / radius) / distance;
 }
 
-// The cosines of a node's triangles to a direction count as evenly distributed, with the mean and the variance that they
-// have. x: the mean, weighted by area; y: half of their range.
 // A symmetric matrix times a vector.
 vec3 symmetric_product(vec3 squares, vec3 products, vec3 v) {
     return squares * v + vec3(products.x * v.y + products.z * v.z, products.x * v.x + products.y * v.z,
                               products.z * v.x + products.y * v.y);
 }
 
+// The cosines of a node's triangles to a direction count as evenly distributed, with the mean and the variance that they
+// have. x: the mean, weighted by area; y: half of their range.
 vec2 node_cosines(LightNode node, vec3 wi) {
     float area = max(node.area, 1e-37), mean = -dot(node.normal, wi) / area;
     float square = dot(symmetric_product(node.normal_squares, node.normal_products, wi), wi) / area;
@@ -109,8 +110,6 @@ float emissive_triangles_irradiance(int first, int count, vec3 p, vec3 n, bool e
 }
 
 // Estimated irradiance of a light BVH: the sum over `nodes` nodes, all of one depth, from the root at 1 to MAX_NODES.
-const int MAX_NODES = 16;
-
 float estimate_light_bvh(Light light, vec3 p, vec3 n, int nodes) {
     bool enclosed = emissive_mesh_encloses(light, p);
     float sum = 0.0;

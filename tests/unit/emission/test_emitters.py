@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.emission.emissive_lights import MAX_EXACT_TRIANGLES
-from ism_addon.gpu.emission.emitters import MAX_LIGHTS, with_emissive_meshes
+from ism_addon.gpu.emission.emitters import MAX_LIGHTS, EmissiveMeshes
 from ism_addon.sampling.points import triangle_areas
 from ism_addon.scene import Scene
 from tests.scenes.parts.tables import instances_of, materials_of
@@ -22,11 +22,11 @@ BALL = sphere((0, 0, 0), 0.5, 16, 8)
 
 def test_a_scene_that_emits_nothing_keeps_its_lights():
     scene = make_scene([PANEL], light())
-    assert with_emissive_meshes(scene) is scene.lights
+    assert EmissiveMeshes().lights_of(scene) is scene.lights
 
 
 def test_lights_follow_the_lamps():
-    lights = with_emissive_meshes(make_scene([PANEL, BALL], light(radiance=3.0), emission=WARM))
+    lights = EmissiveMeshes().lights_of(make_scene([PANEL, BALL], light(radiance=3.0), emission=WARM))
     assert lights.shape.tolist() == [0, 5, 5]
     assert np.allclose(lights.emission, [(3.0, 3.0, 3.0), WARM, WARM])
     assert lights.triangle_count[1] == 2 and lights.leaves[1] == 0
@@ -38,7 +38,7 @@ def test_lights_follow_the_lamps():
 
 def test_instances_are_lights_of_their_own():
     matrices = np.array([transform(offset=(3.0 * k, 0.0, 0.0)) for k in range(3)])
-    lights = with_emissive_meshes(make_scene([BOX], matrices=matrices, mesh_ids=[0, 0, 0], emission=WARM))
+    lights = EmissiveMeshes().lights_of(make_scene([BOX], matrices=matrices, mesh_ids=[0, 0, 0], emission=WARM))
     assert np.allclose(lights.position, [(3.0 * k + 0.5, 0.5, 0.5) for k in range(3)])
     assert lights.one_sided.all()
 
@@ -48,7 +48,7 @@ def test_closed_parts_face_outwards(mirrored):
     linear = np.diag([-1.0 if mirrored else 1.0, 1.0, 2.0])
     turned = mesh(BOX.positions, BOX.triangles[:, ::-1])
     for one in (BOX, turned):
-        lights = with_emissive_meshes(make_scene([one], matrices=np.array([transform(linear)]), emission=WARM))
+        lights = EmissiveMeshes().lights_of(make_scene([one], matrices=np.array([transform(linear)]), emission=WARM))
         edges = lights.corners[:, 1:] - lights.corners[:, :1]
         normals, outwards = np.cross(edges[:, 0], edges[:, 1]), lights.corners.mean(1) - lights.position[0]
         assert (np.einsum("ni,ni->n", normals, outwards) > 0.0).all()
@@ -67,12 +67,12 @@ def test_closed_parts_face_outwards(mirrored):
 )
 def test_a_part_that_does_not_hide_its_inner_side_emits_from_both(changes, one_sided):
     scene = replace(make_scene([BOX], emission=WARM), instances=instances_of([0], **changes))
-    assert with_emissive_meshes(scene).one_sided.all() == one_sided
+    assert EmissiveMeshes().lights_of(scene).one_sided.all() == one_sided
 
 
 def test_objects_without_diffuse_visibility_light_nothing():
     scene = replace(make_scene([BOX], emission=WARM), instances=instances_of([0], visible_diffuse=[False]))
-    assert with_emissive_meshes(scene) is scene.lights
+    assert EmissiveMeshes().lights_of(scene) is scene.lights
 
 
 def two_materials() -> Scene:
@@ -83,7 +83,7 @@ def two_materials() -> Scene:
 
 
 def test_parts_of_two_emissions_are_two_lights():
-    lights = with_emissive_meshes(two_materials())
+    lights = EmissiveMeshes().lights_of(two_materials())
     assert sorted(zip(lights.triangle_count.tolist(), lights.emission[:, 0].tolist(), strict=True)) == [(3, 1), (6, 2)]
     assert lights.one_sided.all(), "the box is closed, whatever its triangles emit"
 
@@ -92,7 +92,7 @@ def test_links_are_the_instances():
     scene = replace(
         make_scene([PANEL, PANEL], emission=WARM), instances=instances_of([0, 1], receivers=[3, -1], blockers=[-1, 4])
     )
-    lights = with_emissive_meshes(scene)
+    lights = EmissiveMeshes().lights_of(scene)
     assert lights.receivers.tolist() == [3, -1] and lights.blockers.tolist() == [-1, 4]
 
 
@@ -100,7 +100,7 @@ def test_many_lights_are_joined_with_their_neighbours():
     side = 30
     places = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2) * 2.0
     matrices = np.array([transform(offset=(x, y, 0.0)) for x, y in places])
-    lights = with_emissive_meshes(make_scene([BOX], matrices=matrices, mesh_ids=[0] * side**2, emission=WARM))
+    lights = EmissiveMeshes().lights_of(make_scene([BOX], matrices=matrices, mesh_ids=[0] * side**2, emission=WARM))
     assert side**2 / 8 <= len(lights.shape) <= MAX_LIGHTS
     assert triangle_areas(lights.corners).sum() == pytest.approx(6.0 * side**2)
     assert lights.radius.max() < 8.0, "neighbours"
@@ -111,7 +111,7 @@ def test_many_lights_are_joined_with_their_neighbours():
 def test_no_direction_sees_more_than_the_projected_area(closed):
     shape = sphere((0, 0, 0), 1.0, 24, 12)
     shape = mesh(shape.positions * np.array([1.0, 0.5, 0.1]), shape.triangles if closed else shape.triangles[40:])
-    lights = with_emissive_meshes(make_scene([shape], emission=WARM))
+    lights = EmissiveMeshes().lights_of(make_scene([shape], emission=WARM))
     edges = lights.corners[:, 1:] - lights.corners[:, :1]
     directions = np.random.default_rng(1).normal(size=(1000, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -119,3 +119,27 @@ def test_no_direction_sees_more_than_the_projected_area(closed):
     seen = (np.maximum(facing, 0.0) if closed else np.abs(facing)).sum(0)
     assert lights.one_sided.all() == closed
     assert 0.8 * lights.projected_area[0] < seen.max() <= lights.projected_area[0]
+
+
+def test_lights_are_kept_until_their_meshes_change():
+    meshes, scene = EmissiveMeshes(), make_scene([PANEL, BALL], light(), emission=WARM)
+    lights = meshes.lights_of(scene)
+    assert meshes.lights_of(scene) is lights
+    assert meshes.lights_of(replace(scene, world=replace(scene.world))) is lights
+    other_lamps = meshes.lights_of(replace(scene, lights=light(position=(9.0, 0.0, 0.0))))
+    assert other_lamps is not lights and other_lamps.position[0, 0] == 9.0
+    assert np.shares_memory(other_lamps.corners, meshes.own.corners), "no light BVH is built again"
+    matrices = np.array([transform(), transform(offset=(0.0, 0.0, 1.0))])
+    moved = meshes.lights_of(replace(scene, instances=replace(scene.instances, world_from_object=matrices)))
+    assert np.allclose(moved.position[2], (0.0, 0.0, 1.0), atol=1e-6)
+
+
+def test_triangles_without_area_are_left_out():
+    flat = mesh(
+        np.concatenate([BOX.positions, np.zeros((3, 3))]),
+        np.concatenate([BOX.triangles, len(BOX.positions) + np.arange(3)[None]]),
+    )
+    lights = EmissiveMeshes().lights_of(make_scene([flat], emission=WARM))
+    assert len(lights.shape) == 1 and lights.triangle_count.tolist() == [12]
+    nothing = make_scene([mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))], emission=WARM)
+    assert EmissiveMeshes().lights_of(nothing) is nothing.lights

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.emission.emissive_lights import EmissiveLights
-from ism_addon.gpu.emission.emitters import with_emissive_meshes
+from ism_addon.gpu.emission.emitters import EmissiveMeshes
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, UNIFORM, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
@@ -27,7 +27,7 @@ fast = settings(max_examples=60, deadline=None, derandomize=True)
 
 
 def lights_of(one: Mesh) -> EmissiveLights:
-    lights = with_emissive_meshes(make_scene([one], emission=(1.0, 1.0, 1.0)))
+    lights = EmissiveMeshes().lights_of(make_scene([one], emission=(1.0, 1.0, 1.0)))
     assert isinstance(lights, EmissiveLights)
     return lights
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import lights
-from ism_addon.gpu.emission.emitters import with_emissive_meshes
+from ism_addon.gpu.emission.emitters import EmissiveMeshes
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
@@ -75,7 +75,7 @@ EXAMPLES: dict[str, list[Lights]] = {
         for spread in (0.0, 1.2448, 2.2, np.pi)
     ],
     "emissive_mesh": [
-        with_emissive_meshes(make_scene([mesh], emission=(1.0, 1.0, 1.0)))
+        EmissiveMeshes().lights_of(make_scene([mesh], emission=(1.0, 1.0, 1.0)))
         for mesh in (
             quad((-0.9, -1.0, 1.1), (2.5, 0.4, 0.2), (0.3, 1.7, 0.1)),
             subdivided_box((-0.4, -0.9, 0.6), (0.9, 0.3, 1.4), 1),

@@ -12,7 +12,7 @@ from mathutils import Matrix
 from ....scene import Instances, Mesh
 from ....scene.limits import MAX_DISTANCE, is_invertible, is_within
 from ..diagnostics import Diagnostics
-from ..light_linking import LightLinks
+from ..light_linking import LightLinks, warn_of_many_groups
 from ..materials.materials import MaterialReader
 from . import meshes
 from .raw_meshes import Raw
@@ -150,6 +150,8 @@ class InstanceReader:
         if uid not in self._unsupported:
             self._unsupported[uid] = _unsupported_features(source, owners[-1], view_layer)
         receivers, blockers = (self._links.of_light(owners, role) for role in ("receiver", "blocker"))
+        if receivers is None or blockers is None:
+            warn_of_many_groups(self._unsupported[uid], source.name)
         return _Row(
             self._mesh(source, owners, view_layer),
             world_from_object.copy(),

@@ -1,5 +1,5 @@
 // The irradiance by a light with a light BVH: its estimate from the root, times the ratio in the irradiance cache. Where
-// no texel of the cache shows the same surface, a better estimate replaces it.
+// no texel of the cache has a ratio for the same surface, a better estimate replaces it.
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 uniform sampler2D irradiance_ratio;
@@ -11,7 +11,9 @@ float cached_irradiance(Surface surface, Light light, ivec2 at) {
         ivec2 step = ivec2(k & 1, k >> 1), other = at / CACHE_SPACING + step;
         vec2 bilinear = mix(1.0 - offset, offset, vec2(step));
         float weight = bilinear.x * bilinear.y * similarity(surface, min(CACHE_SPACING * other, last_pixel()), texel);
-        sum += weight * fetch(irradiance_ratio, other).x;
+        float ratio = fetch(irradiance_ratio, other).x;
+        if (ratio < 0.0) weight = 0.0; // NO_RATIO
+        sum += weight * ratio;
         weights += weight;
     }
     bool similar = weights > 1e-3;

@@ -133,8 +133,8 @@ class TraceShadows(Pass):
         lights = frame.scene.lights
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
-        cached = {"cache_spacing": CACHE_SPACING} if light in (frame.get(IRRADIANCE_CACHE) or {}) else {}
-        return variant | {"hard": int(hard), "cached": int(bool(cached))} | cached
+        cached = int(light in (frame.get(IRRADIANCE_CACHE) or {}))
+        return variant | {"hard": int(hard), "cached": cached, "cache_spacing": CACHE_SPACING}
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""

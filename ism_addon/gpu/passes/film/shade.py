@@ -47,7 +47,11 @@ class Shade(Pass):
         emissive = frame[MATERIAL_BUFFERS].emissive
         records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())
         program = self.tile_program(
-            *records, occluded=occluded, seen_lights=int(seen is not None), emissive=int(emissive)
+            *records,
+            occluded=occluded,
+            seen_lights=int(seen is not None),
+            has_emissive_mesh=0,  # surfaces, not seen lights
+            emissive=int(emissive),
         )
         if emissive:
             materials, corners = frame[MATERIAL_BUFFERS].table, frame[MESH_BUFFERS].samplers["corners"]

@@ -32,6 +32,10 @@ from ...lights import has_light_bvh, shader_variant
 RAYS_PER_TEXEL = 16.0
 
 
+#: Where there is no surface, or the light is culled or faint.
+NO_RATIO = -1.0
+
+
 class CacheIrradiance(Pass):
     """For each light with a light BVH that is visible, the ratio of its irradiance to the estimate."""
 
@@ -53,7 +57,7 @@ class CacheIrradiance(Pass):
             if light in ratios or not has_bvh[light] or not visible.any():
                 continue
             variant: dict[str, Any] = shader_variant(lights, light)
-            constants: dict[str, Any] = {"cache_spacing": CACHE_SPACING, "tile_size": TILE_SIZE}
+            constants: dict[str, Any] = {"cache_spacing": CACHE_SPACING, "tile_size": TILE_SIZE, "no_ratio": NO_RATIO}
             shader = self.full_screen_program(*LIGHT_RECORDS, **constants, **variant)
             needed = gl.texture(frame.tiles, 1, near_tiles(tiles).astype(np.uint8) * 255, alignment=1)
             surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "needed": needed}

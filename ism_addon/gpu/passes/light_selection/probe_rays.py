@@ -14,6 +14,7 @@ import numpy as np
 from ....resources import LIGHT_BUFFERS, PROBE, TLAS
 from ....sampling.dimensions import fixed_point
 from ...drawing import draw_pixels, draw_tiles
+from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
@@ -55,8 +56,9 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table = np.zeros(lines * grid.block_columns, PROBE_BLOCK.dtype)
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
-    softness = softness_variant(frame.scene.lights)
-    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, softness=softness)
+    lights = frame.scene.lights
+    variant = {"softness": softness_variant(lights), "has_emissive_mesh": int(isinstance(lights, EmissiveLights))}
+    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, **variant)
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
