@@ -145,7 +145,7 @@ RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
     "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True
 )
 #: Pixels from one texel of the irradiance cache to the next, in x and in y.
-CACHE_SPACING = 8
+CACHE_SPACING = 4
 IRRADIANCE_RATIO = Target(
     "irradiance_ratio", "Of one light: unshadowed irradiance over its estimate", format="r16f", divisor=CACHE_SPACING
 )
