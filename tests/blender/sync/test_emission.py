@@ -94,6 +94,8 @@ def test_other_nodes_are_reported(emitter, read_scene):
 @pytest.mark.parametrize(("value", "emitted"), [(0.0, 0.0), (-2.0, -2.0), (1e12, 1e12), (1e30, 0.0)])
 def test_odd_strengths(emitter, read_scene, value, emitted):
     _, color, strength = emitter
+    if value < 0.0 and strength.name == "Emission Strength" and bpy.app.version >= (5, 0):
+        emitted = 0.0  # as in Cycles
     color.default_value, strength.default_value = (1.0, 1.0, 1.0, 1.0), value
     if strength.default_value != pytest.approx(value):
         pytest.skip("Blender does not allow it")

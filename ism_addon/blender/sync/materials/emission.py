@@ -36,6 +36,8 @@ def read(shader: bpy.types.Node, mean_color: MeanColor, name: str, findings: Dia
         if node is not None:
             issue = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
             findings.warn(issue, name)
+    if shader.bl_idname != EMISSION and bpy.app.version >= (5, 0):
+        strength = max(strength, 0.0)  # as in Cycles, which subtracted light before
     radiance = color.astype(np.float64) * strength
     if not is_within(radiance, MAX_EMISSION).all():
         findings.warn("Materials too bright to be drawn emit nothing", name)
