@@ -25,6 +25,14 @@ def build(path: Path, variant: int = 0) -> None:
     """Build the scene and save it as a .blend. It replaces the open file."""
     blend_file.new_file()
     builder, random = SceneBuilder(), np.random.default_rng(500 + variant)
+    add_market(builder, random)
+    blend_file.add_lights(market_lights(random))
+    blend_file.add_camera(*CAMERAS[variant])
+    blend_file.save(path)
+
+
+def add_market(builder: SceneBuilder, random: np.random.Generator) -> None:
+    """The street with a house, stalls and crates."""
     builder.add("Street", [(box((-7.0, -6.0, -0.2), (7.0, 6.0, 0.0)), "Concrete")])
     builder.add("House", [(box((-7.0, 3.6, 0.0), (7.0, 4.0, 5.0)), "Paper")])
     goods = {
@@ -43,9 +51,6 @@ def build(path: Path, variant: int = 0) -> None:
         size = random.uniform(0.6, 1.3)
         matrix = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(random.uniform(0.0, 3.0), 4, "Z")
         builder.add("Crate", [(crate(), "Ochre")], [matrix @ Matrix.Scale(size, 4)])
-    blend_file.add_lights(market_lights(random))
-    blend_file.add_camera(*CAMERAS[variant])
-    blend_file.save(path)
 
 
 def market_lights(random: np.random.Generator) -> list[AreaLight]:

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Emissive meshes: groups of triangles of the same radiance, see emission/emitters.py."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
 from ...color import REC709, luminance
-from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
 from ..emission.emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
 from ..emission.light_bvh import normal_areas
 from ..gl import shader_compiler
 from ..gl.shader_records import EMISSIVE_TRIANGLE, LIGHT_NODE
 from .light_records import light_records
+from .point import PointLight, PointLightBounds
 
 TRIANGLE_TEXELS = EMISSIVE_TRIANGLE.texels
 
@@ -29,28 +29,22 @@ def padded_nodes(lights: EmissiveLights) -> int:
 
 
 @dataclass(frozen=True)
-class EmissiveMeshBounds:
-    """Bounds of K lights: float32, anchor space, columns (K,1)."""
+class EmissiveMeshBounds(PointLightBounds):
+    """Bounds of K lights: float32, anchor space, columns (K,1). The luminance is that of the radiance."""
 
-    position: np.ndarray  # (3,K,1) m
-    radius: np.ndarray  # m
     area: np.ndarray  # m²: as seen from any direction, at most
-    luminance: np.ndarray  # of the radiance
 
     @classmethod
-    def of(cls, lights: EmissiveLights, anchor: np.ndarray, working_space: str = REC709) -> Self:
+    def of(cls, lights: Any, anchor: np.ndarray, working_space: str = REC709) -> Self:
         """All lights, about the anchor (3,)."""
         luminances = np.abs(lights.emission) @ luminance(working_space)
-        columns = (lights.position - anchor).T, lights.radius, lights.projected_area, luminances
+        columns = (lights.position - anchor).T, lights.radius, luminances, lights.projected_area
         return cls(*(column[..., None].astype(np.float32) for column in columns))
 
     @property
     def peak(self) -> np.ndarray:
         """(K,1) luminance of the irradiance of a light that fills a receiver's hemisphere."""
         return np.pi * self.luminance
-
-    def __getitem__(self, rows: slice) -> Self:
-        return type(self)(*(getattr(self, member.name)[..., rows, :] for member in fields(self)))
 
     def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
         """See LightBounds: by all of the area at the nearest point of the sphere around it."""
@@ -73,14 +67,12 @@ class EmissiveMeshBounds:
         return upper_bound.astype(np.float32), estimate.astype(np.float32)
 
 
-class EmissiveMesh:
-    """See LightType; the tables are EmissiveLights."""
+class EmissiveMesh(PointLight):
+    """See LightType; the tables are EmissiveLights. Occluders see the sphere around it as that of a point light."""
 
     name = "emissive_mesh"
     shapes: tuple[int, ...] = (EMISSIVE_MESH,)
     glsl = Path(__file__).with_suffix(".glsl")
-    min_virtual_lights = 2
-    parallel = False
 
     def records(self, lights: Any, anchor: np.ndarray) -> np.ndarray:
         table = light_records(lights, anchor, "radius", "triangle_count", "leaves")
@@ -92,21 +84,8 @@ class EmissiveMesh:
     def bounds(self, lights: Any, anchor: np.ndarray, working_space: str) -> EmissiveMeshBounds:
         return EmissiveMeshBounds.of(lights, anchor, working_space)
 
-    def shadow_ends(self, lights: Any, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
-        centre = (lights.position - anchor).T
-        return np.stack([centre - lights.radius, centre + lights.radius])[..., None]
-
-    def heights(self, lights: Any, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
-        return np.full((boxes.shape[2], len(lights.shape)), np.inf)
-
     def is_narrow(self, lights: Any) -> np.ndarray:
         return lights.leaves > 0  # a sample may lead to no triangle that emits towards the receiver
-
-    def is_exact(self, lights: Any, row: int) -> bool:
-        return True
-
-    def is_hard(self, lights: Any, row: int) -> bool:
-        return False
 
     def is_round(self, lights: Any, row: int) -> bool:
         return False
@@ -131,22 +110,6 @@ class EmissiveMesh:
         flatness = np.linalg.norm(normals.sum(0)) / ends[-1]
         height = lights.radius[row] * (MIN_HEIGHT + MAX_HEIGHT * (1.0 - flatness))
         return points - lights.position[row] + height * axes, axes
-
-    def solid_angles(
-        self,
-        lights: Any,
-        row: int,
-        anchor: np.ndarray,
-        points: np.ndarray,
-        normals: np.ndarray,
-        area: float,
-        region: ReceiverRegion | None,
-    ) -> np.ndarray:
-        """A third of the value of an occluder facing the light is added to all, so that edge-on ones are not lost."""
-        to = points - (lights.position[row] - anchor).astype(np.float32)
-        square = np.einsum("nk,nk->n", to, to) + np.float32(lights.radius[row] ** 2 / 4.0 + 1e-12)
-        facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)
-        return (facing + np.float32(1.0 / 3.0)) / square
 
     def variant(self, lights: Any, row: int) -> dict[str, int]:
         return {"light_bvh": int(lights.leaves[row] > 0)}

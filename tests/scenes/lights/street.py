@@ -10,8 +10,7 @@ from mathutils import Matrix
 from tests.scenes import blend_file
 from tests.scenes.atrium import SceneBuilder
 from tests.scenes.blend_file import COOL, WARM, WHITE, AreaLight
-from tests.scenes.lamps import STALLS, add_goods, awning, crate, stall
-from tests.scenes.parts.architecture import urn
+from tests.scenes.lamps import add_market
 from tests.scenes.parts.shapes import box
 from tests.scenes.parts.solids import ball
 
@@ -25,19 +24,7 @@ def build(path: Path, variant: int = 0) -> None:
     """Build the scene and save it as a .blend. It replaces the open file."""
     blend_file.new_file()
     builder, random = SceneBuilder(), np.random.default_rng(720 + variant)
-    builder.add("Street", [(box((-7.0, -6.0, -0.2), (7.0, 6.0, 0.0)), "Concrete")])
-    builder.add("House", [(box((-7.0, 3.6, 0.0), (7.0, 4.0, 5.0)), "Paper")])
-    goods = {"Fruit": ball(1.0, 10), "Loaf": ball(1.0, 8, 3.0), "Jar": urn(2.0).moved(z=-1.0)}
-    for index, (x, y, angle) in enumerate(STALLS):
-        matrix = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(angle, 4, "Z")
-        builder.add("Stall", [(stall(), "Bark")], [matrix])
-        color = ("Clay", "Teal", "Plum")[index]
-        builder.add(f"Awning, {color}", [(awning(), color)], [matrix])
-        add_goods(builder, goods, matrix, random)
-    for _ in range(9):
-        x, y = random.uniform((-2.6, -1.7), (2.6, 0.4))
-        matrix = Matrix.Translation((x, y, 0.0)) @ Matrix.Rotation(random.uniform(0.0, 3.0), 4, "Z")
-        builder.add("Crate", [(crate(), "Ochre")], [matrix @ Matrix.Scale(random.uniform(0.6, 1.3), 4)])
+    add_market(builder, random)
     add_lamps(random)
     add_emitters(builder, random)
     blend_file.add_camera(*CAMERAS[variant])
