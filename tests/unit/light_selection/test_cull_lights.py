@@ -14,7 +14,7 @@ from ism_addon.gpu.lights.area import AreaLightBounds
 from ism_addon.gpu.passes.light_selection import cull_lights
 from ism_addon.resources import LIGHT_INFLUENCE, TILE_SIZE, TILE_VISIBILITY
 from ism_addon.scene import Lights, LightShape
-from ism_addon.settings import SSAO, Settings
+from ism_addon.settings import Shadow
 from tests.scenes.rooms import IDLE, rooms
 from tests.scenes.small import basis, box_over_plane, subdivided_box
 from tests.support import reference
@@ -84,9 +84,7 @@ def test_the_bound_is_zero_where_no_light_can_arrive():
 def drawn_rooms(device, idle: dict[str, int], samples: int = 8):
     """The room with five lights that contribute, and idle ones."""
     scene, view = rooms(idle, *SIZE)
-    return draw(
-        device, scene, view, Settings(ssao=SSAO(enabled=False), quality=SMALL_SETTINGS.quality), last=samples - 1
-    )
+    return draw(device, scene, view, SMALL_SETTINGS, last=samples - 1)
 
 
 @pytest.mark.parametrize("why", IDLE)
@@ -225,3 +223,15 @@ def test_a_small_picture_loses_no_faint_lights(device, size):
         for shortcuts in (1, 0)
     ]
     assert faint[0] == pytest.approx(faint[1], rel=0.01)
+
+
+def test_edges_in_tiles_that_the_first_sample_sees_empty_are_lit(device):
+    """The edge of a floor is in pixels of the third column of tiles, but not at their centers."""
+    floor = quad((-2.0, -2.0, 0.0), (2.0 + 0.3 / 8.0, 0, 0), (0, 4, 0))
+    view = replace(view_from_above(4.0, (32, 32), height=0.9), filter_width=1.5)
+    unshadowed = replace(with_quality(SMALL_SETTINGS, samples=8), shadow=Shadow(enabled=False))
+    color, exact = (
+        draw(device, make_scene([floor], light()), view, replace(unshadowed, shortcuts=shortcuts)).color[:, 16, 0]
+        for shortcuts in (True, False)
+    )
+    assert color == pytest.approx(exact, rel=ROUNDING)

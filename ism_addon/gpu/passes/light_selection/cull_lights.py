@@ -222,9 +222,10 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
     exists, influences = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
     mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
     local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
-    relative_bounds = state.bounds / np.maximum(state.irradiance, mean)
+    bounds = with_edges(state.bounds, exists)
+    relative_bounds = bounds / np.maximum(state.irradiance, mean)
     for light in np.argsort(relative_bounds.sum((1, 2))):  # faintest first
-        bound = state.bounds[light]
+        bound = bounds[light]
         culled += bound
         contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
         if contributes.any():
@@ -236,6 +237,19 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
                 coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
             )
     return influences
+
+
+def with_edges(bounds: np.ndarray, exists: np.ndarray) -> np.ndarray:
+    """Bounds (L,rows,columns); in tiles without surfaces, the greatest of their neighbours.
+
+    In a later sample the edge of a neighbour's surface may be in such a tile.
+    """
+    near = neighbourhood(exists).any((2, 3)) & ~exists
+    row, column = np.nonzero(near)
+    padded = np.pad(bounds, ((0, 0), (1, 1), (1, 1)))
+    filled = bounds.copy()
+    filled[:, row, column] = np.max([padded[:, row + y, column + x] for y in range(3) for x in range(3)], 0)
+    return filled
 
 
 def without_culling(frame: Frame) -> dict[int, LightInfluence]:
