@@ -45,6 +45,13 @@ class Shadow:
         "Method",
         "How shadows are computed",
     )
+    world: bool = setting(
+        True,
+        "World Shadows",
+        "Trace shadow rays to the world too: its light is exact, and takes about as long as that of a large light. "
+        "Off, ambient occlusion darkens it",
+        method=Method.RAY_TRACED,
+    )
     splat_size: float = setting(
         1.15,
         "Splat Size",
@@ -90,7 +97,8 @@ class SSAO:
     enabled: bool = setting(
         True,
         "Ambient Occlusion",
-        "Darken the world's light in creases and contacts, in screen space at half resolution",
+        "Darken the world's light in creases and contacts, in screen space at half resolution. "
+        "Not used while the method Ray Traced draws World Shadows",
     )
     radius: float = setting(
         0.5,

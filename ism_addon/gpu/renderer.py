@@ -16,7 +16,7 @@ from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
 from ..resources import CONVERGENCE
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
-from ..scene import Scene, View
+from ..scene import Lights, Scene, View, World
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
@@ -26,6 +26,7 @@ from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
+from .lights.world import with_world
 from .memory_estimate import check, needed
 from .passes.film.accumulate import Accumulate, filter_margin
 from .passes.film.debug_image import DebugImage
@@ -76,8 +77,10 @@ class Renderer:
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
         self.emissive_meshes = EmissiveMeshes()
-        #: A scene, and the same with lights of its emissive meshes.
-        self.lit: tuple[Scene, Scene] | None = None
+        #: Lights and a world, and the lights of both.
+        self.world_lit: tuple[Lights, World, Lights] | None = None
+        #: A scene, whether the world is a light, and the scene with all lights.
+        self.lit: tuple[Scene, bool, Scene] | None = None
         #: The scene and view of `uniforms`, and their anchor.
         self.placed: tuple[Scene, View, np.ndarray] | None = None
 
@@ -127,12 +130,13 @@ class Renderer:
             raise ValueError(
                 f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
             )
-        scene = self.with_emissive_meshes(scene)
+        chosen = estimators(settings)
+        scene = self.with_all_lights(scene, settings, chosen)
         if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
             anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
             self.uniforms.write(frame_uniforms.frame_block(scene, view, anchor))
             self.placed = scene, view, anchor
-        grid, chosen = self.grid(view, settings, sample, low_latency), estimators(settings)
+        grid = self.grid(view, settings, sample, low_latency)
         if sample == 0:
             self.estimate_memory(scene, view, settings, chosen, int(grid.bounds(view.width, view.height)[1].prod()))
             self.graph.begin(pass_types_of(chosen))
@@ -151,12 +155,24 @@ class Renderer:
             uniforms=self.uniforms,
         )
 
-    def with_emissive_meshes(self, scene: Scene) -> Scene:
-        """The scene with the lights of its emissive meshes: the same object for the same scene."""
-        if self.lit is None or self.lit[0] is not scene:
-            lights = self.emissive_meshes.lights_of(scene)
-            self.lit = scene, scene if lights is scene.lights else replace(scene, lights=lights)
-        return self.lit[1]
+    def with_all_lights(self, scene: Scene, settings: Settings, chosen: tuple[Estimator, ...]) -> Scene:
+        """The scene with the lights of its emissive meshes and, if shadow rays are traced to it, the world as a light.
+
+        The same object for the same arguments.
+        """
+        traced = settings.shadow.enabled and settings.shadow.world and any(each.traces_rays for each in chosen)
+        traces_world = traced and bool(scene.world.radiance.any() and scene.instances.casts_shadow.any())
+        if self.lit is None or self.lit[:2] != (scene, traces_world):
+            with_lamps = replace(scene, lights=self.lamps_and_world(scene)) if traces_world else scene
+            lights = self.emissive_meshes.lights_of(with_lamps)
+            self.lit = scene, traces_world, scene if lights is scene.lights else replace(scene, lights=lights)
+        return self.lit[2]
+
+    def lamps_and_world(self, scene: Scene) -> Lights:
+        """The scene's lights and the world: the same object while both are unchanged."""
+        if self.world_lit is None or self.world_lit[:2] != (scene.lights, scene.world):
+            self.world_lit = scene.lights, scene.world, with_world(scene.lights, scene.world)
+        return self.world_lit[2]
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""

@@ -5,6 +5,7 @@
 import bpy
 
 from .. import render_passes, settings
+from ..choices import Method
 from .presets import ISM_RENDER_PT_presets
 
 
@@ -33,11 +34,16 @@ class SectionPanel(ISMPanel):
         group = getattr(context.scene.ism, self.name)
         layout = self.layout
         layout.use_property_split = True
-        layout.active = getattr(group, "enabled", True)
+        layout.active = getattr(group, "enabled", True) and self.is_used(context.scene)
         for name in self.shown(context.scene):
             row = layout.row()
             row.active = getattr(group, self.depends_on.get(name, ""), True)
             row.prop(group, name)
+
+    @classmethod
+    def is_used(cls, scene: bpy.types.Scene) -> bool:
+        """Whether the settings can change the render."""
+        return True
 
     @classmethod
     def shown(cls, scene: bpy.types.Scene) -> list[str]:
@@ -91,6 +97,12 @@ class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
     bl_label = "Ambient Occlusion"
     section = settings.SSAO
     name = "ssao"
+
+    @classmethod
+    def is_used(cls, scene: bpy.types.Scene) -> bool:
+        """Not where shadow rays are traced to the world."""
+        shadow = scene.ism.shadow
+        return not (shadow.enabled and shadow.world and shadow.method == Method.RAY_TRACED)
 
 
 class ISM_RENDER_PT_film(ISMPanel, bpy.types.Panel):

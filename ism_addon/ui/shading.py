@@ -4,6 +4,9 @@
 
 import bpy
 
+from ..choices import Method
+from .panels import ISM_RENDER_PT_ssao
+
 
 class ISM_VIEW3D_PT_shading(bpy.types.Panel):
     bl_label = "ISM"
@@ -20,11 +23,15 @@ class ISM_VIEW3D_PT_shading(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(ism.shadow, "enabled")
-        layout.prop(ism.ssao, "enabled")
+        if ism.shadow.method == Method.RAY_TRACED:
+            layout.prop(ism.shadow, "world")
         occlusion = layout.column()
-        occlusion.active = ism.ssao.enabled
-        occlusion.prop(ism.ssao, "radius")
-        occlusion.prop(ism.ssao, "intensity")
+        occlusion.active = ISM_RENDER_PT_ssao.is_used(context.scene)
+        occlusion.prop(ism.ssao, "enabled")
+        details = occlusion.column()
+        details.active = ism.ssao.enabled
+        details.prop(ism.ssao, "radius")
+        details.prop(ism.ssao, "intensity")
         quality = layout.column()
         quality.prop(ism.viewport, "samples")
         quality.prop(ism.viewport, "resolution")

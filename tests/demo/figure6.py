@@ -72,7 +72,7 @@ def saved_atrium(path: Path) -> Path:
     if not path.is_file() or path.stat().st_mtime < max(script.stat().st_mtime for script in scripts):
         print("building the atrium")
         atrium.build(path)
-        atrium_light.set_up_ssao(bpy.context.scene.ism.ssao)
+        atrium_light.set_up_occlusion(bpy.context.scene.ism)
         bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside the pictures
         bpy.ops.wm.save_mainfile(compress=True)
     return path

@@ -23,7 +23,11 @@ BOUNDS = {
 }
 
 SETTINGS = {
-    Method.RAY_TRACED: Settings(ssao=SSAO(enabled=False), quality=Quality(samples=64, error_threshold=0.0)),
+    Method.RAY_TRACED: Settings(
+        shadow=Shadow(world=False),
+        ssao=SSAO(enabled=False),
+        quality=Quality(samples=64, error_threshold=0.0),
+    ),
     Method.SHADOW_MAPS: Settings(
         shadow=Shadow(method=Method.SHADOW_MAPS),
         ssao=SSAO(enabled=False),

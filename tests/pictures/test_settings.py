@@ -14,6 +14,7 @@ from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, 
 #: For each setting of light and shadow, a value that changes the picture of its methods.
 OTHER_VALUES = {
     "enabled": False,
+    "world": True,
     "splat_size": 2.5,
     "bias": 8.0,
     "fill_holes": False,

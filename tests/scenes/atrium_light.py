@@ -68,6 +68,7 @@ def set_up_camera() -> None:
         scene.render.engine = "ISM"
 
 
-def set_up_ssao(ssao: bpy.types.PropertyGroup) -> None:
-    """Set the ambient occlusion for a building of this size."""
+def set_up_occlusion(ism: bpy.types.PropertyGroup) -> None:
+    """As in the report, ambient occlusion darkens the world's light; it is set for a building of this size."""
+    ism.shadow.world, ssao = False, ism.ssao
     ssao.radius, ssao.intensity, ssao.attenuation = 1.5, 2.0, 0.5

@@ -57,9 +57,9 @@ def function_title(function: object) -> str:
 
 
 def settings(method: Method = Method.RAY_TRACED, samples: int = SAMPLES) -> Settings:
-    """The defaults, with a fixed number of samples."""
+    """The defaults, with a fixed number of samples. Ambient occlusion darkens the world's light."""
     base = Settings(quality=Quality(samples=samples, error_threshold=0.0))
-    return replace(base, shadow=replace(base.shadow, method=method))
+    return replace(base, shadow=replace(base.shadow, method=method, world=False))
 
 
 def cases(width: int = 640, height: int = 360) -> Iterator[Case]:

@@ -20,6 +20,7 @@ AREA_SHAPES = LightShape.RECTANGLE, LightShape.ELLIPSE
 SMALL_SETTINGS = Settings(
     quality=Quality(samples=1, error_threshold=0.0, virtual_lights=8, map_size=32, map_points=2048),
     ssao=SSAO(enabled=False),
+    shadow=Shadow(world=False),
 )
 
 #: The same with imperfect shadow maps.

@@ -50,8 +50,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a rare shadow ray counts no more than a frequent one",
-        "estimate * (rays.x - predicted.x)",
-        "estimate * ray.probability * (rays.x - predicted.x)",
+        "direct_residual.rgb += correction / rate;",
+        "direct_residual.rgb += correction;",
         ("test_trace_shadows", "test_picture"),
     ),
     Mutation(

@@ -21,6 +21,7 @@ from .emissive_mesh import EmissiveMesh
 from .point import PointLight
 from .spot import SpotLight
 from .sun import SunLight
+from .world import WorldLight
 
 
 class LightBounds(Protocol):
@@ -49,6 +50,8 @@ class LightType(Protocol):
     min_virtual_lights: int
     #: Whether virtual lights emit parallel light, into the region of the receivers.
     parallel: bool
+    #: Shadow rays that a pixel traces to it in a sample at most.
+    max_rays: int
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         """Rows (K,) of LIGHT, about the anchor (3,) m."""
@@ -104,7 +107,7 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh())
+LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh(), WorldLight())
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """
@@ -161,6 +164,7 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
         types_variant({light_type.name})
         | {
             "exact": int(light_type.is_exact(lights, light)),
+            "max_rays": light_type.max_rays,
             "softness": softness_variant(lights.select(slice(light, light + 1))),
         }
         | light_type.variant(lights, light)

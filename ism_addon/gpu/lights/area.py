@@ -106,6 +106,7 @@ class AreaLight:
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 1
     parallel = False
+    max_rays = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         table = light_records(lights, anchor, "axis_u", "axis_v")

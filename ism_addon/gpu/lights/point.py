@@ -74,6 +74,7 @@ class PointLight:
     glsl = Path(__file__).with_suffix(".glsl")
     min_virtual_lights = 2
     parallel = False
+    max_rays = 1
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         return light_records(lights, anchor, "radius", "soft_falloff")

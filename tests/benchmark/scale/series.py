@@ -43,7 +43,8 @@ class Picture:
             quality = replace(settings.quality, virtual_lights=self.virtual_lights)
             settings = replace(settings, shadow=Shadow(method=Method.SHADOW_MAPS), quality=quality)
         if self.ssao_radius is not None:
-            settings = replace(settings, ssao=SSAO(radius=self.ssao_radius * self.pixel_width))
+            ssao = SSAO(radius=self.ssao_radius * self.pixel_width)
+            settings = replace(settings, shadow=replace(settings.shadow, world=False), ssao=ssao)
         return settings
 
 

@@ -121,7 +121,7 @@ def test_an_unknown_choice_is_refused(scene):
 @pytest.mark.parametrize(
     ("method", "shadow", "sampling"),
     [
-        ("RAY_TRACED", ["method"], ["samples", "error_threshold", "time_limit"]),
+        ("RAY_TRACED", ["method", "world"], ["samples", "error_threshold", "time_limit"]),
         (
             "SHADOW_MAPS",
             ["method", "splat_size", "bias", "fill_holes", "fill_threshold"],

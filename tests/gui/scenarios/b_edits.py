@@ -78,7 +78,7 @@ def ambient_occlusion(session: Session) -> Steps:
     scene_setup.build_studio()
     scene_setup.set_world(0.7)
     bpy.data.lights["Lamp"].energy = 10.0
-    ssao = session.scene.ism.ssao
+    session.scene.ism.shadow.world, ssao = False, session.scene.ism.ssao
     ssao.radius = 1.0
     yield from _show_first(session)
     before = session.pixels("before")

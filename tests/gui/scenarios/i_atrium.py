@@ -24,9 +24,9 @@ def atrium(session: Session) -> Steps:
     environment = {**os.environ, "BLENDER_USER_RESOURCES": str(session.folder / "builder")}
     subprocess.run([*build, "--", str(ROOT), str(path)], check=True, env=environment)
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-    from tests.scenes.atrium_light import set_up_ssao  # imported here: it uses data of the loaded file
+    from tests.scenes.atrium_light import set_up_occlusion  # imported here: it uses data of the loaded file
 
-    set_up_ssao(session.scene.ism.ssao)
+    set_up_occlusion(session.scene.ism)
     session.view.view_perspective = "CAMERA"
     session.view.view_camera_zoom, session.view.view_camera_offset = 30.2, (0.0, 0.0)
     session.space.overlay.show_overlays = session.space.show_gizmo = False

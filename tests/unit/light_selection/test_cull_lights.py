@@ -229,7 +229,7 @@ def test_edges_in_tiles_that_the_first_sample_sees_empty_are_lit(device):
     """The edge of a floor is in pixels of the third column of tiles, but not at their centers."""
     floor = quad((-2.0, -2.0, 0.0), (2.0 + 0.3 / 8.0, 0, 0), (0, 4, 0))
     view = replace(view_from_above(4.0, (32, 32), height=0.9), filter_width=1.5)
-    unshadowed = replace(with_quality(SMALL_SETTINGS, samples=8), shadow=Shadow(enabled=False))
+    unshadowed = replace(with_quality(SMALL_SETTINGS, samples=2), shadow=Shadow(enabled=False))
     color, exact = (
         draw(device, make_scene([floor], light()), view, replace(unshadowed, shortcuts=shortcuts)).color[:, 16, 0]
         for shortcuts in (True, False)

@@ -11,8 +11,9 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
+from ism_addon.gpu.lights.world import with_world
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
-from ism_addon.scene import Lights, LightShape
+from ism_addon.scene import Lights, LightShape, World
 from tests.scenes.small import sphere, subdivided_box
 from tests.support.small_scenes import light, make_scene, quad
 
@@ -82,6 +83,7 @@ EXAMPLES: dict[str, list[Lights]] = {
             sphere((0.3, -0.2, 1.1), 0.6, 12, 6),
         )
     ],
+    "world": [with_world(light().select(slice(0)), World.of(radiance=np.ones(3)))],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 #: Normals of the receiver at the origin. All lights are above the horizon of the first.

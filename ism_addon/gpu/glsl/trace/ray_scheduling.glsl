@@ -21,23 +21,23 @@ uvec2 ray_shift(float index) {
     return early * ray_steps + (uint(index) - early) * late_ray_steps;
 }
 
-struct ScheduledRay { bool trace; float index; float probability; }; // index among the pixel's rays
+struct ScheduledRays { float first; float count; }; // indices among the pixel's rays
 
-// Probability of a ray to a light of this predicted visibility and unshadowed luminance.
-float ray_probability(float unshadowed, float visibility, bool uncertain) {
+// Number of rays a sample, on average, to a light of this predicted visibility and unshadowed luminance.
+float ray_rate(float unshadowed, float visibility, bool uncertain) {
     float uncertainty = uncertain ? sqrt(max(visibility * (1.0 - visibility), 0.05)) : MIN_DOUBT;
     // Powers of two, so that neighbouring pixels trace in the same samples: processors execute several at once.
-    return clamp(exp2(floor(log2(abs(unshadowed) * uncertainty / ray_threshold))), MIN_PROBABILITY, 1.0);
+    return clamp(exp2(floor(log2(abs(unshadowed) * uncertainty / ray_threshold))), MIN_PROBABILITY, float(MAX_RAYS));
 }
 
 // A ray's index counts the traced rays of its pixel, so that even rare rays go to evenly distributed points.
 // `phase`: of the light.
-ScheduledRay schedule_ray(ivec2 at, uint phase, float probability) {
+ScheduledRays schedule_rays(ivec2 at, uint phase, float rate) {
     // The start changes after each round of subpixel offsets: otherwise rays would start at the same ones only.
     uint rounds = uint(sample_index) / uint(SUBPIXEL_OFFSETS);
     uint fixed_start = phase + pixel_index(at / 4) * schedule_steps.x + rounds * schedule_steps.y;
     float start = float(fixed_start >> 8u) / 16777216.0;
-    if (probability == 1.0) start = 0.0;
-    float index = floor(sample_index * probability + start);
-    return ScheduledRay(floor((sample_index + 1.0) * probability + start) > index, index, probability);
+    if (rate >= 1.0) start = 0.0;
+    float first = floor(sample_index * rate + start);
+    return ScheduledRays(first, floor((sample_index + 1.0) * rate + start) - first);
 }

@@ -13,6 +13,7 @@ from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP
 
 #: A pixel traces a ray in each sample if the ray can change the pixel by this fraction of the picture's mean luminance.
+#: If it can change it by more, as many more are traced, up to the MAX_RAYS of the light's type.
 RAY_THRESHOLD = 0.1
 
 #: Uncertainty of a prediction if all rays of a neighbourhood agree. For both see `dev.py bench constants` in

@@ -77,18 +77,21 @@ void main() {
     direct_residual.a = uncertain ? abs(amount) : 0.0;
     // If the prediction is certain, a ray only tests it: a correction of weight 1 / probability would be too noisy.
     bool tests = tile_probability > 0.0;
-    float probability = tests ? tile_probability
-                              : ray_probability(amount, predicted.x, uncertain);
-    ScheduledRay ray = schedule_ray(at, light_uv_shift.z, probability);
-    if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0)) || !(ray.trace || tests)) return;
-    vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(ray.index));
-    LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
-    bool is_lit_from = arrives(surface, from);
-    if (EXACT == 1 && !is_lit_from) return;
-    if (is_lit_from) rays = vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
-    if (tests) return;
-    vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
-    vec3 correction = EXACT == 1 ? estimate * (rays.x - predicted.x) : estimate * rays.x - unshadowed * predicted.x;
-    direct_residual.rgb = correction / ray.probability;
+    float rate = tests ? tile_probability : ray_rate(amount, predicted.x, uncertain);
+    ScheduledRays scheduled = schedule_rays(at, light_uv_shift.z, rate);
+    if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0))) return;
+    float count = tests ? 1.0 : scheduled.count;
+    for (float k = 0.0; k < count; ++k) {
+        vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(scheduled.first + k));
+        LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
+        bool is_lit_from = arrives(surface, from);
+        if (EXACT == 1 && !is_lit_from) continue;
+        float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
+        rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
+        if (tests) continue;
+        vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
+        vec3 correction = EXACT == 1 ? estimate * (visible - predicted.x) : estimate * visible - unshadowed * predicted.x;
+        direct_residual.rgb += correction / rate;
+    }
 #endif
 }

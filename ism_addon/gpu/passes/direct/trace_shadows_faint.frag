@@ -28,17 +28,18 @@ void main() {
     if (light.casts_shadow == 0 || (EXACT == 1 && unshadowed == vec3(0.0))) return;
     direct_residual.a = abs(amount);
     uvec3 start = uint(tile_light + 1) * light_steps;
-    float probability = ray_probability(amount, visibility, EXACT == 0 || visibility < 1.0);
+    float rate = ray_rate(amount, visibility, EXACT == 0 || visibility < 1.0);
     // So there are as many rays on average as if all samples drew the light.
-    ScheduledRay ray = schedule_ray(at, start.z, max(probability, MIN_PROBABILITY / tile_probability));
-    if (!ray.trace) return;
-    vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(ray.index));
+    rate = max(min(rate, 1.0), MIN_PROBABILITY / tile_probability);
+    ScheduledRays scheduled = schedule_rays(at, start.z, rate);
+    if (scheduled.count == 0.0) return;
+    vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(scheduled.first));
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
     bool is_lit_from = arrives(surface, from);
     if (EXACT == 1 && !is_lit_from) return;
     float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
     vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) / tile_probability : vec3(0.0);
     vec3 correction = EXACT == 1 ? estimate * (visible - visibility) : estimate * visible - unshadowed * visibility;
-    direct_residual.rgb = correction / ray.probability;
+    direct_residual.rgb = correction / rate;
 #endif
 }

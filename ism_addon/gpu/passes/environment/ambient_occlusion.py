@@ -21,6 +21,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl import driver_variants
 from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind
+from ...lights.world import has_world
 
 #: Side of the random texture, as in the report.
 NOISE_SIZE = 64
@@ -54,7 +55,8 @@ class AmbientOcclusion(Pass):
 
     def needed(self, frame: Frame) -> bool:
         ssao = frame.settings.ssao
-        if not (ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0 and frame.scene.world.radiance.any()):
+        darkens = ssao.enabled and ssao.radius > 0.0 and ssao.intensity > 0.0
+        if not (darkens and frame.scene.world.radiance.any()) or has_world(frame.scene.lights):
             return False
         return not (frame.settings.shortcuts and projected_radius(frame, ssao.radius) < SUBPIXEL_RADIUS)
 

@@ -14,7 +14,8 @@ uniform usamplerBuffer materials;
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
-uniform vec3 world;
+uniform vec3 world;   // its radiance
+uniform vec3 ambient; // the same, if it is not one of the lights
 uniform float background;
 layout(location = 0) out vec4 sample_color;
 layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
@@ -73,7 +74,7 @@ void main() {
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
     // A Lambertian surface reflects the fraction base_color of a world of constant radiance.
-    sample_color = vec4(direct.rgb + surface.material.base_color * world * ambient_visibility(at, surface), 1.0);
+    sample_color = vec4(direct.rgb + surface.material.base_color * ambient * ambient_visibility(at, surface), 1.0);
     sample_color.rgb += emitted_radiance(surface) + seen_radiance(surface);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;

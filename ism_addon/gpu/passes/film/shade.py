@@ -30,6 +30,7 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
+from ...lights.world import has_world
 
 
 class Shade(Pass):
@@ -68,6 +69,7 @@ class Shade(Pass):
             direct_residual=frame[DIRECT_RESIDUAL],
             ambient_occlusion=frame[AMBIENT_OCCLUSION],
             world=tuple(frame.scene.world.radiance),
+            ambient=tuple(frame.scene.world.radiance * (not has_world(frame.scene.lights))),
             background=0.0 if frame.view.transparent else 1.0,
         )
         draw_tiles(frame, frame.framebuffer(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM), program)

@@ -1,0 +1,24 @@
+// The world: light of radiance 1 from all directions.
+#include "sampling/cosine_hemisphere.glsl"
+
+float world_irradiance(Light light, vec3 p, vec3 n) { return 3.141592653589793; }
+
+// Where a ray has left the scene.
+vec3 world_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
+
+LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+    vec3 wi = cosine_hemisphere(n, uv);
+    return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(n, wi), 1e-37));
+}
+
+float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return cosine_hemisphere_pdf(n, wi); }
+
+float world_emitted(Light light, vec3 p, vec3 wi) { return 1.0; }
+
+// Virtual lights are directions.
+float world_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) { return 4.0 * max(-dot(n, axis), 0.0); }
+
+vec3 world_centre(Light light, vec3 p, vec3 to) { return to; }
+
+// Behind all surfaces, before the background.
+float world_hit_distance(Light light, vec3 p, vec3 wi) { return 1e29; }

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The world as a light: of the same radiance from all directions. It is sampled in proportion to the cosine."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from ...color import REC709, luminance
+from ...scene import Lights, LightShape, World
+from ..culling.receiver_region import ReceiverRegion
+from ..culling.surface_bounds import SurfaceBounds
+from .light_records import light_records
+from .sun import RAY_LENGTH
+
+#: The shape of the world's row in a table of lights.
+WORLD = len(LightShape) + 1
+
+
+def has_world(lights: Lights) -> bool:
+    """Whether the world is one of the lights."""
+    return bool((lights.shape == WORLD).any())
+
+
+def with_world(lights: Lights, world: World) -> Lights:
+    """A table of lights, and after them the world."""
+    row = {
+        "shape": WORLD,
+        "position": np.zeros(3),
+        "axis_u": (1.0, 0.0, 0.0),
+        "axis_v": (0.0, 1.0, 0.0),
+        "normal": (0.0, 0.0, -1.0),
+        "emission": world.radiance,
+        "spread": np.pi,
+        "blend": 0.0,
+        "radius": 0.0,
+        "soft_falloff": False,
+        "casts_shadow": True,
+        "visible_camera": False,
+        "shadow_softness": 1.0,
+        "receivers": -1,
+        "blockers": -1,
+    }
+    return Lights.of(**{name: np.concatenate([getattr(lights, name), [value]]) for name, value in row.items()})
+
+
+@dataclass(frozen=True)
+class WorldLightBounds:
+    """K worlds by what bounds them: float32, a column (K,1)."""
+
+    luminance: np.ndarray  # of the irradiance
+
+    @classmethod
+    def of(cls, lights: Lights, working_space: str = REC709) -> Self:
+        column = np.pi * (np.abs(lights.emission) @ luminance(working_space))
+        return cls(column[:, None].astype(np.float32))
+
+    @property
+    def peak(self) -> np.ndarray:
+        return self.luminance
+
+    def __getitem__(self, rows: slice) -> Self:
+        return type(self)(self.luminance[rows])
+
+    def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
+        """See LightBounds."""
+        bound = self.luminance * surfaces.exists
+        return bound, bound
+
+
+class WorldLight:
+    """See LightType. Its emission is radiance."""
+
+    name = "world"
+    shapes: tuple[int, ...] = (WORLD,)
+    glsl = Path(__file__).with_suffix(".glsl")
+    min_virtual_lights = 1
+    parallel = True
+    max_rays = 4  # like a sun
+
+    def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
+        return light_records(lights, anchor)
+
+    def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> WorldLightBounds:
+        return WorldLightBounds.of(lights, working_space)
+
+    def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
+        ends = np.array([-RAY_LENGTH, RAY_LENGTH])[:, None, None, None]
+        return receivers[:, :, None] + np.repeat(ends, len(lights.shape), 2)
+
+    def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+        return np.full((boxes.shape[2], len(lights.shape)), np.inf)
+
+    def is_narrow(self, lights: Lights) -> np.ndarray:
+        return np.zeros(len(lights.shape), bool)
+
+    def is_exact(self, lights: Lights, row: int) -> bool:
+        return True
+
+    def is_hard(self, lights: Lights, row: int) -> bool:
+        return False
+
+    def is_round(self, lights: Lights, row: int) -> bool:
+        return True
+
+    def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        cosine, angle = 2.0 * squares[:, 0] - 1.0, 2.0 * np.pi * squares[:, 1]
+        sine = np.sqrt(1.0 - cosine * cosine)
+        directions = np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], 1)
+        return np.zeros_like(directions), directions
+
+    def solid_angles(
+        self,
+        lights: Lights,
+        row: int,
+        anchor: np.ndarray,
+        points: np.ndarray,
+        normals: np.ndarray,
+        area: float,
+        region: ReceiverRegion | None,
+    ) -> np.ndarray:
+        """The same for all: each is seen from some direction."""
+        return np.ones(len(points), np.float32)
+
+    def variant(self, lights: Lights, row: int) -> dict[str, int]:
+        return {}
