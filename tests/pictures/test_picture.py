@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three small scenes by both methods against a reference that tests every ray against every triangle."""
+"""Three small scenes by both methods against a plain reference renderer."""
 
 from dataclasses import replace
 from itertools import pairwise

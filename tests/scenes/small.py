@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three small scenes as arrays, for comparison with a reference that tests every ray against every triangle."""
+"""Three small scenes as arrays, for comparison with a plain reference renderer."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A slow reference renderer: every ray against every triangle, lights as grids of points. Float64, world space."""
+"""A plain reference renderer: rays against triangles, lights as grids of points. Float64, world space."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -59,31 +59,59 @@ def nearest(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray) 
     return np.where(np.isfinite(t), index, -1), t
 
 
-def visible(points: np.ndarray, emitters: np.ndarray, triangles: np.ndarray, slack: float = 1e-4) -> np.ndarray:
+def visible(
+    points: np.ndarray,
+    emitters: np.ndarray,
+    triangles: np.ndarray,
+    slack: float = 1e-4,
+    counts: np.ndarray | None = None,
+) -> np.ndarray:
     """(E,N) bool: whether no triangle is between emitters (E,3) and points (N,3).
 
-    Triangles within the fraction `slack` of a ray from either of its ends do not count.
+    Triangles within the fraction `slack` of a ray from either of its ends do not count. Only pairs that `counts` (E,N)
+    are tested, the others are invisible.
     """
-    is_visible = np.ones((len(emitters), len(points)), bool)
-    columns = max(PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
-    rows = max(PAIRS_AT_A_TIME // max(len(triangles) * min(columns, len(points)), 1), 1)
-    for row in range(0, len(emitters), rows):
-        origins = emitters[row : row + rows]
-        a, b, c = np.moveaxis(triangles - origins[:, None, None], 2, 0)
-        edges = [np.cross(*pair).swapaxes(1, 2) for pair in ((a, b), (b, c), (c, a))]
-        normals = np.cross(b - a, c - a)
-        heights = (normals * a).sum(2)[:, None]
-        for column in range(0, len(points), columns):
-            rays = points[column : column + columns] - origins[:, None]
-            first, second, third = (rays @ edge for edge in edges)
-            inside = (np.minimum(np.minimum(first, second), third) >= 0.0) | (
-                np.maximum(np.maximum(first, second), third) <= 0.0
-            )
-            with np.errstate(divide="ignore", invalid="ignore"):
-                t = heights / (rays @ normals.swapaxes(1, 2))
-            is_occluded = (inside & (t > slack) & (t < 1.0 - slack)).any(2)
-            is_visible[row : row + rows, column : column + columns] = ~is_occluded
+    is_visible = np.ones((len(emitters), len(points)), bool) if counts is None else counts.copy()
+    pairs = np.stack(np.nonzero(is_visible))
+    for first in range(0, pairs.shape[1], PAIRS_AT_A_TIME):
+        emitter, point = pairs[:, first : first + PAIRS_AT_A_TIME]
+        ends = points[point], emitters[emitter] - points[point]
+        is_visible[emitter, point] = ~occluded(*ends, triangles, slack)
     return is_visible
+
+
+def occluded(origins: np.ndarray, directions: np.ndarray, triangles: np.ndarray, slack: float) -> np.ndarray:
+    """(N,) bool: whether any triangle is between origins (N,3) and origins + directions (N,3), as in `visible`.
+
+    Many triangles are halved, by where they are, and tested against the rays that come through the box around them.
+    """
+    corners = triangles.reshape(-1, 3)
+    result = np.zeros(len(origins), bool)
+    if not len(triangles):
+        return result
+    low, high = corners.min(0), corners.max(0)
+    near = np.flatnonzero(box_is_hit(origins, directions, low - 1e-6, high + 1e-6))
+    origins, directions = origins[near], directions[near]
+    if len(triangles) <= 16:
+        middle = 0.5 * (low + high)  # far from the origin, the products in `intersections` would lose precision
+        t = intersections(origins - middle, directions, triangles - middle)
+        result[near] = ((t > slack) & (t < 1.0 - slack)).any(1)
+    elif len(near):
+        order = np.argsort(triangles.mean(1)[:, (high - low).argmax()])
+        for half in np.array_split(order, 2):
+            rest = np.flatnonzero(~result[near])
+            result[near[rest]] = occluded(origins[rest], directions[rest], triangles[half], slack)
+    return result
+
+
+def box_is_hit(origins: np.ndarray, directions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether the way from origins (N,3) to origins + directions (N,3) touches a box."""
+    enter, leave = np.zeros(len(origins)), np.ones(len(origins))
+    for origin, direction, first, last in zip(origins.T, directions.T, low, high, strict=True):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            a, b = (first - origin) / direction, (last - origin) / direction
+        enter, leave = np.fmax(enter, np.fmin(a, b)), np.fmin(leave, np.fmax(a, b))
+    return enter <= leave
 
 
 # --- visible surfaces
@@ -173,7 +201,7 @@ def picture(scene: Scene, view: View, side: int = 10) -> tuple[np.ndarray, Surfa
         if scene.lights.casts_shadow[light]:
             starts = surface.position[lit] + 1e-4 * surface.geometric_normal[lit]
             slack = 1e-4 / (SUN_DISTANCE if scene.lights.shape[light] == LightShape.SUN else 1.0)
-            contributions = contributions * visible(starts, emitters, blockers, slack)
+            contributions = contributions * visible(starts, emitters, blockers, slack, contributions > 0.0)
         total_irradiance[lit] += np.outer(contributions.sum(0) * cell_area, scene.lights.emission[light])
     base_color = scene.materials.base_color[0].astype(np.float64)
     color = base_color * (total_irradiance / np.pi + scene.world.radiance)

@@ -45,7 +45,7 @@ def case(name: str, shape: LightShape, radius: float) -> tuple[Scene, View, np.n
     one = light(shape, scene.lights.position[0], *axes, radius=radius, radiance=5.0, spread=spread, blend=0.4)
     one = replace(one, normal=scene.lights.normal[:1])
     scene = replace(scene, lights=one)
-    return scene, view, reference.picture(scene, view, 24)[0]
+    return scene, view, reference.picture(scene, view, 20)[0]
 
 
 @pytest.mark.parametrize("method", Method)
