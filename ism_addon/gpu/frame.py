@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 import moderngl
@@ -236,8 +236,14 @@ class Pass:
 
     def shader_name(self, suffix: str = "") -> str:
         """Path of a shader file without its extension: this pass's module, or module_suffix."""
-        module = type(self).__module__.rpartition(".gpu.")[2]
-        return "_".join(filter(None, (module.replace(".", "/"), suffix)))
+        return shader_name(type(self).__module__, suffix)
+
+
+@cache
+def shader_name(module: str, suffix: str) -> str:
+    """See Pass.shader_name."""
+    path = module.rpartition(".gpu.")[2].replace(".", "/")
+    return "_".join(filter(None, (path, suffix)))
 
 
 def targets_of(inputs: Iterable[Input]) -> tuple[Target, ...]:

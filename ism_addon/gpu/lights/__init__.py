@@ -6,6 +6,7 @@ type needs a Python file, a GLSL file and an entry in the list.
 """
 
 from collections.abc import Collection, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Protocol
 
@@ -154,7 +155,13 @@ def has_light_bvh(lights: Lights) -> np.ndarray:
 
 def type_of(lights: Lights, light: int) -> LightType:
     """The type of a light."""
-    return next(each for each in LIGHT_TYPES if lights.shape[light] in each.shapes)
+    return type_of_shape(int(lights.shape[light]), LIGHT_TYPES)
+
+
+@cache
+def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
+    """The type among `types` that a shape belongs to."""
+    return next(each for each in types if shape in each.shapes)
 
 
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
@@ -165,7 +172,7 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
         | {
             "exact": int(light_type.is_exact(lights, light)),
             "max_rays": light_type.max_rays,
-            "softness": softness_variant(lights.select(slice(light, light + 1))),
+            "softness": int(lights.shadow_softness[light] != 1.0),
         }
         | light_type.variant(lights, light)
     )
