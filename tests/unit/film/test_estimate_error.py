@@ -13,7 +13,7 @@ from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
 from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 
-SIZE = 96, 64
+SIZE = 64, 48
 
 #: Samples of reference images: at least five times as many as of images that are compared with them.
 TRUTH_SAMPLES = 512
