@@ -191,6 +191,8 @@ class Pass:
     feedback: ClassVar[tuple[Resource[Any], ...]] = ()
     outputs: ClassVar[Mapping[Resource[Any], tuple[Input, ...]]] = {}
     readable: ClassVar[frozenset[Resource[Any]]] = frozenset()
+    #: Whether the sample's index is an input.
+    differs_each_sample: ClassVar[bool] = False
     #: Targets that are allocated before the pass is executed, targets among its inputs, and targets among its feedback.
     sized_outputs: ClassVar[tuple[Target, ...]] = ()
     read_targets: ClassVar[tuple[Target, ...]] = ()
@@ -201,6 +203,7 @@ class Pass:
     def __init_subclass__(cls) -> None:
         resources = (each for each in cls.inputs if isinstance(each, Resource))
         cls.readable = frozenset((*resources, *cls.feedback, *cls.outputs))
+        cls.differs_each_sample = Change.SAMPLE in cls.inputs
         cls.sized_outputs = tuple(each for each in cls.outputs if isinstance(each, Target) and each.divisor)
         cls.read_targets, cls.feedback_targets = targets_of(cls.inputs), targets_of(cls.feedback)
         exclusive = {each for inputs in cls.outputs.values() for each in inputs}

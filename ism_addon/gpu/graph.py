@@ -127,7 +127,7 @@ class Graph:
 
     def recipe(self, pass_type: type[Pass], frame: Frame) -> Recipe:
         """The identities of all inputs of a pass: equal while its outputs are still valid."""
-        if frame.sample > 0 and Change.SAMPLE in pass_type.inputs:
+        if frame.sample > 0 and pass_type.differs_each_sample:
             return (object(),)  # each sample differs from all others; looking up all identities would take time
         size = frame.size if pass_type.sized_outputs else None
         return (*(self.identity(each, frame) for each in pass_type.inputs), size)

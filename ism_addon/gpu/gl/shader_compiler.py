@@ -72,7 +72,7 @@ def compile_program(
     device: Device, *names: str, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
     """The program of these files, one for each stage. Programs are cached. Raises ShaderError."""
-    key = (names, tuple(record.name for record in records), tuple(constants.items()))
+    key = (names, records, tuple(constants.items()))
     if key not in device.programs:
         for callback in device.on_compile:
             callback()
