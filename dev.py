@@ -55,7 +55,7 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
     results = {name: default.run(*command) for name, command in checks.items()}
     results |= run_tests(default, chosen)
     for other in others:
-        results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender")
+        results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
     if everything and not chosen:
         results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
     return report(results)
@@ -72,13 +72,18 @@ def prepare_all(window: bool) -> list[Environment]:
         return all_environments()
 
 
-def run_tests(environment: Environment, chosen: list[str], *which: str) -> dict[str, int]:
-    """Run pytest in an environment, in parallel where possible: names of the runs to their exit statuses."""
+def run_tests(environment: Environment, chosen: list[str], *which: str, but: str = "") -> dict[str, int]:
+    """Run pytest in an environment, in parallel where possible: names of the runs to their exit statuses.
+
+    Tests marked `but` are left out, unless they are chosen.
+    """
     if chosen or not environment.has_processes:
         return {environment.name: environment.run("pytest", *which, *chosen)}
+    others = f" and not {but}" if but else ""
+    together = f"-m=not alone{others}", *SIDE_BY_SIDE
     return {
-        environment.name: environment.run("pytest", *which, "-m=not alone", *SIDE_BY_SIDE, **NO_DRAWING_THREADS),
-        f"{environment.name}, one by one": environment.run("pytest", *which, "-m=alone"),
+        environment.name: environment.run("pytest", *which, *together, **NO_DRAWING_THREADS),
+        f"{environment.name}, one by one": environment.run("pytest", *which, f"-m=alone{others}"),
     }
 
 

@@ -5,10 +5,14 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 from tests.benchmark import draws
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import with_quality
 from tests.tools.project import ROOT
+
+pytestmark = pytest.mark.any_release  # dev.py bench has the first bpy
 
 
 def test_a_picture_of_a_growing_scene_is_measured():

@@ -75,6 +75,7 @@ def test_all_adds_the_other_releases_of_bpy_and_the_window(run, capsys):
     others = [command for where, _, *command in commands if where == "second"]
     assert len(others) == 2
     assert all("--override-ini=testpaths=tests/blender" in command for command in others)
+    assert all(any(word.endswith(" and not any_release") for word in command) for command in others)
     assert "not tried: the window\n" in capsys.readouterr().out
 
 
