@@ -165,17 +165,13 @@ def test_unshadowed_light_of_four_quarters(device, assert_within):
 
 
 @pytest.mark.parametrize("shape", AREA_SHAPES, ids=["rectangle", "ellipse"])
-@pytest.mark.parametrize("which", ["exchanged", "backwards"])
-def test_a_lights_axes(device, assert_within, shape, which):
+def test_a_lights_axes(device, assert_within, shape):
     """Axes u and v exchanged, or both reversed: the same light, with other noise."""
     area_light = light(shape, position=(0.8, -0.6, 3.2), axis_v=(0.0, -0.5, 0.0), radiance=5.0)
-    axes = {
-        "exchanged": (area_light.axis_v, -area_light.axis_u),
-        "backwards": (-area_light.axis_u, -area_light.axis_v),
-    }[which]
     settings = replace(SETTINGS, quality=replace(SETTINGS.quality, samples=256), ssao=SSAO(enabled=False))
     scene = replace(with_casters_above(plane(1)), lights=area_light)
-    other = replace(scene, lights=replace(area_light, axis_u=axes[0], axis_v=axes[1]))
-    assert_within(
-        relative_difference(draw(device, other, VIEW, settings).color, draw(device, scene, VIEW, settings).color), 5e-3
-    )
+    original = draw(device, scene, VIEW, settings).color
+    exchanged, reversed_ = (area_light.axis_v, -area_light.axis_u), (-area_light.axis_u, -area_light.axis_v)
+    for axis_u, axis_v in (exchanged, reversed_):
+        other = replace(scene, lights=replace(area_light, axis_u=axis_u, axis_v=axis_v))
+        assert_within(relative_difference(draw(device, other, VIEW, settings).color, original), 5e-3)
