@@ -70,8 +70,8 @@ def means_with_prediction(
 @pytest.mark.parametrize("visibility", [0.0, 0.4, 1.0])
 def test_the_mean_is_right_whatever_is_predicted(device, make, visibility):
     scene, view = make(24, 16)
-    truth = reference.picture_of(make, 24, 16, 12)
-    predicted, residuals = means_with_prediction(device, scene, view, visibility, 1.0, 256)
+    truth = reference.picture_of(make, 24, 16, 16)
+    predicted, residuals = means_with_prediction(device, scene, view, visibility, 1.0, 128)
     assert reference.nrmse(predicted, truth) > 0.1
     assert reference.nrmse(predicted + residuals, truth) < 0.03
     assert (predicted + residuals).mean() == pytest.approx(truth.mean(), rel=0.01)
@@ -82,10 +82,10 @@ def test_the_mean_is_right_whatever_is_predicted(device, make, visibility):
 def test_a_wrong_prediction_that_is_certain_is_detected(device, make, visibility):
     """Rare rays detect it. Later predictions are right, and the first samples count less the more samples follow."""
     scene, view = make(24, 16)
-    truth = reference.picture_of(make, 24, 16, 12)
+    truth = reference.picture_of(make, 24, 16, 16)
     wrong, _ = means_with_prediction(device, scene, view, visibility, 0.0, 4, until=4)
     assert reference.nrmse(wrong, truth) > 0.1
-    assert reference.nrmse(sum(means_with_prediction(device, scene, view, visibility, 0.0, 256, until=4)), truth) < 0.05
+    assert reference.nrmse(sum(means_with_prediction(device, scene, view, visibility, 0.0, 128, until=4)), truth) < 0.05
 
 
 @pytest.mark.parametrize(("probability", "rays"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
