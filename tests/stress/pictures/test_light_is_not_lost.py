@@ -22,7 +22,7 @@ RAYS = Settings(ssao=SSAO(enabled=False), quality=Quality(samples=32, error_thre
 SMALL_SHADOW_MAPS = replace(
     RAYS,
     shadow=Shadow(method=Method.SHADOW_MAPS),
-    quality=replace(RAYS.quality, samples=16, virtual_lights=16, map_size=64, map_points=8192),
+    quality=replace(RAYS.quality, samples=4, virtual_lights=16, map_size=64, map_points=8192),
 )
 FILTER_WIDTH = 1.5  # px
 #: Shapes of lights, and their height over their width.

@@ -22,8 +22,8 @@ from tests.support.small_scenes import (
 
 #: By method: settings, and the largest error, as RMSE over the mean and as a ratio of the means.
 METHODS = {
-    "rays": (with_quality(SMALL_SETTINGS, samples=256), 0.06, 0.01),
-    "maps": (with_quality(SMALL_SHADOW_MAPS, samples=8, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
+    "rays": (with_quality(SMALL_SETTINGS, samples=128), 0.06, 0.01),
+    "maps": (with_quality(SMALL_SHADOW_MAPS, samples=4, virtual_lights=64, map_size=64, map_points=16384), 0.28, 0.18),
 }
 
 
