@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from ism_addon import snapshot
-from ism_addon.settings import SSAO, Method, Settings
+from ism_addon.settings import SSAO, Method, Settings, Shadow
 from tests.scenes.small import mesh
 from tests.stress.pictures.comparisons import relative_difference, without_shadows
 from tests.stress.pictures.moves import Picture
@@ -91,6 +91,7 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     scene = replace(scene, meshes=meshes, lights=lights)
     view = replace(view, filter_width=0.01, transparent=False)
     plain_settings = Settings(
+        shadow=Shadow(world=False),
         ssao=SSAO(enabled=False),
         quality=replace(picture_settings.quality, samples=64),
         shortcuts=picture_settings.shortcuts,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.scene import Mesh, Scene
-from ism_addon.settings import SSAO, Quality, Settings
+from ism_addon.settings import SSAO, Quality, Settings, Shadow
 from tests.scenes.small import grid_triangles, mesh, sphere
 from tests.stress.pictures.comparisons import relative_difference
 from tests.stress.pictures.test_similar import rotation
@@ -23,7 +23,7 @@ from tests.support.small_scenes import (
     transform,
 )
 
-SETTINGS = Settings(quality=Quality(samples=16, error_threshold=0.0))
+SETTINGS = Settings(shadow=Shadow(world=False), quality=Quality(samples=16, error_threshold=0.0))
 VIEW = look_at((3.0, -3.6, 2.6), size=(64, 44))
 LIGHT = light(position=(0.8, -0.6, 3.2), radiance=5.0)
 TILTED = rotation((1.0, 2.0, 3.0), 0.4)
