@@ -114,7 +114,7 @@ def test_suns_equal_those_of_cycles(device, light_over_plane, angle, normalize):
         light.normalize = normalize
         light.energy /= 1.0 if normalize else max(math.sin(angle / 2.0) ** 2, 1e-4)  # to be as bright
     light_over_plane(light).rotation_euler = (1.2, 0.2, 0.5)  # the horizon cuts the large ones
-    assert_equals_cycles(device, 64 if angle < 1.0 else 512, (0.0003, 0.002))
+    assert_equals_cycles(device, 64 if angle < 1.0 else 1024, (0.0003, 0.002))
 
 
 SEEN = {
