@@ -1,4 +1,5 @@
 // The world: light of radiance 1 from all directions.
+#include "maths/orthonormal_basis.glsl"
 #include "sampling/cosine_hemisphere.glsl"
 
 float world_irradiance(Light light, vec3 p, vec3 n) { return 3.141592653589793; }
@@ -7,11 +8,11 @@ float world_irradiance(Light light, vec3 p, vec3 n) { return 3.141592653589793; 
 vec3 world_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
 
 LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
-    vec3 wi = cosine_hemisphere(n, uv);
-    return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(n, wi), 1e-37));
+    vec3 wi = basis(n) * cosine_hemisphere(uv);
+    return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(dot(n, wi)), 1e-37));
 }
 
-float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return cosine_hemisphere_pdf(n, wi); }
+float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return cosine_hemisphere_pdf(max(dot(n, wi), 0.0)); }
 
 float world_emitted(Light light, vec3 p, vec3 wi) { return 1.0; }
 

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ...scene import Lights, LightShape, World
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
 from .light_records import light_records
-from .sun import RAY_LENGTH
+from .sun import RAY_LENGTH, SunLight
 
 #: The shape of the world's row in a table of lights.
 WORLD = len(LightShape) + 1
@@ -69,40 +69,22 @@ class WorldLightBounds:
         return bound, bound
 
 
-class WorldLight:
-    """See LightType. Its emission is radiance."""
+class WorldLight(SunLight):
+    """See LightType. Its emission is radiance. Otherwise it is like a sun whose cap is all directions."""
 
     name = "world"
     shapes: tuple[int, ...] = (WORLD,)
     glsl = Path(__file__).with_suffix(".glsl")
-    min_virtual_lights = 1
-    parallel = True
-    max_rays = 4  # like a sun
 
     def records(self, lights: Lights, anchor: np.ndarray) -> np.ndarray:
         return light_records(lights, anchor)
 
-    def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> WorldLightBounds:
+    def bounds(self, lights: Lights, anchor: np.ndarray, working_space: str) -> Any:
         return WorldLightBounds.of(lights, working_space)
 
     def shadow_ends(self, lights: Lights, anchor: np.ndarray, receivers: np.ndarray) -> np.ndarray:
         ends = np.array([-RAY_LENGTH, RAY_LENGTH])[:, None, None, None]
         return receivers[:, :, None] + np.repeat(ends, len(lights.shape), 2)
-
-    def heights(self, lights: Lights, anchor: np.ndarray, boxes: np.ndarray) -> np.ndarray:
-        return np.full((boxes.shape[2], len(lights.shape)), np.inf)
-
-    def is_narrow(self, lights: Lights) -> np.ndarray:
-        return np.zeros(len(lights.shape), bool)
-
-    def is_exact(self, lights: Lights, row: int) -> bool:
-        return True
-
-    def is_hard(self, lights: Lights, row: int) -> bool:
-        return False
-
-    def is_round(self, lights: Lights, row: int) -> bool:
-        return True
 
     def virtual_lights(self, lights: Lights, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         cosine, angle = 2.0 * squares[:, 0] - 1.0, 2.0 * np.pi * squares[:, 1]

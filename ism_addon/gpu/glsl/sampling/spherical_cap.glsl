@@ -2,6 +2,8 @@
 // to the cap's axis, x towards the normal, chords along x are chosen evenly over y, and points evenly along a chord; a
 // cap that the horizon does not cut is sampled by solid angle. `sine`: of half of the cap's angle; 1: a hemisphere;
 // more: all directions. `cosine`: of the angle from the receiver's normal to the axis.
+#include "sampling/cosine_hemisphere.glsl"
+
 struct CapSample { vec3 wi; float pdf; }; // 1/sr
 
 // The horizon is where x = -cosine sqrt(1 - y^2). The half width in y of all chords.
@@ -42,8 +44,8 @@ mat3 cap_basis(vec3 axis, vec3 n) {
 CapSample cap_sample(vec3 axis, float sine, vec3 n, vec2 uv) {
     float cosine = dot(n, axis), angle = 6.283185307179586 * uv.y;
     if (samples_hemisphere(cosine, sine)) {
-        vec3 wi = cap_basis(n, axis) * vec3(sqrt(uv.x) * vec2(cos(angle), sin(angle)), sqrt(1.0 - uv.x));
-        return CapSample(wi, 0.3183098861837907 * dot(n, wi));
+        vec3 wi = cap_basis(n, axis) * cosine_hemisphere(uv);
+        return CapSample(wi, cosine_hemisphere_pdf(dot(n, wi)));
     }
     vec2 at;
     if (cosine >= sine) {
@@ -66,6 +68,6 @@ bool is_in_cap(vec3 axis, float sine, vec3 wi) {
 // Of a direction above the horizon.
 float cap_pdf(vec3 axis, float sine, vec3 n, vec3 wi) {
     float cosine = dot(n, axis);
-    if (samples_hemisphere(cosine, sine)) return 0.3183098861837907 * dot(n, wi);
+    if (samples_hemisphere(cosine, sine)) return cosine_hemisphere_pdf(dot(n, wi));
     return is_in_cap(axis, sine, wi) ? cap_plane_pdf(cosine, sine, (wi * cap_basis(axis, n)).xy) : 0.0;
 }

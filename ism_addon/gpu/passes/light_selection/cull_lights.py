@@ -244,11 +244,15 @@ def with_edges(bounds: np.ndarray, exists: np.ndarray) -> np.ndarray:
 
     In a later sample the edge of a neighbour's surface may be in such a tile.
     """
-    near = neighbourhood(exists).any((2, 3)) & ~exists
-    row, column = np.nonzero(near)
-    padded = np.pad(bounds, ((0, 0), (1, 1), (1, 1)))
+    row, column = np.nonzero(neighbourhood(exists).any((2, 3)) & ~exists)
+    if not len(row):
+        return bounds
+    rows, columns = (
+        np.clip(index + np.arange(-1, 2)[:, None], 0, size - 1)
+        for index, size in zip((row, column), exists.shape, strict=True)
+    )
     filled = bounds.copy()
-    filled[:, row, column] = np.max([padded[:, row + y, column + x] for y in range(3) for x in range(3)], 0)
+    filled[:, row, column] = np.max([bounds[:, y, x] for y in rows for x in columns], 0)
     return filled
 
 
