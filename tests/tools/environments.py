@@ -37,7 +37,7 @@ class Environment:
         """Install further packages, once."""
         stamp = self.python.parents[1] / "further.txt"
         if not stamp.exists() or stamp.read_text() != "\n".join(requirements):
-            pip.run(self.python, "install", *self.target, *requirements)
+            pip.install(self.python, *self.target, *requirements)
             stamp.write_text("\n".join(requirements))
 
     def run(self, module: str, *arguments: str, **variables: str) -> int:
@@ -110,6 +110,6 @@ def _set_up(folder: Path, *requirements: str) -> Path:
         print(f"setting up {folder.relative_to(project.ROOT)}", flush=True)
         venv.create(folder, clear=True, with_pip=True)
         pip.install_pinned(python)
-        pip.run(python, "install", *requirements)
+        pip.install(python, *requirements)
         stamp.write_text(checksum)
     return python

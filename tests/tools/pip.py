@@ -21,6 +21,11 @@ def install_pinned(python: Path) -> None:
         sys.exit(f"pip {project.PIP} could not be installed:\n{done.stderr}")
 
 
+def install(python: Path, *arguments: str) -> None:
+    """`pip install arguments`, which leaves bytecode to those modules that are imported: few of the thousands."""
+    run(python, "install", "--no-compile", *arguments)
+
+
 def run(python: Path, command: str, *arguments: str) -> None:
     """Run `pip command arguments` of that interpreter. If it fails, exits with pip's error messages."""
     pip = subprocess.Popen(
