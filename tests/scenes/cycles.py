@@ -52,10 +52,16 @@ def render_exr(
     cycles.max_bounces = cycles.diffuse_bounces = bounces
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", filter_width
-    if hasattr(scene.render.image_settings, "media_type"):
-        scene.render.image_settings.media_type = "IMAGE"
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.image_settings.color_mode = "RGBA"
-    scene.render.filepath = str(path)
+    write_as_exr(path)
+
+
+def write_as_exr(path: Path) -> None:
+    """Render the open file as it is, to a 32-bit OpenEXR file."""
+    render = bpy.context.scene.render
+    if hasattr(render.image_settings, "media_type"):
+        render.image_settings.media_type = "IMAGE"
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.image_settings.color_mode = "RGBA"
+    render.filepath = str(path)
     bpy.ops.render.render(write_still=True)

@@ -24,20 +24,27 @@ bool emits_towards(EmissiveTriangle triangle, vec3 p, bool enclosed) {
     return triangle.one_sided == 0 || enclosed || dot(cross(triangle.u, triangle.v), p - triangle.corner) > 0.0;
 }
 
+// Whether p lies in the triangle's plane, up to rounding errors, so that it sees nothing of the triangle.
+bool is_edge_on(EmissiveTriangle triangle, vec3 p) {
+    vec3 normal = cross(triangle.u, triangle.v);
+    float height = dot(normal, triangle.corner - p), rounding = 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z));
+    return height * height <= rounding * rounding * dot(normal, normal);
+}
+
 // See triangle_irradiance. Errors of the many triangles of a light BVH are smaller together.
 const float SMALL_TRIANGLE = LIGHT_BVH == 1 ? 2e-2 : 2e-3;
 
 float emissive_triangle_irradiance(int row, vec3 p, vec3 n, bool enclosed) {
     EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, row);
-    float irradiance = triangle_irradiance(triangle.corner - p, triangle.u, triangle.v, n, SMALL_TRIANGLE);
-    return emits_towards(triangle, p, enclosed) ? irradiance : 0.0;
+    if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) return 0.0;
+    return triangle_irradiance(triangle.corner - p, triangle.u, triangle.v, n, SMALL_TRIANGLE);
 }
 
 // The largest cosine to the receiver's normal of a part of a sphere above the horizon, about in proportion to that part.
 // Distances in m; `height`: of its centre over the horizon.
 float cosine_above_horizon(float height, float radius, float distance) {
     float part = max(height + radius, 0.0);
-    return (height >= radius ? height : 0.25 * part * part / radius) / distance;
+    return min((height >= radius ? height : 0.25 * part * part / radius) / distance, 1.0);
 }
 
 // A symmetric matrix times a vector.

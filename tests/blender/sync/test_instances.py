@@ -231,18 +231,30 @@ def test_holdouts_are_reported(add, read_scene):
     assert read_scene().warnings == ("Holdouts are drawn as plain surfaces: 'Hole'.",)
 
 
-@pytest.mark.parametrize("scale", [(0, 1, 1), (0, 0, 0), (1, 1, float("inf")), (float("nan"), 1, 1)])
-def test_objects_without_extent_in_some_direction_are_left_out(add, read_scene, scale):
+@pytest.mark.parametrize("scale", [(0, 0, 1), (0, 0, 0), (1, 1, float("inf")), (float("nan"), 1, 1)])
+def test_objects_without_extent_in_two_directions_are_left_out(add, read_scene, scale):
     add("Kept").scale = (1e-4, 1e3, 1e-4)
     add("Flat").scale = scale
     scene = read_scene()
     assert scene.instances.mesh.tolist() == [0]
     assert np.isfinite(scene.instances.world_from_object).all()
-    assert scene.warnings == ("Objects scaled to nothing in some direction, or beyond 1e+09 m, are left out: 'Flat'.",)
+    assert scene.warnings == ("Objects scaled to nothing in two directions, or beyond 1e+09 m, are left out: 'Flat'.",)
+
+
+def test_flattened_objects_lie_in_a_plane(add, read_scene):
+    """Blender draws planes whose third scale is 0."""
+    flat = add("Flat")
+    flat.scale, flat.rotation_euler = (2, 0, 3), (0.3, 0.4, 0.5)
+    scene = read_scene()
+    assert scene.warnings == ()
+    (linear,) = scene.instances.world_from_object[:, :3, :3]
+    exact = np.array(flat.rotation_euler.to_matrix()) * (2, 0, 3)
+    np.testing.assert_allclose(linear, exact, atol=4e-5)
+    assert np.linalg.det(linear) != 0.0
 
 
 def test_a_mesh_without_instances_is_not_kept(add, read_scene):
-    add("Flat", TRIANGLE).scale = (0, 1, 1)
+    add("Flat", TRIANGLE).scale = (0, 0, 1)
     add("Kept")
     scene = read_scene()
     assert [len(mesh.triangles) for mesh in scene.meshes] == [2]

@@ -17,6 +17,9 @@ from ..materials.materials import MaterialReader
 from . import meshes
 from .raw_meshes import Raw
 
+#: Thickness of objects that are scaled to nothing in one direction, relative to their largest scale.
+THICKNESS = 1e-5
+
 #: Corners of pending meshes above which these are triangulated together.
 MAX_PENDING_CORNERS = 1 << 15
 
@@ -110,11 +113,15 @@ class InstanceReader:
         matrices = np.fromiter(elements, np.float64, 16 * len(rows)).reshape(-1, 4, 4)  # 7 times as fast as array()
         matrices[:, 3] = 0.0, 0.0, 0.0, 1.0  # exactly; parent inverses leave rounding errors in Blender's
         within_limits = is_within(matrices).all((1, 2))
-        valid = within_limits & is_invertible(np.where(within_limits.reshape(-1, 1, 1), matrices[:, :3, :3], 0.0))
+        linear = np.where(within_limits.reshape(-1, 1, 1), matrices[:, :3, :3], 0.0)
+        flat = ~is_invertible(linear)
+        linear[flat] = with_thickness(linear[flat])
+        matrices[:, :3, :3] = linear
+        valid = within_limits & is_invertible(linear)
         for issues in dict.fromkeys(each for row in self._rows for each in (row.reading.findings, row.unsupported)):
             findings.merge(issues)
         for index in np.flatnonzero(~valid):
-            issue = f"Objects scaled to nothing in some direction, or beyond {MAX_DISTANCE:g} m, are left out"
+            issue = f"Objects scaled to nothing in two directions, or beyond {MAX_DISTANCE:g} m, are left out"
             findings.warn(issue, rows[index].name)
         valid_rows = [row for row, is_valid in zip(rows, valid.tolist(), strict=True) if is_valid]
         indices: dict[Mesh, int] = {}
@@ -234,3 +241,14 @@ def _unsupported_features(
     if any(each.type == "HAIR" and each.render_type == "PATH" for each in settings):
         findings.warn("Hair strands are not drawn by this engine", source.name)
     return findings
+
+
+def with_thickness(linear: np.ndarray) -> np.ndarray:
+    """Matrices (N,3,3) that are not invertible, with a thickness where they flatten objects to planes.
+
+    Zeros where they leave less than a plane.
+    """
+    u, scales, v = np.linalg.svd(linear)
+    scales[:, 2] = THICKNESS * scales[:, 0]
+    scales[scales[:, 1] <= scales[:, 2]] = 0.0
+    return (u * scales[:, None]) @ v

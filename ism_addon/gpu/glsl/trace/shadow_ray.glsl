@@ -46,5 +46,7 @@ bool is_unoccluded(Surface surface, vec3 to, Light light) {
     p += surface.geometric_normal * rounding(p);
     // The ray ends before the light by the rounding errors, but by at most half of the distance.
     to += light.normal * min(rounding(to) + rounding(p), 0.5 * dot(light.normal, p - to));
-    return !any_hit(p, to, surface.triangle, surface.instance, light.blockers);
+    // A ray that starts above its own triangle, downwards, can be occluded by it.
+    int ignored = grazing > 0.0 && cosine <= 0.0 ? -1 : surface.triangle;
+    return !any_hit(p, to, ignored, surface.instance, light.blockers);
 }

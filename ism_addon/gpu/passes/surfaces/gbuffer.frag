@@ -103,7 +103,8 @@ void main() {
     geometric_normal = normalize(geometric_normal);
     float side = dot(geometric_normal, ray.direction) > 0.0 ? -1.0 : 1.0;
     for (int k = 0; k < 3; ++k) corner_normals[k] = side * normalize(cofactor * corner_normals[k]);
-    float offset_from_triangle = terminator_offset(b, vec3[3](a, a + u, a + v), corner_normals);
+    vec3 corners[3] = vec3[3](a, a + u, a + v);
+    float offset_from_triangle = offset_along_normal(b, corners, corner_normals, side * geometric_normal);
     normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * geometric_normal));
     position = vec4(p, pack_normal(normal.xy));
 
