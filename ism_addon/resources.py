@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
     from .gpu.gl.buffer_texture import BufferTexture
+    from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.cull_lights import CullingState
     from .gpu.passes.light_selection.retest_occluded import Retest
     from .gpu.passes.shadow_maps.atlas import Batch
@@ -58,9 +59,7 @@ def _of_tiles(name: str, about: str, format: str = "rgba32f") -> Target:
 RESIDENT_MESHES: Resource[ResidentMeshes] = Resource("resident_meshes", "Meshes needed so far", _SCENE, by_value=True)
 BLAS: Resource[BLASTable] = Resource("blas", "Bottom-level acceleration structures, one a resident mesh", _SCENE)
 BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the GPU, concatenated", _SCENE)
-TLAS: Resource[dict[str, Any]] = Resource(
-    "tlas", "Top-level acceleration structure over instances: uniforms of glsl/trace/traversal.glsl", _SCENE
-)
+TLAS: Resource[dict[str, Any]] = Resource("tlas", "BVH over instances: uniforms of trace/traversal.glsl", _SCENE)
 MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and triangles of resident meshes", _SCENE)
 UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
@@ -144,12 +143,13 @@ CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
 RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
     "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True
 )
-#: Pixels from one texel of the irradiance cache to the next, in x and in y.
-CACHE_SPACING = 4
+#: Pixels from one texel of the irradiance cache to the next, in x and in y, and its largest ratio.
+CACHE_SPACING, MAX_COARSE_RATIO = 4, 4.0
+CACHE_CONSTANTS = {"cache_spacing": CACHE_SPACING, "max_coarse_ratio": MAX_COARSE_RATIO}
 IRRADIANCE_RATIO = Target(
     "irradiance_ratio", "Of one light: unshadowed irradiance over its estimate", format="r16f", divisor=CACHE_SPACING
 )
-IRRADIANCE_CACHE: Resource[dict[int, moderngl.Texture]] = Resource(
+IRRADIANCE_CACHE: Resource[dict[int, CachedIrradiance]] = Resource(
     "irradiance_cache", "IRRADIANCE_RATIO textures by light, of those with a light BVH", _PICTURE
 )
 PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)

@@ -56,15 +56,15 @@ def draw_per_tile(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.V
 
 
 def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, rays: float = 1.0) -> None:
-    """Draw all pixels of a target by a full-screen triangle. A pixel takes the time of `rays` rays."""
+    """Draw all pixels of a target's viewport by a full-screen triangle. A pixel takes the time of `rays` rays."""
     draw_into(target)
-    size = target.viewport[2:]
+    left, bottom, *size = target.viewport
     try:
-        for rectangle in rectangles(size, rays):
-            frame.submission.before_draw(rays * rectangle[2] * rectangle[3])
-            if rectangle[2:] != size:
-                target.scissor = rectangle
+        for x, y, width, height in rectangles((size[0], size[1]), rays):
+            frame.submission.before_draw(rays * width * height)
+            if [width, height] != size:
+                target.scissor = left + x, bottom + y, width, height
             shader.render(moderngl.TRIANGLES, vertices=3)
     finally:
-        if rectangle[2:] != size:
+        if [width, height] != size:
             target.scissor = None  # type: ignore[assignment] # None resets it

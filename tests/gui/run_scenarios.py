@@ -26,8 +26,8 @@ DESKTOP = project.ROOT / "tests/tools/desktop.py"
 VIEWPORT_FRACTION, VIEWPORT_MARGIN = (0.8286, 0.922), (3.7, 45.8)
 #: Blenders that run at a time with --any-pace. Each waits much of its time; it may take this many times as long.
 MAX_BLENDERS = 3
-#: Pixels of the viewport, where a scenario does not set them; fewer with --any-pace.
-REGION, ANY_PACE_REGION = (1000, 700), (600, 420)
+#: Pixels of the viewport, where a scenario does not set them, and its maximum width with --any-pace.
+REGION, ANY_PACE_WIDTH = (1000, 700), 480
 STARTUP_SECONDS = 60  # that Blender may take before the scenario begins and after it has ended, together
 #: Lines of Blender's log that make a scenario fail. With MESA_DEBUG, Mesa logs OpenGL's errors, in our context too.
 ERROR_LINE = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -83,9 +83,10 @@ def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any
     folder = output / scenario.name
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "user").mkdir(parents=True)
-    region = scenario.region or (ANY_PACE_REGION if any_pace else REGION)
+    region = scenario.region or REGION
+    scale = min(1.0, ANY_PACE_WIDTH / region[0]) if any_pace else 1.0
     width, height = (
-        round((pixels + margin) / fraction)
+        round((scale * pixels + margin) / fraction)
         for pixels, margin, fraction in zip(region, VIEWPORT_MARGIN, VIEWPORT_FRACTION, strict=True)
     )
     window = ["--factory-startup", "--window-fullscreen", "--window-geometry", "0", "0", str(width), str(height)]

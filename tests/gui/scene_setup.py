@@ -88,8 +88,9 @@ def add_area_light(name: str, location: tuple[float, float, float], watts: float
     return obj
 
 
-def set_world(strength: float) -> None:
-    """Light the scene by a grey world."""
+def set_world(strength: float, shadows: bool = False) -> None:
+    """Light the scene by a grey world. Its shadows take most of a picture's time."""
+    scene().ism.shadow.world = shadows
     scene().world.use_nodes = True
     background = scene().world.node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (strength, strength, strength, 1.0)

@@ -14,6 +14,7 @@ from tests.gui.session import Session, Steps
 def switch_to_rendered(session: Session) -> Steps:
     """Rendered shading shows lit and shadowed surfaces, among Blender's own panels."""
     scene_setup.build_studio()
+    scene_setup.set_world(0.1, shadows=True)
     scene_setup.set_view(session.view)
     yield from session.main_loop()
     solid = session.pixels("solid")

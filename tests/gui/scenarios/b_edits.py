@@ -42,6 +42,36 @@ def light(session: Session) -> Steps:
         )
 
 
+def set_type(kind: str, energy: float) -> None:
+    """Give the lamp another type."""
+    bpy.data.lights["Lamp"].type = kind
+    bpy.data.lights["Lamp"].energy = energy
+
+
+def light_up(strength: float) -> None:
+    """Let the ball emit."""
+    shader = bpy.data.materials["Glow"].node_tree.nodes["Principled BSDF"]
+    shader.inputs["Emission Color"].default_value = (1.0, 0.5, 0.2, 1.0)
+    shader.inputs["Emission Strength"].default_value = strength
+
+
+@scenario(timeout=240)
+def light_types(session: Session) -> Steps:
+    """The lamp becomes a point, a spot and a sun, then the ball and the world emit; each edit is undone and redone."""
+    scene_setup.build_studio()
+    bpy.data.objects["Ball"].data.materials.append(scene_setup.new_material("Glow", (0.5, 0.5, 0.5)))
+    yield from _show_first(session)
+    edits: dict[str, Callable[[], None]] = {
+        "point": lambda: set_type("POINT", 1000.0),
+        "spot": lambda: set_type("SPOT", 3000.0),
+        "sun": lambda: set_type("SUN", 1.0),
+        "emissive ball": lambda: light_up(10.0),
+        "world": lambda: scene_setup.set_world(1.0, shadows=True),
+    }
+    for name, edit in edits.items():
+        yield from _assert_undoable(session, name, FLOOR_UV, edit)
+
+
 @scenario(timeout=180)
 def mesh(session: Session) -> Steps:
     """A mesh is edited in Object Mode; undone and redone."""
@@ -78,7 +108,7 @@ def ambient_occlusion(session: Session) -> Steps:
     scene_setup.build_studio()
     scene_setup.set_world(0.7)
     bpy.data.lights["Lamp"].energy = 10.0
-    session.scene.ism.shadow.world, ssao = False, session.scene.ism.ssao
+    ssao = session.scene.ism.ssao
     ssao.radius = 1.0
     yield from _show_first(session)
     before = session.pixels("before")

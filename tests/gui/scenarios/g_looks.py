@@ -24,7 +24,6 @@ def resolution(session: Session) -> Steps:
     scene_setup.build_studio()
     scene_setup.set_view(session.view)
     session.hide_overlays()
-    session.scene.ism.shadow.world = False  # its noise has edges too
     session.scene.ism.viewport.samples = 4
     session.show_rendered()
     yield from session.until_idle()

@@ -100,7 +100,7 @@ def animated_settings(session: Session) -> Steps:
     yield from _show_studio(session)
     scene_setup.set_world(0.9)
     bpy.data.lights["Lamp"].energy = 10.0
-    session.scene.ism.shadow.world, ssao = False, session.scene.ism.ssao
+    ssao = session.scene.ism.ssao
     set_by_hand = {}
     for radius, intensity in ((0.1, 1.0), (2.0, 1.0), (2.0, 3.0)):
         ssao.radius, ssao.intensity = radius, intensity

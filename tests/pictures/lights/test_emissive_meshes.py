@@ -145,6 +145,37 @@ def test_flags_and_links_of_the_object_are_those_of_its_light(device, changes, l
     assert (color > 0.0).all() == lit and (color > 0.0).any() == lit
 
 
+#: Convex emitters of few and of many triangles, and of so many that each pixel near them is not in the cache.
+CONVEX = {
+    "a box": subdivided_box((-0.5, -0.6, 0.2), (0.6, 0.5, 0.9), 1),
+    "a divided box": subdivided_box((-0.5, -0.6, 0.2), (0.6, 0.5, 0.9), 3),
+    "a ball": sphere((0, 0, 0.5), 0.5, 24, 12),
+}
+
+
+@pytest.mark.parametrize("name", CONVEX)
+def test_a_convex_mesh_does_not_light_itself(device, name):
+    """Its triangles see each other at most edge-on, and not at all the one that they are in."""
+    scene = lit_by(CONVEX[name])
+    materials = materials_of([(0.6, 0.6, 0.6), (0.8, 0.8, 0.8)], emission=[(0.0, 0.0, 0.0), WARM])
+    view = view_from_above(0.5, (24, 24), height=3.0)
+    color = draw(device, replace(scene, materials=materials), view, with_quality(SMALL_SETTINGS, samples=16)).color
+    np.testing.assert_allclose(color[..., :3], np.broadcast_to(WARM, (24, 24, 3)), rtol=5e-3)
+
+
+BARS = [subdivided_box((x, -1.0, 1.02), (x + 0.1, 1.0, 1.1), 1) for x in (-0.6, 0.5)]
+
+
+def test_pixels_near_a_light_bvh_are_as_bright_as_near_the_same_light_in_closed_form(device):
+    """Bars beside panes see these from close by, where a light BVH's estimate is far off."""
+    panes = {cells: replace(panel(cells), positions=panel(cells).positions * (1, 1, 0.5)) for cells in (2, 6)}
+    settings = with_quality(SETTINGS[Method.RAY_TRACED], samples=32)
+    few, many = (draw(device, lit_by(each, *BARS), VIEW, settings).color for each in panes.values())
+    error = np.abs(few - many)[..., :3] / few[..., :3].mean()
+    assert error.mean() < 0.02
+    assert np.percentile(error, 99) < 0.15
+
+
 def counts(device, scene: Scene, samples: int = 1):
     drawn = draw(device, scene, VIEW, with_quality(SMALL_SETTINGS, samples=samples))
     return drawn.profile, drawn.renderer

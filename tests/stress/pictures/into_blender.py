@@ -14,22 +14,15 @@ from tests.tools.new_file import open_empty_file
 
 
 def into_blender(scene: Scene, view: View) -> None:
-    """Build the scene in a new file: one diffuse material; a mesh is shaded smooth if any triangle's normals differ."""
+    """Build the scene in a new file. A mesh is shaded smooth if any triangle's normals differ."""
     open_empty_file()
-    material = bpy.data.materials.new("Grey")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    diffuse.inputs["Color"].default_value = (*map(float, scene.materials.base_color[0]), 1.0)
-    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
     meshes = []
     for source in scene.meshes:
         mesh = bpy.data.meshes.new("Mesh")
         points, corners = np.unique(source.positions, axis=0, return_inverse=True)
         mesh.from_pydata(points.tolist(), [], corners.reshape(-1)[source.triangles].tolist())
         mesh.shade_smooth() if np.ptp(source.corner_normals, axis=1).max() > 1e-3 else mesh.shade_flat()
-        mesh.materials.append(material)
+        mesh.materials.append(material(scene, source.materials[0]))
         meshes.append(mesh)
     instances = scene.instances.mesh, scene.instances.world_from_object, scene.instances.visible
     for mesh_id, matrix, visible in zip(*instances, strict=True):
@@ -38,9 +31,30 @@ def into_blender(scene: Scene, view: View) -> None:
         add_light(scene, index)
     add_camera(view)
     bpy.context.scene.cycles.light_sampling_threshold = 0.0  # else Cycles samples faint lights stochastically
-    bpy.context.scene.world = bpy.data.worlds.new("Black")
-    bpy.context.scene.world.use_nodes = False
-    bpy.context.scene.world.color = (0.0, 0.0, 0.0)
+    bpy.context.scene.world = world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    background = world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (*map(float, scene.world.radiance), 1.0)
+
+
+def material(scene: Scene, row: int) -> bpy.types.Material:
+    """A diffuse material, which may emit."""
+    name = f"Material {row}"
+    if name in bpy.data.materials:
+        return bpy.data.materials[name]
+    made, emission = bpy.data.materials.new(name), scene.materials.emission[row]
+    made.use_nodes = True
+    nodes, strength = made.node_tree.nodes, float(emission.max())
+    nodes.clear()
+    shader = nodes.new("ShaderNodeBsdfPrincipled" if strength else "ShaderNodeBsdfDiffuse")
+    shader.inputs[0].default_value = (*map(float, scene.materials.base_color[row]), 1.0)
+    made.node_tree.links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    if strength:
+        shader.inputs["Specular IOR Level"].default_value = 0.0
+        shader.inputs["Roughness"].default_value = 1.0
+        shader.inputs["Emission Color"].default_value = (*map(float, emission / strength), 1.0)
+        shader.inputs["Emission Strength"].default_value = strength
+    return made
 
 
 def out_of_blender() -> tuple[Scene, View]:

@@ -16,13 +16,18 @@ in vec3 b;
 in vec3 p0; in vec3 p1; in vec3 p2;
 in vec3 n0; in vec3 n1; in vec3 n2;
 out float result;
-void main() { result = terminator_offset(b, vec3[3](p0, p1, p2), vec3[3](n0, n1, n2)); }
+void main() { result = FUNCTION; }
 """
+OFFSET = "terminator_offset(b, vec3[3](p0, p1, p2), vec3[3](n0, n1, n2))"
+ALONG_NORMAL = "offset_along_normal(b, vec3[3](p0, p1, p2), vec3[3](n0, n1, n2), cross(p1 - p0, p2 - p0))"
 
 
-def offsets(device, barycentric: np.ndarray, corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def offsets(
+    device, barycentric: np.ndarray, corners: np.ndarray, normals: np.ndarray, function: str = OFFSET
+) -> np.ndarray:
     """(N,) at barycentric coordinates (N,3) on triangles (N,3,3) with normals (N,3,3) of the corners."""
-    source = "#version 410 core\n" + (FOLDER / "glsl/surfaces/terminator_offset.glsl").read_text() + SHADER
+    code = (FOLDER / "glsl/surfaces/terminator_offset.glsl").read_text() + SHADER.replace("FUNCTION", function)
+    source = "#version 410 core\n" + code
     program = device.gl.program(vertex_shader=source, varyings=["result"])
     rows = np.concatenate([barycentric, corners.reshape(-1, 9), normals.reshape(-1, 9)], 1).astype(np.float32)
     buffer = device.gl.buffer(reserve=4 * len(rows))
@@ -89,6 +94,16 @@ def test_the_offset_follows_similarities_and_does_not_depend_on_the_first_corner
     rotation = np.linalg.qr(random.normal(size=(3, 3)))[0]
     moved = offsets(device, barycentric, 3.0 * corners @ rotation.T + (1.0, -2.0, 0.5), normals @ rotation.T)
     assert moved == pytest.approx(3.0 * height, abs=1e-4)
+
+
+def test_rays_start_on_the_seen_side_though_normals_point_away(device):
+    """Negative along such normals; as far from the triangle as along their opposites."""
+    corners, normals = on_sphere(200, 0.3)
+    barycentric = random_barycentric(200)
+    height = offsets(device, barycentric, corners, normals, ALONG_NORMAL)
+    assert height == pytest.approx(offsets(device, barycentric, corners, normals)) and height.max() > 0.01
+    away = offsets(device, barycentric, corners, -normals, ALONG_NORMAL)
+    assert away == pytest.approx(-height)
 
 
 @pytest.mark.parametrize("around", [8, 12, 24])

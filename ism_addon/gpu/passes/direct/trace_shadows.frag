@@ -6,11 +6,12 @@
 #include "trace/ray_scheduling.glsl"
 #if CACHED
 #include "textures/irradiance_cache.glsl"
+#else
+uniform sampler2D prediction_surface; // positions and normals for which visibility was predicted
 #endif
 uniform usamplerBuffer lights;
 uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
-uniform sampler2D prediction_surface; // positions and normals for which it was predicted
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // in alpha, upper bound of its luminance's increase

@@ -16,7 +16,7 @@ import moderngl
 import numpy as np
 
 from ....resources import (
-    CACHE_SPACING,
+    CACHE_CONSTANTS,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -129,13 +129,13 @@ class TraceShadows(Pass):
         return used
 
     @staticmethod
-    def variant(frame: Frame, light: int) -> dict[str, int]:
+    def variant(frame: Frame, light: int) -> dict[str, Any]:
         """Constants of a light's shader."""
         lights = frame.scene.lights
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cached = int(light in (frame.get(IRRADIANCE_CACHE) or {}))
-        return variant | {"hard": int(hard), "cached": cached, "cache_spacing": CACHE_SPACING}
+        return variant | {"hard": int(hard), "cached": cached, "fine_cache": 1} | CACHE_CONSTANTS
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
@@ -148,7 +148,7 @@ class TraceShadows(Pass):
             "depth": frame[DEPTH],
             "prediction_surface": frame[PREDICTION_SURFACE],
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
-            **({"irradiance_ratio": cache[light]} if light in cache else {}),
+            **(cache[light].uniforms if light in cache else {}),
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:

@@ -1,24 +1,28 @@
-// Irradiance cache of one light: the ratio of its unshadowed irradiance to the estimate that shaders use.
+// Irradiance cache of one light: the ratio of its unshadowed irradiance to the estimate that shaders use. FINE: at each
+// pixel of tiles near the light.
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 uniform usamplerBuffer lights;
 uniform int light_index;
+#if !FINE
 uniform sampler2D needed; // by tile: whether the ratio is
+uniform int fine_width;   // of the fine part, beside which the coarse one is
+#endif
 out float irradiance_ratio;
 
-const float MAX_RATIO = 4.0; // near a horizon
-
 void main() {
-    ivec2 at = min(CACHE_SPACING * ivec2(gl_FragCoord.xy), last_pixel());
+#if FINE
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    bool is_needed = true;
+#else
+    ivec2 at = min(CACHE_SPACING * (ivec2(gl_FragCoord.xy) - ivec2(fine_width, 0)), last_pixel());
+    bool is_needed = fetch(needed, at / TILE_SIZE).x > 0.0;
+#endif
     Surface surface = surface_at(at);
     irradiance_ratio = NO_RATIO;
-    if (!surface.exists || fetch(needed, at / TILE_SIZE).x == 0.0) return;
+    if (!surface.exists || !is_needed) return;
     Light light = fetch_Light(lights, light_index);
     float estimate = estimate_light_bvh(light, surface.position, surface.normal, 1);
-    if (estimate <= 0.0) {
-        irradiance_ratio = 1.0;
-        return;
-    }
     float accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
-    irradiance_ratio = min(accurate / estimate, MAX_RATIO);
+    irradiance_ratio = accurate <= 0.0 ? (estimate > 0.0 ? 0.0 : 1.0) : min(accurate / max(estimate, 1e-30), MAX_RATIO);
 }

@@ -2,73 +2,160 @@
 """Irradiance cache (Ward, Rubinstein & Clear 1988) of lights with a light BVH: their irradiance is dear to compute.
 
 At each pixel it is estimated from one node. The cache has the ratio of the irradiance to this estimate at one pixel of
-every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpolating it adds almost no error.
+every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpolating it adds almost no error. Near the
+light it varies much. There the cache has it at each pixel, where rays are traced, which correct what is left.
 """
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, cast
 
 import moderngl
 import numpy as np
 
 from ....resources import (
     CACHE_SPACING,
+    CULLING_STATE,
     IRRADIANCE_CACHE,
     IRRADIANCE_RATIO,
     LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
+    MAX_COARSE_RATIO,
     NORMAL,
     POSITION,
     TILE_SIZE,
 )
 from ....scene import Change
-from ...drawing import draw_pixels
+from ...culling.surface_bounds import SurfaceBounds
+from ...drawing import draw_pixels, draw_tiles
+from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS
 from ...lights import has_light_bvh, shader_variant
+from ...tiles import tiles_where
 
 #: Time of a texel, in rays: measured with a ball of 960 triangles, from close by.
 RAYS_PER_TEXEL = 16.0
 
-
 #: Where there is no surface, or the light is culled or faint.
 NO_RATIO = -1.0
+
+#: Largest ratio at a pixel: float16 holds no larger ones.
+MAX_FINE_RATIO = 6e4
+
+#: Maximum number of a light's triangles for which the cache has each pixel near it: there they are seen one by one.
+MAX_NEAR_TRIANGLES = 256
+
+#: A tile is near a light if it is within this multiple of a node's radius of the node, one of so many nodes at most.
+NEAR_RADII = 0.5
+MAX_NEAR_NODES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class CachedIrradiance:
+    """The irradiance cache of one light."""
+
+    texture: moderngl.Texture  # IRRADIANCE_RATIO: a part with a texel for each pixel, and beside it the coarse one
+    fine_width: int  # of the former; 0: there is none
+    near: np.ndarray  # rows of TILE: the fine part's tiles
+
+    @property
+    def uniforms(self) -> dict[str, Any]:
+        """What shaders that include irradiance_cache.glsl need."""
+        return {"irradiance_ratio": self.texture, "fine_width": self.fine_width}
 
 
 class CacheIrradiance(Pass):
     """For each light with a light BVH that is visible, the ratio of its irradiance to the estimate."""
 
-    schedule = Schedule.DOUBLING  # for lights that were believed occluded before
-    inputs = POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
+    schedule = Schedule.DOUBLING  # for lights that were believed occluded, and for the surfaces of PREDICTION_SURFACE
+    inputs = POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, CULLING_STATE, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     outputs = outputs(IRRADIANCE_CACHE)
 
     def needed(self, frame: Frame) -> bool:
         return bool(has_light_bvh(frame.scene.lights).any())
 
     def execute(self, frame: Frame) -> None:
-        lights, gl = frame.scene.lights, self.device.gl
-        ratios: dict[int, moderngl.Texture] = {} if frame.sample == 0 else dict(frame[IRRADIANCE_CACHE])
-        gl.enable_only(moderngl.NOTHING)
+        lights = frame.scene.lights
+        caches: dict[int, CachedIrradiance] = {} if frame.sample == 0 else dict(frame[IRRADIANCE_CACHE])
+        self.device.gl.enable_only(moderngl.NOTHING)
         has_bvh = has_light_bvh(lights)
         for light, influence in frame[LIGHT_INFLUENCE].items():
             tiles = influence.contributes & ~influence.is_faint
             visible = tiles & (influence.coarse_visibility > 0.0)
-            if light in ratios or not has_bvh[light] or not visible.any():
-                continue
-            variant: dict[str, Any] = shader_variant(lights, light)
-            constants: dict[str, Any] = {"cache_spacing": CACHE_SPACING, "tile_size": TILE_SIZE, "no_ratio": NO_RATIO}
-            shader = self.full_screen_program(*LIGHT_RECORDS, **constants, **variant)
-            needed = gl.texture(frame.tiles, 1, near_tiles(tiles).astype(np.uint8) * 255, alignment=1)
-            surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "needed": needed}
-            bind(shader.program, **surfaces, **frame[LIGHT_BUFFERS], light_index=light)
-            width, height = size_of(IRRADIANCE_RATIO, *frame.size)
-            ratios[light] = create(gl, IRRADIANCE_RATIO, (width + 1, height + 1))  # to interpolate to the last pixels
-            draw_pixels(frame, gl.framebuffer([ratios[light]]), shader, RAYS_PER_TEXEL)
-        frame[IRRADIANCE_CACHE] = ratios
+            if light not in caches and has_bvh[light] and visible.any():
+                near = tiles & near_light(frame, light)
+                caches[light] = self.coarse(frame, light, tiles, tiles_where(near))
+            if light in caches and len(caches[light].near):
+                self.draw_fine(frame, light, caches[light])
+        frame[IRRADIANCE_CACHE] = caches
+
+    def coarse(self, frame: Frame, light: int, tiles: np.ndarray, near: np.ndarray) -> CachedIrradiance:
+        """A light's cache with its coarse part, in tiles (rows,columns) bool."""
+        gl, columns_and_rows = self.device.gl, np.array(frame.tiles)
+        width, height = (texels + 1 for texels in size_of(IRRADIANCE_RATIO, *frame.size))  # to interpolate to the end
+        fine_width, fine_height = (TILE_SIZE * columns_and_rows * (len(near) > 0)).tolist()
+        texture = create(gl, IRRADIANCE_RATIO, (fine_width + width, max(fine_height, height)))
+        shader = self.full_screen_program(
+            *LIGHT_RECORDS, fine=0, tile_size=TILE_SIZE, max_ratio=MAX_COARSE_RATIO, **constants(frame, light)
+        )
+        needed = gl.texture(frame.tiles, 1, with_next_tiles(tiles).astype(np.uint8) * 255, alignment=1)
+        bind(shader.program, **uniforms(frame, light), needed=needed, fine_width=fine_width)
+        target = gl.framebuffer([texture])
+        target.clear(NO_RATIO)
+        target.viewport = fine_width, 0, width, height
+        draw_pixels(frame, target, shader, RAYS_PER_TEXEL)
+        return CachedIrradiance(texture, fine_width, near)
+
+    def draw_fine(self, frame: Frame, light: int, cache: CachedIrradiance) -> None:
+        """The ratio at each pixel of tiles near the light, of the surfaces in this sample."""
+        program = self.tile_program(*LIGHT_RECORDS, fine=1, max_ratio=MAX_FINE_RATIO, **constants(frame, light))
+        bind(program, **uniforms(frame, light))
+        draw_tiles(frame, self.device.gl.framebuffer([cache.texture]), program, cache.near, rays=RAYS_PER_TEXEL)
 
 
-def near_tiles(tiles: np.ndarray) -> np.ndarray:
+def constants(frame: Frame, light: int) -> dict[str, Any]:
+    """Of the shader for a light."""
+    return {"cache_spacing": CACHE_SPACING, "no_ratio": NO_RATIO, **shader_variant(frame.scene.lights, light)}
+
+
+def uniforms(frame: Frame, light: int) -> dict[str, Any]:
+    """The surfaces, and the light."""
+    return {"position": frame[POSITION], "normal": frame[NORMAL], **frame[LIGHT_BUFFERS], "light_index": light}
+
+
+def near_light(frame: Frame, light: int) -> np.ndarray:
+    """(rows,columns) bool: tiles near a light with a light BVH of few triangles, to which rays are traced.
+
+    All tiles, if nothing is known of their surfaces.
+    """
+    lights = cast(EmissiveLights, frame.scene.lights)  # others have no light BVH
+    if lights.triangle_count[light] > MAX_NEAR_TRIANGLES or not frame.traces_shadows:
+        return np.zeros(frame.tiles[::-1], bool)
+    state = frame.get(CULLING_STATE)
+    if state is None:
+        return np.ones(frame.tiles[::-1], bool)
+    near = near_nodes(state.surfaces, lights, light, frame.anchor)
+    return near.reshape(-1, *frame.tiles[::-1]).any(0)  # near and far surfaces
+
+
+def near_nodes(surfaces: SurfaceBounds, lights: EmissiveLights, light: int, anchor: np.ndarray) -> np.ndarray:
+    """(N,) bool: surfaces near any of a light's nodes of one depth."""
+    count = min(int(lights.leaves[light]), MAX_NEAR_NODES)
+    nodes = slice(lights.first_node[light] + count, lights.first_node[light] + 2 * count)
+    half = (surfaces.high - surfaces.low) / 2.0
+    middle, radius = surfaces.low + half, np.linalg.norm(half, axis=0)
+    near = np.zeros(len(surfaces.exists), bool)
+    for centre, node_radius, area in zip(
+        lights.node_centre[nodes] - anchor, lights.node_radius[nodes], lights.node_area[nodes], strict=True
+    ):
+        distance = np.linalg.norm(middle - centre[:, None], axis=0)
+        near |= (distance < (1.0 + NEAR_RADII) * node_radius + radius) & (area > 0.0)
+    return near & surfaces.exists
+
+
+def with_next_tiles(tiles: np.ndarray) -> np.ndarray:
     """(rows,columns) bool: tiles (rows,columns), and those after them, whose first pixels they interpolate with."""
     near = tiles.copy()
     near[1:] |= tiles[:-1]

@@ -17,7 +17,7 @@ import moderngl
 
 from ....resources import (
     ATLAS_BATCH,
-    CACHE_SPACING,
+    CACHE_CONSTANTS,
     DEPTH,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
@@ -71,7 +71,7 @@ class GatherLight(Pass):
             constants["parallel"] = int(any(each.parallel for each in light_types))
             constants["cached"] = int(cached)
             if cached:
-                constants |= {"light_bvh": 1, "cache_spacing": CACHE_SPACING}
+                constants |= {"light_bvh": 1, "fine_cache": 0, **CACHE_CONSTANTS}
             self.shaders[types, cached] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
         return self.shaders[types, cached]
 
@@ -109,7 +109,7 @@ class GatherLight(Pass):
         for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
             indices, drawn = zip(*group, strict=True)
             shader = self.shader(frame.scene.lights, drawn, cached is not None)
-            ratio = {} if cached is None else {"depth": frame[DEPTH], "irradiance_ratio": cache[cached]}
+            ratio = {} if cached is None else {"depth": frame[DEPTH], **cache[cached].uniforms}
             bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
             virtual_lights = sum(counts[light] for light in drawn)
             draw_pixels(frame, target, shader, (1 + len(drawn) + virtual_lights) / VIRTUAL_LIGHTS_PER_RAY)
