@@ -26,7 +26,7 @@ DESKTOP = project.ROOT / "tests/tools/desktop.py"
 VIEWPORT_FRACTION, VIEWPORT_MARGIN = (0.8286, 0.922), (3.7, 45.8)
 #: Blenders that run at a time with --any-pace. Each waits much of its time; it may take this many times as long.
 MAX_BLENDERS = 3
-#: Pixels of the viewport, where a scenario does not set them, and its maximum width with --any-pace.
+#: Pixels of the viewport, where a scenario does not set them, and its maximum width where any pace and size will do.
 REGION, ANY_PACE_WIDTH = (1000, 700), 480
 STARTUP_SECONDS = 60  # that Blender may take before the scenario begins and after it has ended, together
 #: Lines of Blender's log that make a scenario fail. With MESA_DEBUG, Mesa logs OpenGL's errors, in our context too.
@@ -84,7 +84,7 @@ def _play(scenario: Scenario, archive: Path, output: Path, blender: Blender, any
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "user").mkdir(parents=True)
     region = scenario.region or REGION
-    scale = min(1.0, ANY_PACE_WIDTH / region[0]) if any_pace else 1.0
+    scale = min(1.0, ANY_PACE_WIDTH / region[0]) if any_pace and scenario.any_size else 1.0
     width, height = (
         round((scale * pixels + margin) / fraction)
         for pixels, margin, fraction in zip(region, VIEWPORT_MARGIN, VIEWPORT_FRACTION, strict=True)

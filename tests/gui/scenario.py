@@ -18,6 +18,7 @@ class Scenario:
     about: str
     region: tuple[int, int] | None = None  # pixels of the 3D viewport, in Blender's factory layout; None: any
     timeout: int = 120  # s, for all of the scenario
+    any_size: bool = True  # whether the region may be smaller with --any-pace
 
 
 def scenario(**_fields: object) -> Callable[[Callable], Callable]:

@@ -18,7 +18,7 @@ from tests.gui.session import Session, Steps
 MAX_DIFFERENT_PIXELS = 10
 
 
-@scenario(region=(1001, 703))
+@scenario(region=(1001, 703), any_size=False)
 def resolution(session: Session) -> Steps:
     """At 50 % and 25 % the picture is the same in coarser pixels; back at 100 % it is the first picture."""
     scene_setup.build_studio()
