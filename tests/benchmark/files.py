@@ -102,6 +102,7 @@ def simplify(scene: bpy.types.Scene, width: int) -> None:
     render.use_border = render.use_motion_blur = render.use_compositing = render.use_sequencer = False
     render.filter_size = FILTER_WIDTH
     scene.cycles.film_exposure = 1.0
+    scene.driver_remove("cycles.seed")  # the two references have different noise
     scene.view_layers[0].use = True
     scene.view_layers[0].material_override = None
     if scene.camera:
