@@ -44,6 +44,7 @@ def test_cycles_agrees(device, assert_within, name):
     factor, factor_of_cycles = SAMPLE_FACTORS.get(name, (1, 1))
     truth = direct_light(128 * factor_of_cycles, FILTER_WIDTH)
     scene, view = out_of_blender()
-    assert not scene.warnings and truth[..., :3].any()
+    assert not scene.warnings
+    assert truth[..., :3].any() or name == "a light in a closed box"
     settings = with_quality(SETTINGS, samples=factor * SETTINGS.quality.samples)
     assert_within(relative_difference(draw(device, scene, view, settings).color, truth), 0.05)
