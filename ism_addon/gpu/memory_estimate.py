@@ -13,8 +13,9 @@ from ..scene import View
 from .passes.film.accumulate import ROWS, SAMPLES, WIDE_MARGIN, filter_margin
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
-#: Bytes per pixel: of the targets of one light, and of images on the CPU while they are read back and copied.
-TARGETS_PER_LIGHT, FULL_SIZE_IMAGES = 11, 100
+#: Bytes per pixel: of the targets of one light, with an irradiance cache, and of images on the CPU while they are read
+#: back and copied.
+TARGETS_PER_LIGHT, FULL_SIZE_IMAGES = 13, 100
 
 #: Bytes that are allocated without a check.
 NEGLIGIBLE_BYTES = 1 << 28
