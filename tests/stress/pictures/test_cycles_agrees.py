@@ -27,13 +27,16 @@ SAMPLE_FACTORS = {
     "an elliptical spot of 0.2 m": (4, 8),
     "a spot near the ball": (8, 8),
     "a low sun of 0.5": (2, 4),
-    "an emissive quad": (4, 1),
-    "an emissive ball": (4, 1),
+    "an emissive triangle": (1, 4),
+    "an emissive quad": (4, 4),
+    "an emissive box on the floor": (1, 4),
+    "an emissive ball": (4, 2),
     "an emissive ball of 960 triangles": (4, 2),
     "an emissive ball that almost touches the floor": (4, 4),
     "emissive slats": (4, 4),
+    "a window": (1, 2),
     "two emissive meshes": (4, 2),
-    "instances of an emissive mesh": (4, 1),
+    "instances of an emissive mesh": (4, 2),
 }
 
 
