@@ -114,10 +114,11 @@ class InstanceReader:
         matrices[:, 3] = 0.0, 0.0, 0.0, 1.0  # exactly; parent inverses leave rounding errors in Blender's
         within_limits = is_within(matrices).all((1, 2))
         linear = np.where(within_limits.reshape(-1, 1, 1), matrices[:, :3, :3], 0.0)
-        flat = ~is_invertible(linear)
-        linear[flat] = with_thickness(linear[flat])
-        matrices[:, :3, :3] = linear
         valid = within_limits & is_invertible(linear)
+        flat = np.flatnonzero(within_limits & ~valid)
+        if len(flat):
+            matrices[flat, :3, :3] = with_thickness(linear[flat])
+            valid[flat] = is_invertible(matrices[flat, :3, :3])
         for issues in dict.fromkeys(each for row in self._rows for each in (row.reading.findings, row.unsupported)):
             findings.merge(issues)
         for index in np.flatnonzero(~valid):

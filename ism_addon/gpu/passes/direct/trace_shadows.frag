@@ -4,10 +4,9 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
+#include "surfaces/prediction_surface.glsl"
 #if CACHED
 #include "textures/irradiance_cache.glsl"
-#else
-uniform sampler2D prediction_surface; // positions and normals for which visibility was predicted
 #endif
 uniform usamplerBuffer lights;
 uniform int light_index;
@@ -20,28 +19,6 @@ layout(location = 1) out vec4 direct_residual; // in alpha, unshadowed luminance
 layout(location = 2) out vec2 rays;            // unoccluded, traced
 #endif
 
-// A prediction belongs to the surface that was visible at its pixel then. If another one is visible now, the prediction
-// of a neighbour on that surface is used instead.
-vec2 predicted_visibility_at(Surface surface, ivec2 at) {
-#if TRACE
-    ivec2 last = last_pixel();
-    vec2 predicted = vec2(0.0, 1.0), texel = texel_size(prediction_surface);
-    float best = 0.0;
-    for (int k = 0, taps = 9; k < taps; ++k) { // the pixel itself first
-        ivec2 other = clamp(at + ivec2((k + 4) % 3 - 1, (k + 4) % 9 / 3 - 1), ivec2(0), last);
-        vec4 other_surface = fetch(prediction_surface, other, texel);
-        float same_surface = similarity(surface.position, surface.normal, surface.depth, other_surface);
-        if (k == 0 || same_surface > best) predicted = fetch(prediction, other, texel).xy;
-        best = max(best, same_surface);
-        if (k == 0 && best > 0.5) taps = 1;
-    }
-    if (best < 0.5) predicted.y = 1.0;
-    return predicted;
-#else
-    return fetch(prediction, min(at, textureSize(prediction, 0) - 1)).xy;
-#endif
-}
-
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     direct_prediction = vec4(0.0);
@@ -53,13 +30,21 @@ void main() {
     if (!surface.exists) return;
     Light light = fetch_Light(lights, light_index);
     bool is_lit = is_lit_by(surface, light);
+#if TRACE || CACHED
+    PredictedPixel pixel = predicted_pixel(surface, at);
+#else
+    PredictedPixel pixel = PredictedPixel(at, true);
+#endif
 #if CACHED
-    float irradiance = cached_irradiance(surface, light, at);
+    float irradiance = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
 #endif
     vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light, irradiance) : vec3(0.0);
-    vec2 predicted = predicted_visibility_at(surface, at);
+    vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
+#if TRACE
+    if (!pixel.similar) predicted.y = 1.0;
+#endif
     float amount = luminance(unshadowed);
     bool uncertain = EXACT == 0 || predicted.y > 0.0;
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);

@@ -135,7 +135,7 @@ class TraceShadows(Pass):
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cached = int(light in (frame.get(IRRADIANCE_CACHE) or {}))
-        return variant | {"hard": int(hard), "cached": cached, "fine_cache": 1} | CACHE_CONSTANTS
+        return variant | {"hard": int(hard), "cached": cached} | CACHE_CONSTANTS
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""

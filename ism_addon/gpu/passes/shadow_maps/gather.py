@@ -71,7 +71,7 @@ class GatherLight(Pass):
             constants["parallel"] = int(any(each.parallel for each in light_types))
             constants["cached"] = int(cached)
             if cached:
-                constants |= {"light_bvh": 1, "fine_cache": 0, **CACHE_CONSTANTS}
+                constants |= {"light_bvh": 1, **CACHE_CONSTANTS}
             self.shaders[types, cached] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
         return self.shaders[types, cached]
 
