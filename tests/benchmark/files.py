@@ -21,12 +21,13 @@ from ism_addon.gpu.jobs.png import display_from_linear, write_png
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
 from tests.scenes.cycles import direct_light, image_pixels, write_as_exr
+from tests.scenes.parts.diffuse import make_diffuse
 
 from .error.benchmark_scene import SEEDS
 from .error.metrics import noise, rmse
 
 FILTER_WIDTH = 1.5  # px, of the pixel filter
-GREY = (0.5, 0.5, 0.5, 1.0)
+GREY = (0.5, 0.5, 0.5)
 CLOSE = 0.05  # RMSE / mean of a picture that looks like Cycles'
 
 
@@ -124,18 +125,7 @@ def simplify(scene: bpy.types.Scene, width: int) -> None:
 def make_grey(material: bpy.types.Material) -> None:
     """Replace a material's nodes by a grey, diffuse one that emits what it emitted, if that is the same everywhere."""
     material.use_nodes = True
-    emission, strength = emitted(material)
-    tree = material.node_tree
-    tree.nodes.clear()
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    shader = tree.nodes.new("ShaderNodeBsdfPrincipled" if strength else "ShaderNodeBsdfDiffuse")
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    shader.inputs[0].default_value = GREY
-    if strength:
-        shader.inputs["Specular IOR Level"].default_value = 0.0
-        shader.inputs["Roughness"].default_value = 1.0
-        shader.inputs["Emission Color"].default_value = emission
-        shader.inputs["Emission Strength"].default_value = strength
+    make_diffuse(material, GREY, *emitted(material))
 
 
 def emitted(material: bpy.types.Material) -> tuple[tuple[float, ...], float]:
@@ -148,9 +138,9 @@ def emitted(material: bpy.types.Material) -> tuple[tuple[float, ...], float]:
         "ShaderNodeBsdfPrincipled": ("Emission Color", "Emission Strength"),
     }.get(shader.bl_idname if shader else "")
     if names is None or any(shader.inputs[name].is_linked for name in names):
-        return (0.0, 0.0, 0.0, 1.0), 0.0
+        return (0.0, 0.0, 0.0), 0.0
     color, strength = (shader.inputs[name].default_value for name in names)
-    return tuple(color), strength if any(tuple(color)[:3]) else 0.0
+    return tuple(color)[:3], strength if any(tuple(color)[:3]) else 0.0
 
 
 if __name__ == "__main__":

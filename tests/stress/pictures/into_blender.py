@@ -10,6 +10,7 @@ from mathutils import Matrix
 from ism_addon import addon
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.scene import Lights, LightShape, Scene, View
+from tests.scenes.parts.diffuse import make_diffuse
 from tests.tools.new_file import open_empty_file
 
 
@@ -43,17 +44,9 @@ def material(scene: Scene, row: int) -> bpy.types.Material:
     if name in bpy.data.materials:
         return bpy.data.materials[name]
     made, emission = bpy.data.materials.new(name), scene.materials.emission[row]
-    made.use_nodes = True
-    nodes, strength = made.node_tree.nodes, float(emission.max())
-    nodes.clear()
-    shader = nodes.new("ShaderNodeBsdfPrincipled" if strength else "ShaderNodeBsdfDiffuse")
-    shader.inputs[0].default_value = (*map(float, scene.materials.base_color[row]), 1.0)
-    made.node_tree.links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
-    if strength:
-        shader.inputs["Specular IOR Level"].default_value = 0.0
-        shader.inputs["Roughness"].default_value = 1.0
-        shader.inputs["Emission Color"].default_value = (*map(float, emission / strength), 1.0)
-        shader.inputs["Emission Strength"].default_value = strength
+    strength = float(emission.max())
+    base_color = map(float, scene.materials.base_color[row])
+    make_diffuse(made, tuple(base_color), tuple(map(float, emission / (strength or 1.0))), strength)
     return made
 
 
