@@ -31,7 +31,8 @@ STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", 
 NO_TEST_WAS_CHOSEN = 5
 #: One test at a time for each core, at most 8 because of their memory. Mesa renders in the thread that calls it.
 SIDE_BY_SIDE = "-n=auto", "--maxprocesses=8", "--dist=worksteal"
-NO_DRAWING_THREADS = {"LP_NUM_THREADS": "0"}
+#: For tests side by side: none of them draws or multiplies matrices with threads of its own.
+ONE_THREAD = {"LP_NUM_THREADS": "0", "OPENBLAS_NUM_THREADS": "1"}
 #: Exit status if something cannot be tested here, as in automake.
 SKIPPED = 77
 ANY_PACE = "do not fail for what takes longer in the window than it must"
@@ -82,7 +83,7 @@ def run_tests(environment: Environment, chosen: list[str], *which: str, but: str
     others = f" and not {but}" if but else ""
     together = f"-m=not alone{others}", *SIDE_BY_SIDE
     return {
-        environment.name: environment.run("pytest", *which, *together, **NO_DRAWING_THREADS),
+        environment.name: environment.run("pytest", *which, *together, **ONE_THREAD),
         f"{environment.name}, one by one": environment.run("pytest", *which, f"-m=alone{others}"),
     }
 
