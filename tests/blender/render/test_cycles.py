@@ -108,7 +108,14 @@ def test_spot_lights_equal_those_of_cycles(device, light_over_plane, spot, radiu
 
 @pytest.mark.parametrize(
     ("angle", "normalize"),
-    [(0.0, True), (0.5, True), (2.0, True), (0.0, False), (0.5, False), *also((math.radians(0.526), True), (math.pi, True))],
+    [
+        (0.0, True),
+        (0.5, True),
+        (2.0, True),
+        (0.0, False),
+        (0.5, False),
+        *also((math.radians(0.526), True), (math.pi, True)),
+    ],
 )
 def test_suns_equal_those_of_cycles(device, light_over_plane, angle, normalize):
     light = bpy.data.lights.new("lamp", "SUN")
