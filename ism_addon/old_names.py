@@ -75,6 +75,8 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             f"{lights}blend": np.zeros(count, np.float32),
             f"{lights}radius": np.zeros(count),
             f"{lights}soft_falloff": np.zeros(count, bool),
+            f"{lights}falloff_power": np.zeros(count, np.int32),
+            f"{lights}falloff_smooth": np.zeros(count, np.float32),
             f"{lights}visible_camera": np.zeros(count, bool),
             f"{lights}shadow_softness": np.ones(count, np.float32),
         }

@@ -47,6 +47,9 @@ class Lights(Arrays):
     radius: np.ndarray = array("float64 L", "m", max_abs=MAX_DISTANCE, is_signed=False)
     #: Whether a point with a radius is a disk that faces the receiver, instead of a sphere.
     soft_falloff: np.ndarray = array("bool L")
+    #: What Light Falloff nodes multiply radiance by: this power of the distance, and distance² / (distance² + smooth).
+    falloff_power: np.ndarray = index("int32 L", into=3)
+    falloff_smooth: np.ndarray = array("float32 L", "m²", is_signed=False)
     casts_shadow: np.ndarray = array("bool L")
     #: Whether the camera sees it.
     visible_camera: np.ndarray = array("bool L")

@@ -95,6 +95,8 @@ def lights(area_lights: Sequence[AreaLight]) -> Lights:
         soft_falloff=np.zeros(len(area_lights), bool),
         visible_camera=np.zeros(len(area_lights), bool),
         shadow_softness=np.ones(len(area_lights), np.float32),
+        falloff_power=np.zeros(len(area_lights), np.int32),
+        falloff_smooth=np.zeros(len(area_lights), np.float32),
         casts_shadow=np.ones(len(area_lights), bool),
         receivers=np.full(len(area_lights), -1, np.int32),
         blockers=np.full(len(area_lights), -1, np.int32),

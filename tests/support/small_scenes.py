@@ -133,6 +133,8 @@ def light(
     shadow_softness: float = 1.0,
     visible_camera: bool = False,
     blend: float = 0.0,
+    falloff_power: int = 0,
+    falloff_smooth: float = 0.0,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -147,6 +149,8 @@ def light(
         blend=np.array([blend], np.float32),
         radius=np.array([radius], np.float64),
         soft_falloff=np.array([soft_falloff]),
+        falloff_power=np.array([falloff_power], np.int32),
+        falloff_smooth=np.array([falloff_smooth], np.float32),
         shadow_softness=np.array([shadow_softness], np.float32),
         casts_shadow=np.array([casts_shadow]),
         visible_camera=np.array([visible_camera]),

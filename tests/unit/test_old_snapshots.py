@@ -19,6 +19,8 @@ NEW_FIELDS = {
         "radius": np.zeros(2),
         "soft_falloff": np.zeros(2, bool),
         "shadow_softness": np.ones(2, np.float32),
+        "falloff_power": np.zeros(2, np.int32),
+        "falloff_smooth": np.zeros(2, np.float32),
         "visible_camera": np.zeros(2, bool),
     },
     "instances": {

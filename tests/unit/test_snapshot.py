@@ -59,6 +59,8 @@ def a_scene():
             radius=np.array([0.0, 2.0]),
             soft_falloff=np.array([True, False]),
             shadow_softness=np.array([0.5, 1.0], np.float32),
+            falloff_power=np.array([0, 2], np.int32),
+            falloff_smooth=np.array([0.5, 0.0], np.float32),
             visible_camera=np.array([True, False]),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),

@@ -69,7 +69,8 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
     if portal or not source.visible_diffuse:
         return [], findings  # as in Cycles, where portals only guide rays to the world
-    power = watts(light) * light_nodes.factor(light, source.name, findings)
+    shader = light_nodes.read(light, source.name, findings)
+    power = watts(light) * shader.factor
     if not power.any():
         return [], findings
     linked = [links.of_light((source,), role) for role in ("receiver", "blocker")]
@@ -86,6 +87,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         return [], findings
     receivers, blockers = (-1 if group is None else group for group in linked)
     row |= Row(receivers=receivers, blockers=blockers, visible_camera=source.visible_camera)
+    row |= Row(falloff_power=shader.falloff_power, falloff_smooth=shader.falloff_smooth)
     return _by_shadow(row, light), findings
 
 

@@ -220,6 +220,8 @@ def emissive_rows(
         "blend": np.zeros(count),
         "radius": np.linalg.norm(high - low, axis=1) / 2.0,
         "soft_falloff": np.zeros(count, bool),
+        "falloff_power": np.zeros(count, np.int32),
+        "falloff_smooth": np.zeros(count),
         "casts_shadow": np.ones(count, bool),
         "visible_camera": np.zeros(count, bool),
         "shadow_softness": np.ones(count),

@@ -17,6 +17,7 @@ from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
 from ..emission.emissive_lights import EmissiveLights
 from ..gl import shader_compiler
+from . import falloff
 from .area import AreaLight
 from .emissive_mesh import EmissiveMesh
 from .point import PointLight
@@ -148,6 +149,12 @@ def is_narrow(lights: Lights) -> np.ndarray:
     return narrow
 
 
+def bounds(light_type: LightType, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
+    """Bounds of lights of one type for culling, about the anchor (3,) m, with their falloff."""
+    plain = light_type.bounds(lights, anchor, working_space)
+    return falloff.FalloffBounds.of(plain, lights, anchor) if falloff.has_falloff(lights).any() else plain
+
+
 def has_light_bvh(lights: Lights) -> np.ndarray:
     """(L,) bool: whether a light's irradiance in GLSL is an estimate that the irradiance cache corrects."""
     return lights.leaves > 0 if isinstance(lights, EmissiveLights) else np.zeros(len(lights.shape), bool)
@@ -170,17 +177,26 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     return (
         types_variant({light_type.name})
         | {
-            "exact": int(light_type.is_exact(lights, light)),
+            "exact": int(is_exact(lights, light)),
             "max_rays": light_type.max_rays,
             "softness": int(lights.shadow_softness[light] != 1.0),
+            "falloff": int(falloff.has_falloff(lights)[light]),
         }
         | light_type.variant(lights, light)
     )
 
 
-def softness_variant(lights: Lights) -> int:
-    """Constant of a shader for these lights: whether the shadow of any sees another size."""
-    return int((lights.shadow_softness != 1.0).any())
+def is_exact(lights: Lights, light: int) -> bool:
+    """See LightType.is_exact. Of a light with a size, falloff is that of its middle."""
+    light_type = type_of(lights, light)
+    has_one_distance = light_type.is_hard(lights, light) or not falloff.has_falloff(lights)[light]
+    return has_one_distance and light_type.is_exact(lights, light)
+
+
+def mixed_variant(lights: Lights) -> dict[str, int]:
+    """Constants of a shader for all of these lights: whether the shadow of any sees another size; has any falloff."""
+    softness, has_falloff = (lights.shadow_softness != 1.0).any(), falloff.has_falloff(lights).any()
+    return {"softness": int(softness), "falloff": int(has_falloff)}
 
 
 def types_variant(names: Collection[str]) -> dict[str, int]:
@@ -191,7 +207,8 @@ def types_variant(names: Collection[str]) -> dict[str, int]:
 def switch(result: str, function: str, parameters: str) -> str:
     """GLSL: a function that calls the function of the light's type. The last type that a program has needs no test."""
     names = ", ".join(["light", *(parameter.split()[-1] for parameter in parameters.split(", "))])
-    lines = [f"{result} light_{function}(Light light, {parameters}) {{"]
+    prefix = falloff.PLAIN if function in falloff.REPLACED else ""
+    lines = [f"{result} {prefix}light_{function}(Light light, {parameters}) {{"]
     for index, light_type in enumerate(LIGHT_TYPES):
         is_type = " || ".join(f"light.shape == {shape}" for shape in light_type.shapes)
         others = " || ".join(f"HAS_{later.name.upper()}" for later in LIGHT_TYPES[index + 1 :])
@@ -208,7 +225,8 @@ def glsl() -> str:
         has = f"HAS_{light_type.name.upper()}"
         lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]
-    return "\n".join(lines + [switch(*function) for function in GLSL_INTERFACE])
+    lines += [switch(*function) for function in GLSL_INTERFACE]
+    return "\n".join([*lines, '#include "lights/falloff.glsl"'])
 
 
 shader_compiler.GENERATED["lights/light.glsl"] = glsl

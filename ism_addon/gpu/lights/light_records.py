@@ -7,7 +7,16 @@ from ...scene import Lights
 from ..gl.shader_records import LIGHT
 
 #: Fields of Lights that LIGHT has as they are.
-COMMON = "shape", "casts_shadow", "shadow_softness", "emission", "receivers", "blockers"
+COMMON = (
+    "shape",
+    "casts_shadow",
+    "shadow_softness",
+    "emission",
+    "receivers",
+    "blockers",
+    "falloff_power",
+    "falloff_smooth",
+)
 
 
 def light_records(lights: Lights, anchor: np.ndarray, *fields: str) -> np.ndarray:

@@ -36,6 +36,8 @@ def with_world(lights: Lights, world: World) -> Lights:
         "blend": 0.0,
         "radius": 0.0,
         "soft_falloff": False,
+        "falloff_power": 0,
+        "falloff_smooth": 0.0,
         "casts_shadow": True,
         "visible_camera": False,
         "shadow_softness": 1.0,

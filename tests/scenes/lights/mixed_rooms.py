@@ -41,6 +41,8 @@ def lamps(rows: list[tuple[LightShape, tuple[float, ...], dict[str, float]]]) ->
         "casts_shadow": np.ones(count, bool),
         "visible_camera": np.zeros(count, bool),
         "shadow_softness": np.ones(count),
+        "falloff_power": np.zeros(count, np.int32),
+        "falloff_smooth": np.zeros(count),
         "receivers": np.full(count, -1),
         "blockers": np.full(count, -1),
     }

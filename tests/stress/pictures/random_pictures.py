@@ -116,6 +116,8 @@ def lights(draw: st.DrawFn) -> Lights:
         casts_shadow=random.random(count) < 0.9,
         receivers=unlinked,
         blockers=unlinked.copy(),
+        falloff_power=np.where(is_sun, 0, random.choice(3, count, p=[0.9, 0.05, 0.05])).astype(np.int32),
+        falloff_smooth=np.where(is_sun, 0.0, random.choice([0.0, 1.0], count, p=[0.9, 0.1])).astype(np.float32),
     )
 
 

@@ -86,8 +86,10 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     if not len(scales) or scales.min() < 1e-6:
         return None
     meshes = tuple(mesh(each.positions, each.triangles) for each in scene.meshes)
-    count = len(scene.lights.shape)  # the reference does not show lights, and their shadows see their sizes
-    lights = replace(scene.lights, shadow_softness=np.ones(count, np.float32), visible_camera=np.zeros(count, np.bool_))
+    ones, no = np.ones(len(scene.lights.shape), np.float32), np.zeros(len(scene.lights.shape), np.bool_)
+    # The reference shows no lights, whose shadows see their sizes, and which do not fall off in their own way.
+    lights = replace(scene.lights, shadow_softness=ones, visible_camera=no, falloff_power=no.astype(np.int32))
+    lights = replace(lights, falloff_smooth=0.0 * ones)
     scene = replace(scene, meshes=meshes, lights=lights)
     view = replace(view, filter_width=0.01, transparent=False)
     plain_settings = Settings(

@@ -44,7 +44,7 @@ from ...gl import driver_variants
 from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
-from ...lights import shader_variant, type_of
+from ...lights import is_exact, shader_variant, type_of
 from ...material_inputs import MATERIAL, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
@@ -174,9 +174,7 @@ class TraceShadows(Pass):
         if not has_shadow:
             return tiles[:0], tiles
         any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
-        uncertain = (any_visible & any_occluded) | (
-            not type_of(frame.scene.lights, light).is_exact(frame.scene.lights, light)
-        )
+        uncertain = (any_visible & any_occluded) | (not is_exact(frame.scene.lights, light))
         if frame.sample == 0:
             return tiles[:0], tiles[any_visible]
         # The phase changes after each round of subpixel offsets: otherwise rays would start at the same ones only.

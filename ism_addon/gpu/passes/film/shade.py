@@ -30,6 +30,7 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
+from ...lights.falloff import has_falloff
 from ...lights.world import has_world
 
 
@@ -52,6 +53,7 @@ class Shade(Pass):
             occluded=occluded,
             seen_lights=int(seen is not None),
             has_emissive_mesh=0,  # surfaces, not seen lights
+            falloff=int(seen is not None and has_falloff(frame.scene.lights).any()),
             emissive=int(emissive),
         )
         if emissive:

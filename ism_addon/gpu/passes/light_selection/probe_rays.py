@@ -20,7 +20,7 @@ from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
-from ...lights import shader_variant, softness_variant
+from ...lights import mixed_variant, shader_variant
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
@@ -57,7 +57,7 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
     lights = frame.scene.lights
-    variant = {"softness": softness_variant(lights), "has_emissive_mesh": int(isinstance(lights, EmissiveLights))}
+    variant = mixed_variant(lights) | {"has_emissive_mesh": int(isinstance(lights, EmissiveLights))}
     program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, **variant)
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)

@@ -39,6 +39,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import type_of, types_variant
+from ...lights.falloff import has_falloff
 from ...material_inputs import MATERIAL, material_samplers
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
@@ -57,23 +58,23 @@ class GatherLight(Pass):
     outputs = outputs(DIRECT_PREDICTION)
 
     @cached_property
-    def shaders(self) -> dict[tuple[frozenset[str], bool], moderngl.VertexArray]:
-        """By names of light types, and whether the light is in the irradiance cache: the shader for such lights."""
+    def shaders(self) -> dict[tuple[frozenset[str], bool, bool], moderngl.VertexArray]:
+        """By names of light types, whether the light is in the irradiance cache, and whether any has falloff."""
         return {}
 
     def shader(self, lights: Lights, drawn: Iterable[int], cached: bool) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
         light_types = {type_of(lights, light) for light in drawn}
-        types = frozenset(each.name for each in light_types)
-        if (types, cached) not in self.shaders:
+        key = frozenset(each.name for each in light_types), cached, bool(has_falloff(lights)[list(drawn)].any())
+        if key not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            constants: dict[str, Any] = types_variant(types)
+            constants: dict[str, Any] = types_variant(key[0])
             constants["parallel"] = int(any(each.parallel for each in light_types))
-            constants["cached"] = int(cached)
+            constants["cached"], constants["falloff"] = int(cached), int(key[2])
             if cached:
                 constants |= {"light_bvh": 1, **CACHE_CONSTANTS}
-            self.shaders[types, cached] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
-        return self.shaders[types, cached]
+            self.shaders[key] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
+        return self.shaders[key]
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0

@@ -36,8 +36,8 @@ from ...tiles import from_strips, tiles_where
 UNIFORM_SAMPLES = 2
 
 #: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
-#: `dev.py bench constants` in docs/benchmarks.md. A fraction of 0.1 is as good there, but 3 % worse (squared error times
-#: time) for twelve real files by `dev.py bench files`.
+#: `dev.py bench constants` in docs/benchmarks.md. A fraction of 0.1 is as good there, but by `dev.py bench files` 3 %
+#: worse for twelve real files, in squared error times time.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.2
 

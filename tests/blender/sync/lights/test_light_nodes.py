@@ -39,15 +39,17 @@ def node_tree(light):
     return light.node_tree
 
 
-def draw(device):
-    """Our picture of the open scene, (16,16,3)."""
+def draw(device, samples=1):
+    """Our picture of the open scene, (16,16,3). Shadow rays correct it if there are several samples."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     renderer = Renderer(device)
-    quality = Quality(samples=1, virtual_lights=4)
-    settings = Settings(shadow=Shadow(enabled=False), ssao=SSAO(enabled=False), quality=quality)
+    quality = Quality(samples=samples, virtual_lights=4)
+    settings = Settings(shadow=Shadow(enabled=samples > 1), ssao=SSAO(enabled=False), quality=quality)
     view = replace(camera.final_view(depsgraph), filter_width=PIXEL_CENTRES)  # as the reference
-    for _ in renderer.sample(scene_reader.scene(depsgraph), view, settings, 0, Profile()):
-        pass
+    scene, profile = scene_reader.scene(depsgraph), Profile()
+    for sample in range(samples):
+        for _ in renderer.sample(scene, view, settings, sample, profile):
+            pass
     picture = renderer.picture()[..., :3]
     renderer.release()
     return picture
@@ -69,8 +71,50 @@ def test_the_colour_of_a_black_body_and_quadratic_falloff(device, light_object, 
     tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
     assert read_scene().warnings == ()
     assert np.allclose(draw(device).mean((0, 1)) / direct_light(16)[..., :3].mean((0, 1)), 1.0, atol=0.01)
+
+
+LIGHTS = {
+    "point": ("POINT", {"shadow_soft_size": 0.0}),
+    "sphere": ("POINT", {"shadow_soft_size": 0.5, "use_soft_falloff": False}),
+    "disk": ("POINT", {"shadow_soft_size": 0.5, "use_soft_falloff": True}),
+    "spot": ("SPOT", {"shadow_soft_size": 0.0, "spot_size": 2.0}),
+    "area": ("AREA", {"size": 1.0}),
+}
+
+
+@pytest.mark.parametrize(
+    ("output", "smooth"), [("Linear", 0.0), ("Constant", 0.0), ("Quadratic", 4.0), ("Linear", 4.0)]
+)
+@pytest.mark.parametrize("name", LIGHTS)
+def test_falloff_equals_that_of_cycles(device, light_object, read_scene, name, output, smooth):
+    kind, properties = LIGHTS[name]
+    light = light_object.data = bpy.data.lights.new("lamp", kind)
+    for key, value in properties.items():
+        setattr(light, key, value)
+    light.energy, light.use_shadow = 50.0, True
+    tree = node_tree(light)
+    falloff, emission = tree.nodes.new("ShaderNodeLightFalloff"), tree.nodes["Emission"]
+    falloff.inputs["Strength"].default_value, falloff.inputs["Smooth"].default_value = 2.0, smooth
+    tree.links.new(falloff.outputs[output], emission.inputs["Strength"])
+    assert read_scene().warnings == ()
+    ours, theirs = draw(device, 128), direct_light(512)[..., :3]
+    assert theirs.mean() > 0.01
+    # Of lights with a size the falloff is that of one distance, until shadow rays correct it.
+    hard = properties.get("shadow_soft_size") == 0.0
+    assert np.abs(ours - theirs).mean() < (0.001 if hard else 0.012) * theirs.mean()
+
+
+@pytest.mark.parametrize("socket", ["Strength", "Smooth"])
+def test_falloff_that_varies_and_that_of_suns_are_reported(light_object, read_scene, socket):
+    tree = node_tree(light_object.data)
+    falloff, emission = tree.nodes.new("ShaderNodeLightFalloff"), tree.nodes["Emission"]
     tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
-    assert len(read_scene().warnings) == 1
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], falloff.inputs[socket])
+    assert "'Noise Texture'" in read_scene().warnings[0]
+    tree.links.remove(falloff.inputs[socket].links[0])
+    assert read_scene().warnings == ()
+    light_object.data.type = "SUN"
+    assert "'Light Falloff'" in read_scene().warnings[0]
 
 
 def test_an_empty_tree_gives_no_light(light_object, read_scene):

@@ -1,0 +1,39 @@
+// What a Light Falloff node multiplies radiance by, as in Cycles.
+#ifndef FALLOFF
+#define FALLOFF 1
+#endif
+
+float light_falloff(Light light, float distance) {
+#if FALLOFF
+    float square = distance * distance, smoothed = light.falloff_smooth > 0.0 ? square + light.falloff_smooth : 1.0;
+    float factor = light.falloff_power == 0 ? 1.0 : light.falloff_power == 1 ? distance : square;
+    return light.falloff_smooth > 0.0 ? factor * square / smoothed : factor;
+#else
+    return 1.0;
+#endif
+}
+
+// Of the points of a light, about the mean distance: the mean of a sphere's lie two thirds of its radius before its centre.
+float light_mean_distance(Light light, vec3 p) {
+    float distance = length(light.position - p);
+    return light.soft_falloff != 0 ? distance : max(distance - 2.0 / 3.0 * light.radius, light.radius / 3.0);
+}
+
+float light_irradiance(Light light, vec3 p, vec3 n) {
+    return plain_light_irradiance(light, p, n) * light_falloff(light, light_mean_distance(light, p));
+}
+
+LightSample light_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+    LightSample from = plain_light_sample(light, p, n, uv);
+    from.radiance *= light_falloff(light, length(from.point - p));
+    return from;
+}
+
+float light_emitted(Light light, vec3 p, vec3 wi) {
+    float radiance = plain_light_emitted(light, p, wi);
+    return radiance > 0.0 ? radiance * light_falloff(light, light_hit_distance(light, p, wi)) : 0.0;
+}
+
+float light_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
+    return plain_light_virtual_weight(light, v, n, axis) * light_falloff(light, length(v));
+}

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights with a Light Falloff node: bounds, both methods, and no cost without one. Compared with Cycles elsewhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
+from ism_addon.gpu.gl.context import open_device
+from ism_addon.gpu.lights import bounds, by_type
+from ism_addon.scene import LightShape
+from ism_addon.settings import Method, Shadow
+from tests.pictures.lights.test_shadow_softness import FEW_SAMPLES
+from tests.pictures.test_picture import SETTINGS
+from tests.support.light_grids import irradiance
+from tests.support.small_scenes import draw, light, make_scene, quad, view_from_above, with_quality
+
+FLOOR = quad((-4, -4, 0), (8, 0, 0), (0, 8, 0))
+PLATE = quad((-0.5, -0.5, 1), (1, 0, 0), (0, 1, 0))
+VIEW = view_from_above(4.0, (32, 32), height=0.9)
+LIGHTS = {
+    "rectangle": lambda **falloff: light(**falloff),
+    "point": lambda **falloff: light(LightShape.POINT, radiance=3.0, **falloff),
+    "sphere": lambda **falloff: light(LightShape.POINT, radius=0.3, radiance=3.0, **falloff),
+    "spot": lambda **falloff: light(LightShape.SPOT, spread=2.0, blend=0.5, radiance=3.0, **falloff),
+}
+FALLOFFS = [{"falloff_power": 1}, {"falloff_power": 2}, {"falloff_smooth": 4.0}]
+
+
+@pytest.mark.parametrize("falloff", FALLOFFS, ids=["linear", "constant", "smooth"])
+@pytest.mark.parametrize("name", LIGHTS)
+def test_no_light_is_brighter_than_its_bound(name, falloff):
+    """Boxes of points at any distance, some of which face the light."""
+    random = np.random.default_rng(0)
+    (light_type, _, one), *_ = by_type(LIGHTS[name](**falloff))
+    plain = replace(one, falloff_power=np.zeros(1, np.int32), falloff_smooth=np.zeros(1, np.float32))
+    for _ in range(60):
+        points = random.normal(size=3) * 10.0 ** random.uniform(-1.0, 2.0) + random.uniform(-0.3, 0.3, (8, 3))
+        normal = one.position[0] - points[0]
+        normal /= np.linalg.norm(normal)
+        low, high, cone = np.append(points.min(0), 1.0), np.append(points.max(0), 0.0), np.append(normal, 1.0)
+        surfaces = SurfaceBounds.of(*(row.astype(np.float32)[None, None] for row in (low, high, cone)))
+        (bound,), (estimate,) = bounds(light_type, one, np.zeros(3), "Linear Rec.709").irradiance(surfaces)
+        for point in points:
+            distance = np.linalg.norm(point - one.position[0])
+            smooth = distance**2 / (distance**2 + one.falloff_smooth[0])
+            truth = irradiance(point, normal, plain, 0, 12) * distance ** one.falloff_power[0] * smooth
+            assert truth <= 1.05 * bound[0] + 1e-9
+        assert 0.0 <= estimate[0] <= 1.0001 * bound[0]
+
+
+@pytest.mark.parametrize("method", Method)
+@pytest.mark.parametrize("falloff", FALLOFFS, ids=["linear", "constant", "smooth"])
+@pytest.mark.parametrize("name", LIGHTS)
+def test_shadows_are_as_dark_as_without_falloff(device, name, falloff, method):
+    """Distances hardly differ over a light. Rays correct what differs, with some noise."""
+    with_shadows, without = FEW_SAMPLES[method], replace(FEW_SAMPLES[method], shadow=Shadow(enabled=False))
+    visible = []
+    for one in (LIGHTS[name](**falloff), LIGHTS[name]()):
+        scene = make_scene([FLOOR, PLATE], one)
+        shadowed, unshadowed = (draw(device, scene, VIEW, each).color[..., 0] for each in (with_shadows, without))
+        visible.append(np.divide(shadowed, unshadowed, out=np.zeros_like(shadowed), where=unshadowed > 0.0))
+    assert (visible[1] < 0.9).mean() > 0.05
+    assert np.abs(visible[0] - visible[1]).mean() < 0.03
+
+
+def test_only_lights_with_falloff_need_a_shader_for_it():
+    device = open_device()
+    for power in (0, 1):
+        with device.gl:
+            scene = make_scene([FLOOR, PLATE], light(falloff_power=power, visible_camera=True))
+            draw(device, scene, VIEW, with_quality(SETTINGS[Method.RAY_TRACED], samples=2))
+        assert any(("falloff", 1) in constants for _, _, constants in device.programs) == (power > 0)
+    device.close()
