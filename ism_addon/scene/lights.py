@@ -49,7 +49,7 @@ class Lights(Arrays):
     soft_falloff: np.ndarray = array("bool L")
     #: What Light Falloff nodes multiply radiance by: this power of the distance, and distance² / (distance² + smooth).
     falloff_power: np.ndarray = index("int32 L", into=3)
-    falloff_smooth: np.ndarray = array("float32 L", "m²", is_signed=False)
+    falloff_smooth: np.ndarray = array("float32 L", "m²", max_abs=MAX_DISTANCE, is_signed=False)
     casts_shadow: np.ndarray = array("bool L")
     #: Whether the camera sees it.
     visible_camera: np.ndarray = array("bool L")

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...scene.limits import MAX_DISTANCE
 from .diagnostics import Diagnostics
 from .materials import nodes
 
@@ -53,5 +54,6 @@ def _falloff(socket: bpy.types.NodeSocket, result: LightShader) -> tuple[float, 
     (strength, varying), (smooth, other) = (nodes.number(output.node.inputs[each]) for each in ("Strength", "Smooth"))
     if varying is not None or other is not None:
         return socket.default_value, varying or other
-    result.falloff_power, result.falloff_smooth = POWERS[output.name], max(smooth, 0.0)
+    result.falloff_power = POWERS[output.name]
+    result.falloff_smooth = min(smooth, MAX_DISTANCE) if smooth > 0.0 else 0.0  # also if it is no number
     return strength, None

@@ -86,8 +86,13 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         findings.warn(f"{light.type.capitalize()} lights too bright to be drawn are left out", source.name)
         return [], findings
     receivers, blockers = (-1 if group is None else group for group in linked)
-    row |= Row(receivers=receivers, blockers=blockers, visible_camera=source.visible_camera)
-    row |= Row(falloff_power=shader.falloff_power, falloff_smooth=shader.falloff_smooth)
+    row |= Row(
+        receivers=receivers,
+        blockers=blockers,
+        visible_camera=source.visible_camera,
+        falloff_power=shader.falloff_power,
+        falloff_smooth=shader.falloff_smooth,
+    )
     return _by_shadow(row, light), findings
 
 

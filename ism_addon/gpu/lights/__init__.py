@@ -149,8 +149,8 @@ def is_narrow(lights: Lights) -> np.ndarray:
     return narrow
 
 
-def bounds(light_type: LightType, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
-    """Bounds of lights of one type for culling, about the anchor (3,) m, with their falloff."""
+def bounds_with_falloff(light_type: LightType, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
+    """Bounds of lights of one type for culling, about the anchor (3,) m."""
     plain = light_type.bounds(lights, anchor, working_space)
     return falloff.FalloffBounds.of(plain, lights, anchor) if falloff.has_falloff(lights).any() else plain
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light Falloff nodes: the radiance of a light is multiplied by a function of the distance that grows with it.
 
-In Cycles' words, Quadratic is the natural decrease of light, and the factor 1; Linear and Constant are a power of the
-distance; and Smooth makes light weaker near its source.
+The node's output Quadratic is the physical decrease of light: the factor is 1. By Linear it is the distance, by
+Constant its square. Smooth makes light weaker near its source.
 """
 
 from dataclasses import dataclass, fields
@@ -12,6 +12,7 @@ import numpy as np
 
 from ...scene import Lights, LightShape
 from ..culling.surface_bounds import SurfaceBounds, dot
+from .point import MAX_BOUND
 
 if TYPE_CHECKING:
     from . import LightBounds
@@ -59,10 +60,9 @@ class FalloffBounds:
         to = self.position - (surfaces.low + half)[:, None]
         distance = np.sqrt(dot(to, to))
         farthest = distance + np.sqrt(dot(half, half)) + self.extent
-        limit = np.finfo(np.float32).max
         with np.errstate(over="ignore"):
-            products = upper_bound * self.factor(farthest), estimate * self.factor(distance)
-        return np.minimum(products[0], limit), np.minimum(products[1], limit)
+            upper_bound, estimate = upper_bound * self.factor(farthest), estimate * self.factor(distance)
+        return np.minimum(upper_bound, np.float32(MAX_BOUND)), np.minimum(estimate, np.float32(MAX_BOUND))
 
     def factor(self, distance: np.ndarray) -> np.ndarray:
         """(K,N) of distances (K,N) m: see falloff.glsl."""

@@ -8,7 +8,7 @@ import pytest
 
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.gl.context import open_device
-from ism_addon.gpu.lights import bounds, by_type
+from ism_addon.gpu.lights import bounds_with_falloff, by_type
 from ism_addon.scene import LightShape
 from ism_addon.settings import Method, Shadow
 from tests.pictures.lights.test_shadow_softness import FEW_SAMPLES
@@ -41,7 +41,7 @@ def test_no_light_is_brighter_than_its_bound(name, falloff):
         normal /= np.linalg.norm(normal)
         low, high, cone = np.append(points.min(0), 1.0), np.append(points.max(0), 0.0), np.append(normal, 1.0)
         surfaces = SurfaceBounds.of(*(row.astype(np.float32)[None, None] for row in (low, high, cone)))
-        (bound,), (estimate,) = bounds(light_type, one, np.zeros(3), "Linear Rec.709").irradiance(surfaces)
+        (bound,), (estimate,) = bounds_with_falloff(light_type, one, np.zeros(3), "Linear Rec.709").irradiance(surfaces)
         for point in points:
             distance = np.linalg.norm(point - one.position[0])
             smooth = distance**2 / (distance**2 + one.falloff_smooth[0])

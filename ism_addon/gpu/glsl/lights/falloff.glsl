@@ -1,19 +1,19 @@
-// What a Light Falloff node multiplies radiance by, as in Cycles.
+// What a Light Falloff node multiplies radiance by, as in Cycles. Included after the functions of plain lights.
 #ifndef FALLOFF
 #define FALLOFF 1
 #endif
 
 float light_falloff(Light light, float distance) {
 #if FALLOFF
-    float square = distance * distance, smoothed = light.falloff_smooth > 0.0 ? square + light.falloff_smooth : 1.0;
+    float square = distance * distance;
     float factor = light.falloff_power == 0 ? 1.0 : light.falloff_power == 1 ? distance : square;
-    return light.falloff_smooth > 0.0 ? factor * square / smoothed : factor;
+    return light.falloff_smooth > 0.0 ? factor * square / (square + light.falloff_smooth) : factor;
 #else
     return 1.0;
 #endif
 }
 
-// Of the points of a light, about the mean distance: the mean of a sphere's lie two thirds of its radius before its centre.
+// About the mean distance of a light's points. Those of a sphere are nearer than its centre by two thirds of its radius.
 float light_mean_distance(Light light, vec3 p) {
     float distance = length(light.position - p);
     return light.soft_falloff != 0 ? distance : max(distance - 2.0 / 3.0 * light.radius, light.radius / 3.0);

@@ -41,7 +41,7 @@ from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import pixels
-from ...lights import LightBounds, bounds, by_type, is_narrow
+from ...lights import LightBounds, bounds_with_falloff, by_type, is_narrow
 from ...surface_inputs import SURFACE
 from ...tiles import from_strips
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
@@ -154,7 +154,7 @@ class CullLights(Pass):
         columns, rows = frame.tiles
         irradiance = np.zeros((2, len(lights.shape), rows, columns), np.float32)  # bounds, estimates
         for light_type, indices, type_lights in by_type(lights):
-            type_bounds = bounds(light_type, type_lights, frame.anchor, frame.scene.working_space)
+            type_bounds = bounds_with_falloff(light_type, type_lights, frame.anchor, frame.scene.working_space)
 
             def fill(first: int, indices: np.ndarray = indices, bounds: LightBounds = type_bounds) -> None:
                 batch = indices[first : first + step]

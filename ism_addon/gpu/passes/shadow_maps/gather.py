@@ -8,7 +8,7 @@ centre, like the depth of discs, so that a plane does not shadow itself. Matrice
 no limit.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import groupby
 from typing import Any
@@ -59,22 +59,22 @@ class GatherLight(Pass):
 
     @cached_property
     def shaders(self) -> dict[tuple[frozenset[str], bool, bool], moderngl.VertexArray]:
-        """By names of light types, whether the light is in the irradiance cache, and whether any has falloff."""
+        """By the lights it is for: names of their types; whether in the irradiance cache; whether any has falloff."""
         return {}
 
-    def shader(self, lights: Lights, drawn: Iterable[int], cached: bool) -> moderngl.VertexArray:
+    def shader(self, lights: Lights, drawn: Sequence[int], cached: bool) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
         light_types = {type_of(lights, light) for light in drawn}
-        key = frozenset(each.name for each in light_types), cached, bool(has_falloff(lights)[list(drawn)].any())
-        if key not in self.shaders:
+        types, falloff = frozenset(each.name for each in light_types), bool(has_falloff(lights)[list(drawn)].any())
+        if (types, cached, falloff) not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            constants: dict[str, Any] = types_variant(key[0])
+            constants: dict[str, Any] = types_variant(types)
             constants["parallel"] = int(any(each.parallel for each in light_types))
-            constants["cached"], constants["falloff"] = int(cached), int(key[2])
+            constants["cached"], constants["falloff"] = int(cached), int(falloff)
             if cached:
                 constants |= {"light_bvh": 1, **CACHE_CONSTANTS}
-            self.shaders[key] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
-        return self.shaders[key]
+            self.shaders[types, cached, falloff] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
+        return self.shaders[types, cached, falloff]
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0

@@ -16,7 +16,7 @@ from ....sampling.dimensions import Dimension, draw
 from ....scene import Change, Lights
 from ...culling.surface_bounds import SurfaceBounds
 from ...frame import Frame, Pass, outputs
-from ...lights import bounds, by_type
+from ...lights import bounds_with_falloff, by_type
 from .point_cloud import PointCloud
 
 #: Points of the cloud at which irradiance is estimated. See `dev.py bench constants` in docs/benchmarks.md.
@@ -37,7 +37,7 @@ def importance(cloud: PointCloud, lights: Lights, anchor: np.ndarray, working_sp
     estimates = np.zeros((len(lights.shape), 2 * len(chosen)), np.float32)
     peaks = np.zeros((len(lights.shape), 1), np.float32)
     for light_type, rows, type_lights in by_type(lights):
-        type_bounds = bounds(light_type, type_lights, anchor, working_space)
+        type_bounds = bounds_with_falloff(light_type, type_lights, anchor, working_space)
         estimates[rows], peaks[rows] = type_bounds.irradiance(either_side)[1], type_bounds.peak
     total = estimates.sum(0)
     if not total.any():
