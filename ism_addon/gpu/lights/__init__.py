@@ -178,6 +178,7 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
         types_variant({light_type.name})
         | {
             "exact": int(is_exact(lights, light)),
+            "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
             "max_rays": light_type.max_rays,
             "softness": int(lights.shadow_softness[light] != 1.0),
             "falloff": int(falloff.has_falloff(lights)[light]),

@@ -19,6 +19,15 @@ float light_mean_distance(Light light, vec3 p) {
     return light.soft_falloff != 0 ? distance : max(distance - 2.0 / 3.0 * light.radius, light.radius / 3.0);
 }
 
+// The factor in light_irradiance, over that of light from one point.
+float light_falloff_ratio(Light light, vec3 p, vec3 point) {
+#if FALLOFF
+    return light_falloff(light, light_mean_distance(light, p)) / max(light_falloff(light, length(point - p)), 1e-30);
+#else
+    return 1.0;
+#endif
+}
+
 float light_irradiance(Light light, vec3 p, vec3 n) {
     return plain_light_irradiance(light, p, n) * light_falloff(light, light_mean_distance(light, p));
 }

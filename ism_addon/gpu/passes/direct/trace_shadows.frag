@@ -4,6 +4,7 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
+#include "trace/ray_correction.glsl"
 #include "surfaces/prediction_surface.glsl"
 #if CACHED
 #include "textures/irradiance_cache.glsl"
@@ -76,7 +77,8 @@ void main() {
         rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
         if (tests) continue;
         vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
-        vec3 correction = EXACT == 1 ? estimate * (visible - predicted.x) : estimate * visible - unshadowed * predicted.x;
+        vec3 correction =
+            ray_correction(estimate, visible, unshadowed, predicted.x, light, surface.position, from.point);
         direct_residual.rgb += correction / rate;
     }
 #endif

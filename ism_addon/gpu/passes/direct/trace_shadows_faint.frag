@@ -4,6 +4,7 @@
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
+#include "trace/ray_correction.glsl"
 uniform usamplerBuffer lights;
 uniform uvec3 light_steps;
 flat in int tile_light;
@@ -39,7 +40,7 @@ void main() {
     if (EXACT == 1 && !is_lit_from) return;
     float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
     vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) / tile_probability : vec3(0.0);
-    vec3 correction = EXACT == 1 ? estimate * (visible - visibility) : estimate * visible - unshadowed * visibility;
+    vec3 correction = ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point);
     direct_residual.rgb = correction / rate;
 #endif
 }
