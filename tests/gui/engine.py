@@ -25,17 +25,24 @@ def engine_class() -> Any:
     return module("blender.engine").ISMRenderEngine
 
 
+def viewports() -> list[Any]:
+    """All viewports that our engine draws."""
+    return list(module("blender.viewport.redraw_timer")._viewports)
+
+
+def is_rendering() -> bool:
+    """Whether a viewport is still sampling; also before there is a viewport."""
+    return not viewports() or any(viewport._job is None or viewport.is_rendering for viewport in viewports())
+
+
 def is_busy() -> bool:
     """Whether a viewport is still sampling, or has not shown the last sample; also before there is a viewport."""
-    viewports = list(module("blender.viewport.redraw_timer")._viewports)
-    return not viewports or any(
-        viewport._job is None or viewport.is_rendering or viewport.has_update for viewport in viewports
-    )
+    return is_rendering() or any(viewport.has_update for viewport in viewports())
 
 
 def jobs() -> list[Any]:
     """The viewports' latest jobs for the render thread: another object for each new request."""
-    return [viewport._job for viewport in module("blender.viewport.redraw_timer")._viewports]
+    return [viewport._job for viewport in viewports()]
 
 
 def errors() -> list[str]:

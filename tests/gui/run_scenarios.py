@@ -27,7 +27,7 @@ VIEWPORT_FRACTION, VIEWPORT_MARGIN = (0.8286, 0.922), (3.7, 45.8)
 #: Blenders that run at a time with --any-pace. Each waits much of its time; it may take this many times as long.
 MAX_BLENDERS = 3
 #: Pixels of the viewport, where a scenario does not set them, and its maximum width where any pace and size will do.
-REGION, ANY_PACE_WIDTH = (1000, 700), 480
+REGION, ANY_PACE_WIDTH = (1000, 700), 320
 STARTUP_SECONDS = 60  # that Blender may take before the scenario begins and after it has ended, together
 #: Lines of Blender's log that make a scenario fail. With MESA_DEBUG, Mesa logs OpenGL's errors, in our context too.
 ERROR_LINE = re.compile(r"^(Traceback|.*Mesa: User error: GL_|.*could not be drawn).*", re.MULTILINE)
@@ -69,7 +69,7 @@ def play(chosen: Iterable[Scenario], archive: Path, output: Path, blender: Blend
     outcomes = []
     with ThreadPoolExecutor(MAX_BLENDERS if any_pace else 1) as pool:
         play_one = partial(_play, archive=archive, output=output, blender=blender, any_pace=any_pace)
-        for outcome in pool.map(play_one, chosen):
+        for outcome in pool.map(play_one, sorted(chosen, key=lambda each: -each.timeout)):  # the longest first
             print(_report(outcome), flush=True)
             outcomes.append(outcome)
     record = {"commit": project.commit(), "outcomes": [asdict(outcome) for outcome in outcomes]}

@@ -5,6 +5,7 @@ Blender's redraw of a window and our passes compete for the processor or the gra
 time, each takes twice as long, and the window is frozen meanwhile. So the render thread pauses while Blender draws.
 """
 
+import time
 from typing import Protocol
 from weakref import WeakSet
 
@@ -42,19 +43,18 @@ class _Timer:
     """Three steps: pause the render thread, redraw the viewports, resume the thread."""
 
     def __init__(self) -> None:
-        self.idle_wait: float | None = None  # s so far for the thread to become idle; None: it is not paused
+        self.paused_since: float | None = None  # s, monotonic; None: the render thread is not paused
         self.is_drawing = False  # viewports are tagged; Blender has drawn them when the timer is called next
 
     def __call__(self) -> float | None:
         if self.is_drawing:
             shared.resume()
-            self.is_drawing, self.idle_wait = False, None
-        elif self.idle_wait is None and any(viewport.has_update for viewport in _viewports):
+            self.is_drawing, self.paused_since = False, None
+        elif self.paused_since is None and any(viewport.has_update for viewport in _viewports):
             shared.pause(MAX_PAUSE)
-            self.idle_wait = 0.0
-        if self.idle_wait is not None:
-            if not shared.is_idle and self.idle_wait < MAX_IDLE_WAIT:
-                self.idle_wait += IDLE_POLL_INTERVAL
+            self.paused_since = time.monotonic()
+        if self.paused_since is not None:
+            if not shared.is_idle and time.monotonic() < self.paused_since + MAX_IDLE_WAIT:
                 return IDLE_POLL_INTERVAL
             redraw_viewports()
             self.is_drawing = True

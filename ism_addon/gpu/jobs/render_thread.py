@@ -87,7 +87,7 @@ class RenderThread:
     def is_idle(self) -> bool:
         """Whether no pass is being executed."""
         with self._changed:
-            return self._is_paused or self._thread is None or not self._has_work()
+            return self._is_paused or self._thread is None or not self._has_jobs()
 
     def stop(self) -> None:
         """End all jobs and the thread. If the current pass takes longer than JOIN_TIMEOUT, the thread ends later."""
@@ -140,7 +140,7 @@ class RenderThread:
         """Draw all jobs, until stop()."""
         while True:
             with self._changed:
-                self._changed.wait_for(self._has_work)
+                self._changed.wait_for(lambda: self._stopped() or self._has_jobs())
                 if self._stopped():
                     return
                 jobs = {client: job for client, job in self._jobs.items() if not job.finished}
@@ -160,8 +160,9 @@ class RenderThread:
                 self._changed.wait(remaining)
             self._is_paused = False
 
-    def _has_work(self) -> bool:
-        return self._stopped() or bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
+    def _has_jobs(self) -> bool:
+        """Whether there is something to draw or to free. With the lock held."""
+        return bool(self._forgotten) or any(not job.finished for job in self._jobs.values())
 
     def _stopped(self) -> bool:
         """Whether the calling thread was stopped; a new thread may already be running."""

@@ -108,7 +108,7 @@ def edit_mode(session: Session) -> Steps:
     session.record("Edit Mode against Object Mode, RMSE", 255 * rmse(in_edit_mode, after), "/255", must=1.5)
 
 
-@scenario(timeout=180)
+@scenario(region=(480, 336), timeout=180, any_size=False)
 def ambient_occlusion(session: Session) -> Steps:
     """Each setting of the ambient occlusion changes the picture; changed back, it restores the first picture."""
     scene_setup.build_studio()

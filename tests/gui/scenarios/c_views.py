@@ -64,7 +64,7 @@ def camera_against_final(session: Session) -> Steps:
     session.record("viewport against F12, largest", 255 * np.abs(shown - rendered)[WITHOUT_BORDER].max(), "/255")
 
 
-@scenario(timeout=180)
+@scenario(region=(480, 336), timeout=180, any_size=False)
 def render_region(session: Session) -> Steps:
     """With a render region, the picture inside it is as before, and there is none outside."""
     scene_setup.build_studio()

@@ -32,6 +32,15 @@ def test_no_pass_begins_during_a_pause(worker):
     assert not job.finished
 
 
+def test_the_thread_is_idle_when_its_jobs_have_ended(worker):
+    """Otherwise viewports would wait before they show the last picture."""
+    assert wait_for_end(worker.start(request(), "client"))
+    assert worker.is_idle
+    job = worker.start(request(LONG), "client")
+    assert wait_for_picture(job)
+    assert not worker.is_idle
+
+
 def test_a_pause_ends_after_its_time_and_when_the_worker_stops(worker):
     assert worker.is_idle
     worker.pause(0.2)
