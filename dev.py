@@ -23,8 +23,9 @@ BENCHMARKS = sorted(
     for path in (project.ROOT / "tests/benchmark").glob("[!_]*")
     if path.suffix == ".py" or (path / "__main__.py").is_file()
 )
-#: Numbers of random pictures, frames of animations, and repeated renders for `stress`; `test` runs fewer.
+#: Numbers of random pictures, frames of animations, and repeated renders for `stress`; `test --all` runs fewer.
 STRESS_FULL = "--examples=10000", "--frames=100", "--rounds=1000"
+WITHOUT_STRESS = ("--ignore=tests/stress",)
 #: Static checks: names to Python modules and their arguments.
 STATIC_CHECKS = {"ruff": ("ruff", "check"), "ruff's format": ("ruff", "format", "--check"), "mypy": ("mypy",)}
 #: pytest's exit status if no test was selected.
@@ -44,33 +45,26 @@ def demo(output: Path, further: list[str]) -> int:
 
 
 def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
-    """Run all checks, or the tests that arguments for pytest choose.
+    """Run all checks but the stress tests, or the tests that arguments for pytest choose.
 
-    With `everything`: with all releases of bpy, and unless tests are chosen, in a Blender with a window too.
-    With `any_pace`, nothing fails there for being slow.
+    With `everything`: with all releases of bpy, and unless tests are chosen, the stress tests and in a Blender with a
+    window too. With `any_pace`, nothing fails there for being slow.
     """
-    default, *others = prepare_all(not chosen) if everything else [next(environments())]
-    checks = {} if chosen else STATIC_CHECKS
-    if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
-        checks = {name: command for name, command in checks.items() if name != "mypy"}
-    results = {name: default.run(*command) for name, command in checks.items()}
-    results |= run_tests(default, chosen)
-    for other in others:
-        results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
+    with ThreadPoolExecutor() as pool:  # what later tests need is installed while the first ones run
+        if everything and not chosen:
+            pool.submit(blender_root.install, BLENDER_ROOT)  # if it cannot be, gui_test tries again and reports why
+        prepared = all_environments(pool) if everything else environments()
+        default = next(prepared)
+        checks = {} if chosen else STATIC_CHECKS
+        if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
+            checks = {name: command for name, command in checks.items() if name != "mypy"}
+        results = {name: default.run(*command) for name, command in checks.items()}
+        results |= run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
+        for other in prepared if everything else ():
+            results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
     if everything and not chosen:
         results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
     return report(results)
-
-
-def prepare_all(window: bool) -> list[Environment]:
-    """Set up all environments in parallel, and a Blender with a `window`.
-
-    If that cannot be installed, gui_test tries again and reports why.
-    """
-    with ThreadPoolExecutor() as pool:
-        if window:
-            pool.submit(blender_root.install, BLENDER_ROOT)
-        return all_environments()
 
 
 def run_tests(environment: Environment, chosen: list[str], *which: str, but: str = "") -> dict[str, int]:
@@ -153,9 +147,9 @@ def main() -> int:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     verb = verbs.add_parser("demo", help="render the report's figure 6; further arguments: --samples 1, --size 640x360")
     verb.add_argument("--output", type=Path, default=BUILD / "figure6", help="folder of the pictures (%(default)s)")
-    about = "run all checks with one bpy; further arguments go to pytest, such as -k name"
+    about = "run the checks with one bpy; further arguments go to pytest, such as -k name"
     verb = verbs.add_parser("test", help=about, allow_abbrev=False)
-    verb.add_argument("--all", action="store_true", help="with all releases of bpy, and in a Blender with a window")
+    verb.add_argument("--all", action="store_true", help="also stress tests, other bpy releases, and a window")
     verb.add_argument("--any-pace", action="store_true", help=ANY_PACE)
     verbs.add_parser("stress", help="run the stress tests, with more random pictures; further arguments go to pytest")
     verb = verbs.add_parser("gui-test", help="play scenarios in a Blender with a window")

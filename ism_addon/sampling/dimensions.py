@@ -8,6 +8,7 @@ tiles can be drawn independently and in any order.
 
 from collections.abc import Iterable
 from enum import Enum
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -101,11 +102,15 @@ def draw(dimension: Dimension, **indices: npt.ArrayLike) -> np.ndarray:
 
     Indices that only shaders add are omitted here. Raises KeyError for an index that the decision does not have.
     """
-    increments = dimension.value
-    terms = (
-        np.multiply.outer(np.asarray(value, np.float64) + 1.0, increments[index]) for index, value in indices.items()
-    )
+    increments = increments_of(dimension)
+    terms = [(np.asarray(value, np.float64)[..., None] + 1.0) * increments[index] for index, value in indices.items()]
     return np.mod(sum(terms, 0.5), 1.0)
+
+
+@cache
+def increments_of(dimension: Dimension) -> dict[str, np.ndarray]:
+    """By index, the increments (d,) float64 of a decision."""
+    return {index: np.array(increments, np.float64) for index, increments in dimension.value.items()}
 
 
 def fixed_point(numbers: Iterable[float]) -> tuple[int, ...]:

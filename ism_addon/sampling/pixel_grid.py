@@ -2,7 +2,7 @@
 """Subpixel offsets of samples: on a grid that several samples share, or distributed like a narrow filter."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -63,12 +63,17 @@ def pixel_grid(index: int, count: int) -> PixelGrid:
     return PixelGrid(fine_from_pixel, offsets[0], texels, offsets)
 
 
-def narrow_pixel_grid(sample: int, width: float) -> PixelGrid:
-    """The grid of one sample, distributed like the Blackman-Harris filter of radius `width` ≤ 0.5 px (Harris 1978)."""
-    t = np.linspace(-1.0, 1.0, 257)
-    k = np.pi * (t + 1.0)
+@cache
+def cumulative_filter() -> tuple[np.ndarray, np.ndarray]:
+    """The Blackman-Harris filter of radius 1 (Harris 1978): its integral up to each position, and the positions."""
+    position = np.linspace(-1.0, 1.0, 257)
+    k = np.pi * (position + 1.0)
     weight = 0.35875 - 0.48829 * np.cos(k) + 0.14128 * np.cos(2 * k) - 0.01168 * np.cos(3 * k)
-    cumulative = np.cumsum(weight) - 0.5 * weight
+    return (np.cumsum(weight) - 0.5 * weight) / weight.sum(), position
+
+
+def narrow_pixel_grid(sample: int, width: float) -> PixelGrid:
+    """The grid of one sample, distributed like the Blackman-Harris filter of radius `width` ≤ 0.5 px."""
     uniform = draw(Dimension.PIXEL, sample=sample - 1)  # of the first sample, the centre
-    offset = width * np.interp(uniform * weight.sum(), cumulative, t)
+    offset = width * np.interp(uniform, *cumulative_filter())
     return PixelGrid(np.eye(2, dtype=int), offset, np.zeros((1, 2), int), offset[None])

@@ -40,7 +40,7 @@ def run(monkeypatch, tmp_path):
     def run(*arguments: str, in_blender: bool = False) -> tuple[int, list[list[str]], list[bool]]:
         prepared = [environment("first", not in_blender), environment("second")]
         monkeypatch.setattr(dev, "environments", lambda: iter(prepared))
-        monkeypatch.setattr(dev, "all_environments", lambda: prepared)
+        monkeypatch.setattr(dev, "all_environments", lambda _pool: iter(prepared))
         monkeypatch.setattr(sys, "argv", ["dev.py", "test", *arguments])
         log.write_text("")
         window_tests.clear()
@@ -60,18 +60,21 @@ def test_by_default_it_checks_style_types_and_tests_with_one_bpy(run, capsys):
     tests = [command for _, module, *command in commands if module == "pytest"]
     assert ["-n=auto" in command for command in tests] == [True, False]
     assert ["-m=alone" in command for command in tests] == [False, True]
+    assert all("--ignore=tests/stress" in command for command in tests)
     assert "passed: ruff, ruff's format, mypy, first, first, one by one\n" in capsys.readouterr().out
 
 
 def test_inside_a_blender_tests_run_in_one_process_and_mypy_does_not(run):
     status, commands, _ = run(in_blender=True)
     assert status == 0
-    assert commands == [["first", "ruff", "check"], ["first", "ruff", "format", "--check"], ["first", "pytest"]]
+    assert commands[:2] == [["first", "ruff", "check"], ["first", "ruff", "format", "--check"]]
+    assert commands[2:] == [["first", "pytest", "--ignore=tests/stress"]]
 
 
-def test_all_adds_the_other_releases_of_bpy_and_the_window(run, capsys):
+def test_all_adds_the_stress_tests_the_other_releases_of_bpy_and_the_window(run, capsys):
     status, commands, window_tests = run("--all", "--any-pace")
     assert (status, window_tests) == (0, [True])
+    assert not any("--ignore=tests/stress" in command for command in commands)
     others = [command for where, _, *command in commands if where == "second"]
     assert len(others) == 2
     assert all("--override-ini=testpaths=tests/blender" in command for command in others)

@@ -57,12 +57,11 @@ def environments() -> Iterator[Environment]:
         yield _with_blender()
 
 
-def all_environments() -> list[Environment]:
-    """`environments`, set up in parallel: most of the time is spent waiting for downloads."""
-    if PYTHON not in project.BPY:
-        return [_with_blender()]
-    with ThreadPoolExecutor() as pool:
-        return list(pool.map(_with_bpy, project.BPY[PYTHON]))
+def all_environments(pool: ThreadPoolExecutor) -> Iterator[Environment]:
+    """`environments`, set up in parallel by a pool: most of the time is spent waiting for downloads."""
+    if PYTHON in project.BPY:
+        return pool.map(_with_bpy, project.BPY[PYTHON])
+    return iter([_with_blender()])
 
 
 def _with_bpy(version: str) -> Environment:

@@ -135,10 +135,19 @@ GLSL_INTERFACE = (
 
 def by_type(lights: Lights) -> Iterator[tuple[LightType, np.ndarray, Lights]]:
     """For each type that has lights: the type, the rows (K,) of its lights, and a table of only these."""
-    for light_type in LIGHT_TYPES:
-        rows = np.flatnonzero(np.isin(lights.shape, light_type.shapes))
-        if len(rows):
-            yield light_type, rows, lights if len(rows) == len(lights.shape) else lights.select(rows)
+    types = type_indices(LIGHT_TYPES)[lights.shape]
+    for index in np.flatnonzero(np.bincount(types)).tolist():
+        rows = np.flatnonzero(types == index)
+        yield LIGHT_TYPES[index], rows, lights if len(rows) == len(types) else lights.select(rows)
+
+
+@cache
+def type_indices(types: tuple[LightType, ...]) -> np.ndarray:
+    """Index in `types` of the type of each shape; -1: of no type."""
+    indices = np.full(1 + max(shape for each in types for shape in each.shapes), -1)
+    for index, each in enumerate(types):
+        indices[list(each.shapes)] = index
+    return indices
 
 
 def is_narrow(lights: Lights) -> np.ndarray:

@@ -213,6 +213,8 @@ class TraceShadows(Pass):
 
     def faint_tiles(self, frame: Frame) -> np.ndarray:
         """Rows of TILE: pairs of a tile and a faint light that this sample draws."""
+        if not len(frame[FAINT_LIGHTS]):
+            return frame[TILES][:0]
         return drawn_pairs(frame[FAINT_LIGHTS], frame[TILES], *frame.tiles, frame.sample)
 
 
