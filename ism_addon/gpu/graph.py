@@ -32,7 +32,7 @@ class Graph:
         self.targets = RenderTargets(device.gl)
         self.contents: dict[Resource[Any], Any] = {}
         self.passes: dict[type[Pass], Pass] = {}
-        #: Recipe of each pass when it was last executed or skipped.
+        #: Recipe of each pass when it was last executed; () if it was skipped.
         self.recipes: dict[type[Pass], Recipe] = {}
         #: Identity of each resource.
         self.identities: dict[Resource[Any], int] = {}
@@ -89,9 +89,14 @@ class Graph:
             frame.step = None
 
     def _step(self, step: Pass, frame: Frame, row: PassProfile) -> None:
-        pass_type, needed = type(step), step.needed(frame)
+        pass_type, is_due = type(step), step.schedule.is_due(frame.sample)
+        if not is_due and pass_type in self.recipes:
+            needed = bool(self.recipes[pass_type])
+            row.reused, row.skipped = row.reused + needed, row.skipped + (not needed)
+            return
+        needed = step.needed(frame)
         # Outputs of a first sample are kept: the next image may reuse them.
-        due = step.schedule.is_due(frame.sample) and (needed or frame.sample == 0)
+        due = is_due and (needed or frame.sample == 0)
         may_reuse = pass_type in self.recipes and (frame.settings.shortcuts or frame.sample > 0 or not needed)
         recipe = self.recipe(pass_type, frame) if needed and (due or not may_reuse) else ()
         if may_reuse and (not due or self.recipes[pass_type] == recipe):

@@ -83,7 +83,7 @@ def disabled_and_enabled(session: Session) -> Steps:
         assert session.pixels(f"after the {time} time").std() > 0.05, "no picture after the extension has come back"
 
 
-@scenario(region=(480, 320), timeout=400)
+@scenario(region=(240, 160), timeout=400)
 def long_day(session: Session) -> Steps:
     """300 random edits and 20 file loads: no errors, and memory does not grow."""
     scene_setup.build_studio()
@@ -114,7 +114,7 @@ def long_day(session: Session) -> Steps:
     assert session.pixels("at the end").std() > 0.05
 
 
-@scenario(region=(480, 320), timeout=240)
+@scenario(region=(240, 160), timeout=240)
 def thousand_updates(session: Session) -> Steps:
     """A light and an object are moved a thousand times: memory and threads are as after the first 200."""
     scene_setup.build_studio()

@@ -17,13 +17,14 @@ from ...accel.bvh import EMPTY_BOX, build, packed
 from ...accel.small_blas import build_all_blas
 from ...accel.tlas import instance_bounds, inverse_of, on_grid
 from ...buffers.instance_buffers import anchor_from_quanta
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.shader_records import CASTER
 
 
 class BuildBLAS(Pass):
     """A BVH for each resident mesh, finished or being built; an unchanged mesh keeps its BVH."""
 
+    schedule = Schedule.FIRST
     inputs = Change.MESHES, RESIDENT_MESHES
     outputs = outputs(BLAS)
 
@@ -46,6 +47,7 @@ class BuildBLAS(Pass):
 class UploadBLAS(Pass):
     """Upload the BVHs of the resident meshes, when all are finished."""
 
+    schedule = Schedule.FIRST
     inputs = (BLAS,)
     outputs = outputs(BLAS_BUFFERS)
 
@@ -61,6 +63,7 @@ class UploadBLAS(Pass):
 class BuildTLAS(Pass):
     """Build the BVH over the instances that cast shadows; moving an instance uploads no mesh."""
 
+    schedule = Schedule.FIRST
     inputs = BLAS, BLAS_BUFFERS, MESH_BUFFERS, INSTANCE_BUFFERS, Change.INSTANCES
     outputs = outputs(TLAS)
 

@@ -13,7 +13,7 @@ from ....scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ...culling.frustum_culling import in_view
 from ...culling.frustum_slices import BORDER, visible_slices
 from ...culling.shaft_culling import meets_shaft
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.frame_uniforms import clip_from_anchor
 from ...lights import by_type
 
@@ -35,6 +35,7 @@ class ResidentMeshes:
 class CullMeshes(Pass):
     """Find the meshes that this picture needs, and keep those that an earlier one did."""
 
+    schedule = Schedule.FIRST
     inputs = (
         *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW),
         *("shadow.enabled", "shadow.method", "shortcuts"),

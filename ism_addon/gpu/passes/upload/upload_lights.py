@@ -6,7 +6,7 @@ import numpy as np
 from ....resources import LIGHT_BUFFERS, SEEN_LIGHTS
 from ....scene import Change, Lights
 from ...emission.emissive_lights import EmissiveLights
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.buffer_texture import BufferTexture
 from ...gl.context import Device
 from ...gl.shader_records import EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE
@@ -52,6 +52,7 @@ def light_buffers(device: Device, lights: Lights, anchor: np.ndarray) -> dict[st
 class UploadLights(Pass):
     """Upload the lights, and those that the camera sees once more."""
 
+    schedule = Schedule.FIRST
     inputs = (Change.LIGHTS,)
     outputs = outputs(LIGHT_BUFFERS, SEEN_LIGHTS)
 

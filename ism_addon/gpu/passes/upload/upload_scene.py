@@ -13,12 +13,13 @@ from ....scene import Change
 from ...buffers.instance_buffers import InstanceBuffers, Owners
 from ...buffers.material_buffers import MaterialBuffers, TextureBuffer
 from ...buffers.mesh_buffers import MeshBuffers, UVBuffers
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Pass, Schedule, outputs
 
 
 class UploadMeshes(Pass):
     """Upload vertices and triangles of the resident meshes, in the order of BVH leaves once rays are traced."""
 
+    schedule = Schedule.FIRST
     inputs = Change.MESHES, RESIDENT_MESHES, BLAS
     outputs = outputs(MESH_BUFFERS)
 
@@ -33,6 +34,7 @@ class UploadMeshes(Pass):
 class UploadUVs(Pass):
     """Upload texture coordinates of the resident meshes."""
 
+    schedule = Schedule.FIRST
     inputs = (MESH_BUFFERS,)
     outputs = outputs(UV_BUFFERS)
 
@@ -48,6 +50,7 @@ class UploadUVs(Pass):
 class UploadInstances(Pass):
     """Upload matrices and link groups of the instances."""
 
+    schedule = Schedule.FIRST
     inputs = Change.INSTANCES, MESH_BUFFERS
     outputs = outputs(INSTANCE_BUFFERS)
 
@@ -62,6 +65,7 @@ class UploadInstances(Pass):
 class UploadMaterials(Pass):
     """Upload materials and images."""
 
+    schedule = Schedule.FIRST
     inputs = (Change.MATERIALS,)
     outputs = outputs(MATERIAL_BUFFERS)
 
