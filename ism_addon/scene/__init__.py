@@ -18,6 +18,7 @@ from ..color import PRIMARIES, REC709
 from .camera import View
 from .images import Encoding, Image
 from .instances import MAX_LINK_GROUPS, Instances
+from .light_profiles import LightProfile
 from .lights import Lights, LightShape
 from .materials import MATERIAL_INPUTS, Materials
 from .meshes import Mesh, bounding_boxes
@@ -30,6 +31,7 @@ __all__ = [
     "Encoding",
     "Image",
     "Instances",
+    "LightProfile",
     "LightShape",
     "Lights",
     "Materials",
@@ -51,6 +53,7 @@ class Scene:
     images: tuple[Image, ...]
     lights: Lights
     world: World
+    light_profiles: tuple[LightProfile, ...] = ()
     warnings: tuple[str, ...] = ()
     working_space: str = REC709  # of all colours; a key of color.PRIMARIES
 

@@ -50,6 +50,10 @@ class Lights(Arrays):
     #: What Light Falloff nodes multiply radiance by: this power of the distance, and distance² / (distance² + smooth).
     falloff_power: np.ndarray = index("int32 L", into=3)
     falloff_smooth: np.ndarray = array("float32 L", "m²", max_abs=MAX_DISTANCE, is_signed=False)
+    #: Of all but suns: how the radiance depends on the direction; -1: not at all. In the profile's space, a direction's
+    #: x, y and -z are its scalar products with these axes.
+    profile: np.ndarray = index("int32 L", into="light_profiles", first=-1)
+    profile_axes: np.ndarray = array("float64 L 3 3", max_abs=MAX_DISTANCE)
     casts_shadow: np.ndarray = array("bool L")
     #: Whether the camera sees it.
     visible_camera: np.ndarray = array("bool L")

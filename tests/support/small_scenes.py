@@ -135,6 +135,7 @@ def light(
     blend: float = 0.0,
     falloff_power: int = 0,
     falloff_smooth: float = 0.0,
+    profile: int = -1,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -151,6 +152,8 @@ def light(
         soft_falloff=np.array([soft_falloff]),
         falloff_power=np.array([falloff_power], np.int32),
         falloff_smooth=np.array([falloff_smooth], np.float32),
+        profile=np.array([profile], np.int32),
+        profile_axes=np.eye(3)[None],
         shadow_softness=np.array([shadow_softness], np.float32),
         casts_shadow=np.array([casts_shadow]),
         visible_camera=np.array([visible_camera]),

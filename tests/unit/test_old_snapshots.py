@@ -21,6 +21,8 @@ NEW_FIELDS = {
         "shadow_softness": np.ones(2, np.float32),
         "falloff_power": np.zeros(2, np.int32),
         "falloff_smooth": np.zeros(2, np.float32),
+        "profile": np.full(2, -1, np.int32),
+        "profile_axes": np.zeros((2, 3, 3)),
         "visible_camera": np.zeros(2, bool),
     },
     "instances": {

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon import snapshot
-from ism_addon.scene import Image, Instances, Lights, Mesh, Scene, View, World
+from ism_addon.scene import Image, Instances, LightProfile, Lights, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
 from tests.scenes.parts.tables import materials_of
 
@@ -61,12 +61,15 @@ def a_scene():
             shadow_softness=np.array([0.5, 1.0], np.float32),
             falloff_power=np.array([0, 2], np.int32),
             falloff_smooth=np.array([0.5, 0.0], np.float32),
+            profile=np.array([-1, 0], np.int32),
+            profile_axes=generator.normal(size=(2, 3, 3)),
             visible_camera=np.array([True, False]),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),
             blockers=np.array([0, -1], np.int32),
         ),
         world=World(np.array([0.1, 0.2, 0.3], np.float32)),
+        light_profiles=(LightProfile(generator.random((145, 361), np.float32)),),
         warnings=("Größe: ‘×’.",),
     )
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light's shader nodes: an Emission node of constant colour and strength, with falloff; warnings for all else."""
+"""A light's shader nodes: an Emission node of constant colour and strength, with falloff and IES files.
+
+There are warnings for all else.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,7 +10,9 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...scene import LightProfile
 from ...scene.limits import MAX_DISTANCE
+from . import ies
 from .diagnostics import Diagnostics
 from .materials import nodes
 
@@ -22,6 +27,8 @@ class LightShader:
     factor: np.ndarray  # (3,)
     falloff_power: int = 0  # see Lights
     falloff_smooth: float = 0.0  # m²
+    has_falloff: bool = False
+    profile: LightProfile | None = None
 
 
 def read(light: bpy.types.Light, name: str, findings: Diagnostics) -> LightShader:
@@ -39,21 +46,62 @@ def read(light: bpy.types.Light, name: str, findings: Diagnostics) -> LightShade
     if node is not None:
         findings.warn(f"Lights coloured by a node '{node.bl_label}' shine in the plain colour of its socket", name)
     result = LightShader(color.astype(np.float64))
-    strength, node = nodes.number(shader.inputs["Strength"])
-    if node is not None and node.bl_idname == "ShaderNodeLightFalloff" and light.type != "SUN":
-        strength, node = _falloff(shader.inputs["Strength"], result)
+    strength, node = _strength(shader.inputs["Strength"], light, result, name, findings)
     if node is not None:
         findings.warn(f"Lights whose strength a node '{node.bl_label}' gives have the plain one of its socket", name)
     result.factor = result.factor * strength
     return result
 
 
-def _falloff(socket: bpy.types.NodeSocket, result: LightShader) -> tuple[float, bpy.types.Node | None]:
-    """Store what the linked Light Falloff node does. Its strength; or the socket's, and the node that varies it."""
+def _strength(
+    socket: bpy.types.NodeSocket, light: bpy.types.Light, result: LightShader, name: str, findings: Diagnostics
+) -> tuple[float, bpy.types.Node | None]:
+    """A strength, and the linked node that varies it unless `result` can say how, see nodes.number."""
+    strength, node = nodes.number(socket)
     output: Any = nodes.source(socket)
-    (strength, varying), (smooth, other) = (nodes.number(output.node.inputs[each]) for each in ("Strength", "Smooth"))
-    if varying is not None or other is not None:
-        return socket.default_value, varying or other
-    result.falloff_power = POWERS[output.name]
-    result.falloff_smooth = min(smooth, MAX_DISTANCE) if smooth > 0.0 else 0.0  # also if it is no number
-    return strength, None
+    if node is None:
+        return strength, None
+    if node.bl_idname == "ShaderNodeLightFalloff" and light.type != "SUN" and not result.has_falloff:
+        smooth, varying = nodes.number(node.inputs["Smooth"])
+        result.has_falloff = True
+        strength, other = _strength(node.inputs["Strength"], light, result, name, findings)
+        if varying is not None or other is not None:
+            return socket.default_value, varying or other
+        result.falloff_power = POWERS[output.name]
+        result.falloff_smooth = min(smooth, MAX_DISTANCE) if smooth > 0.0 else 0.0  # also if it is no number
+        return strength, None
+    if node.bl_idname == "ShaderNodeTexIES" and result.profile is None:
+        strength, varying = _strength(node.inputs["Strength"], light, result, name, findings)
+        if varying is not None:
+            return socket.default_value, varying
+        return strength * _profile(node, light, result, name, findings), None
+    return socket.default_value, node
+
+
+def _profile(
+    node: bpy.types.ShaderNodeTexIES, light: bpy.types.Light, result: LightShader, name: str, findings: Diagnostics
+) -> float:
+    """Store an IES texture's profile: the factor of the strength."""
+    if nodes.source(node.inputs["Vector"]) is not None:
+        findings.warn("Lights whose IES Texture has a vector shine as if it had none", name)
+    found = ies.read(_ies_text(node))
+    if found is None:
+        findings.warn("Lights whose IES file cannot be read shine evenly, a hundred times as strong", name)
+        return ies.UNREADABLE
+    profile, peak = found
+    if light.type == "SUN":  # all of its light has one direction, as in Cycles
+        return peak * float(profile.at(np.array([[0.0, 0.0, -1.0]]))[0])
+    result.profile = profile
+    return peak
+
+
+def _ies_text(node: bpy.types.ShaderNodeTexIES) -> str:
+    """The text of a node's IES file; "" without one."""
+    if node.mode == "INTERNAL":
+        return node.ies.as_string() if node.ies else ""
+    try:
+        path = bpy.path.abspath(node.filepath, library=node.id_data.library)
+        with open(path, encoding="utf-8", errors="replace") as file:
+            return file.read(ies.MAX_CHARACTERS)
+    except OSError:
+        return ""

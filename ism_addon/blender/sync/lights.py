@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ... import radiometry
-from ...scene import Lights, LightShape
+from ...scene import LightProfile, Lights, LightShape
 from ...scene.limits import MAX_EMISSION, is_within, spans_plane
 from . import light_nodes
 from .diagnostics import Diagnostics
@@ -26,7 +26,7 @@ SHAPES = {
     "ELLIPSE": (LightShape.ELLIPSE, True),
 }
 
-#: One light, by the fields of Lights.
+#: One light, by the fields of Lights; its profile is a LightProfile or None.
 Row = dict[str, Any]
 
 
@@ -60,7 +60,13 @@ class LightReader:
         """All lights that emit."""
         for _, issues in self._rows:
             findings.merge(issues)
-        return Lights.of_rows(row for rows, _ in self._rows for row in rows)
+        indices = {profile: index for index, profile in enumerate(self.profiles())} | {None: -1}
+        return Lights.of_rows(row | Row(profile=indices[row["profile"]]) for rows, _ in self._rows for row in rows)
+
+    def profiles(self) -> tuple[LightProfile, ...]:
+        """The profiles of all lights: the same objects for the same files."""
+        found = (row["profile"] for rows, _ in self._rows for row in rows if row["profile"] is not None)
+        return tuple(dict.fromkeys(found))
 
 
 def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[list[Row], Diagnostics]:
@@ -92,7 +98,11 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         visible_camera=source.visible_camera,
         falloff_power=shader.falloff_power,
         falloff_smooth=shader.falloff_smooth,
+        profile=shader.profile,
+        profile_axes=np.eye(3),
     )
+    if shader.profile is not None and (axes := _axes(world_from_light)) is not None:
+        row |= Row(profile_axes=axes)
     return _by_shadow(row, light), findings
 
 
@@ -171,19 +181,23 @@ def _point_row(light: bpy.types.PointLight, world_from_light: np.ndarray, power:
 
 def _spot_row(light: bpy.types.SpotLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:
     """What describes a spot light; None if it is nowhere, or has no direction."""
-    row, axes = _point_row(light, world_from_light, power), world_from_light[:3, :3].T
-    lengths = np.linalg.norm(axes, axis=1)
-    if row is None or not (is_within(lengths).all() and lengths.min() > 0.0):
+    row, axes = _point_row(light, world_from_light, power), _axes(world_from_light)
+    if row is None or axes is None:
         return None
-    u, v, backwards = axes / lengths[:, None]
+    u, v, normal = axes
     return row | Row(
-        shape=LightShape.SPOT,
-        axis_u=u * lengths[0] / lengths[2],
-        axis_v=v * lengths[1] / lengths[2],
-        normal=-backwards,
-        spread=light.spot_size,
-        blend=light.spot_blend,
+        shape=LightShape.SPOT, axis_u=u, axis_v=v, normal=normal, spread=light.spot_size, blend=light.spot_blend
     )
+
+
+def _axes(world_from_light: np.ndarray) -> np.ndarray | None:
+    """(3,3): x, y and -z of a light's space, of which the last is a unit vector; None if they span no space."""
+    axes = world_from_light[:3, :3].T
+    lengths = np.linalg.norm(axes, axis=1)
+    if not (is_within(lengths).all() and lengths.min() > 0.0):
+        return None
+    axes = axes / (lengths[2] * np.array([[1.0], [1.0], [-1.0]]))
+    return axes if is_within(axes).all() and spans_plane(axes[:1], axes[1:2]).item() else None
 
 
 def _sun_row(light: bpy.types.SunLight, world_from_light: np.ndarray, power: np.ndarray) -> Row | None:

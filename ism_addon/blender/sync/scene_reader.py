@@ -122,6 +122,7 @@ class Reader:
             materials=self._materials.table(findings),
             images=self._materials.images(),
             lights=self._lights.table(findings),
+            light_profiles=self._lights.profiles(),
             world=world.read(_world(depsgraph), findings),
             warnings=findings.messages(),
             working_space=images.working_space(),

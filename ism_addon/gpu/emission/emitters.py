@@ -222,6 +222,8 @@ def emissive_rows(
         "soft_falloff": np.zeros(count, bool),
         "falloff_power": np.zeros(count, np.int32),
         "falloff_smooth": np.zeros(count),
+        "profile": np.full(count, -1),
+        "profile_axes": np.zeros((count, 3, 3)),
         "casts_shadow": np.ones(count, bool),
         "visible_camera": np.zeros(count, bool),
         "shadow_softness": np.ones(count),

@@ -17,7 +17,7 @@ from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
 from ..emission.emissive_lights import EmissiveLights
 from ..gl import shader_compiler
-from . import falloff
+from . import modulation
 from .area import AreaLight
 from .emissive_mesh import EmissiveMesh
 from .point import PointLight
@@ -155,13 +155,13 @@ def is_narrow(lights: Lights) -> np.ndarray:
     narrow = np.zeros(len(lights.shape), bool)
     for light_type, rows, type_lights in by_type(lights):
         narrow[rows] = light_type.is_narrow(type_lights)
-    return narrow
+    return narrow | modulation.has_profile(lights)
 
 
 def bounds_with_falloff(light_type: LightType, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
-    """Bounds of lights of one type for culling, about the anchor (3,) m."""
+    """Bounds of lights of one type for culling, about the anchor (3,) m. Profiles only make lights darker."""
     plain = light_type.bounds(lights, anchor, working_space)
-    return falloff.FalloffBounds.of(plain, lights, anchor) if falloff.has_falloff(lights).any() else plain
+    return modulation.FalloffBounds.of(plain, lights, anchor) if modulation.has_falloff(lights).any() else plain
 
 
 def has_light_bvh(lights: Lights) -> np.ndarray:
@@ -182,31 +182,30 @@ def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
 
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light."""
-    light_type = type_of(lights, light)
+    light_type, has_profile = type_of(lights, light), modulation.has_profile(lights)[light]
     return (
         types_variant({light_type.name})
         | {
             "exact": int(is_exact(lights, light)),
-            "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
+            "exact_but_for_falloff": int(light_type.is_exact(lights, light) and not has_profile),
             "max_rays": light_type.max_rays,
             "softness": int(lights.shadow_softness[light] != 1.0),
-            "falloff": int(falloff.has_falloff(lights)[light]),
         }
+        | modulation.variant(lights, [light])
         | light_type.variant(lights, light)
     )
 
 
 def is_exact(lights: Lights, light: int) -> bool:
-    """See LightType.is_exact. Of a light with a size, falloff is that of its middle."""
+    """See LightType.is_exact. Of a light with a size, falloff and profile are those of its middle."""
     light_type = type_of(lights, light)
-    has_one_distance = light_type.is_hard(lights, light) or not falloff.has_falloff(lights)[light]
-    return has_one_distance and light_type.is_exact(lights, light)
+    is_modulated = modulation.has_falloff(lights)[light] or modulation.has_profile(lights)[light]
+    return (light_type.is_hard(lights, light) or not is_modulated) and light_type.is_exact(lights, light)
 
 
 def mixed_variant(lights: Lights) -> dict[str, int]:
-    """Constants of a shader for all of these lights: whether the shadow of any sees another size; has any falloff."""
-    softness, has_falloff = (lights.shadow_softness != 1.0).any(), falloff.has_falloff(lights).any()
-    return {"softness": int(softness), "falloff": int(has_falloff)}
+    """Constants of a shader for all of these lights: whether any shadow sees another size; see modulation."""
+    return {"softness": int((lights.shadow_softness != 1.0).any()), **modulation.variant(lights)}
 
 
 def types_variant(names: Collection[str]) -> dict[str, int]:
@@ -217,7 +216,7 @@ def types_variant(names: Collection[str]) -> dict[str, int]:
 def switch(result: str, function: str, parameters: str) -> str:
     """GLSL: a function that calls the function of the light's type. The last type that a program has needs no test."""
     names = ", ".join(["light", *(parameter.split()[-1] for parameter in parameters.split(", "))])
-    prefix = falloff.PLAIN if function in falloff.REPLACED else ""
+    prefix = modulation.PLAIN if function in modulation.REPLACED else ""
     lines = [f"{result} {prefix}light_{function}(Light light, {parameters}) {{"]
     for index, light_type in enumerate(LIGHT_TYPES):
         is_type = " || ".join(f"light.shape == {shape}" for shape in light_type.shapes)
@@ -230,13 +229,14 @@ def switch(result: str, function: str, parameters: str) -> str:
 
 def glsl() -> str:
     """The generated file lights/light.glsl: the interface of all types."""
-    lines = [LIGHT_SAMPLE]
+    lines = [LIGHT_SAMPLE, "uniform usamplerBuffer lights; // rows of LIGHT, and after them profiles"]
+    lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
     for light_type in LIGHT_TYPES:
         has = f"HAS_{light_type.name.upper()}"
         lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]
     lines += [switch(*function) for function in GLSL_INTERFACE]
-    return "\n".join([*lines, '#include "lights/falloff.glsl"'])
+    return "\n".join([*lines, '#include "lights/modulation.glsl"'])
 
 
 shader_compiler.GENERATED["lights/light.glsl"] = glsl

@@ -25,4 +25,5 @@ def light_records(lights: Lights, anchor: np.ndarray, *fields: str) -> np.ndarra
     table["position"] = lights.position - anchor
     for name in (*COMMON, *fields):
         table[name] = getattr(lights, name)
+    table["profile_x"], table["profile_y"], table["profile_down"] = lights.profile_axes.swapaxes(0, 1)
     return table

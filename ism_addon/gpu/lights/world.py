@@ -38,6 +38,8 @@ def with_world(lights: Lights, world: World) -> Lights:
         "soft_falloff": False,
         "falloff_power": 0,
         "falloff_smooth": 0.0,
+        "profile": -1,
+        "profile_axes": np.zeros((3, 3)),
         "casts_shadow": True,
         "visible_camera": False,
         "shadow_softness": 1.0,

@@ -43,6 +43,8 @@ def lamps(rows: list[tuple[LightShape, tuple[float, ...], dict[str, float]]]) ->
         "shadow_softness": np.ones(count),
         "falloff_power": np.zeros(count, np.int32),
         "falloff_smooth": np.zeros(count),
+        "profile": np.full(count, -1),
+        "profile_axes": np.zeros((count, 3, 3)),
         "receivers": np.full(count, -1),
         "blockers": np.full(count, -1),
     }

@@ -12,6 +12,7 @@ from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import mesh, perspective
 from tests.stress.pictures.moves import Picture
+from tests.support.light_profiles import beam
 from tests.support.small_scenes import AREA_SHAPES
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -118,6 +119,8 @@ def lights(draw: st.DrawFn) -> Lights:
         blockers=unlinked.copy(),
         falloff_power=np.where(is_sun, 0, random.choice(3, count, p=[0.9, 0.05, 0.05])).astype(np.int32),
         falloff_smooth=np.where(is_sun, 0.0, random.choice([0.0, 1.0], count, p=[0.9, 0.1])).astype(np.float32),
+        profile=np.where(is_sun, -1, random.choice([-1, 0], count, p=[0.9, 0.1])).astype(np.int32),
+        profile_axes=axes.copy(),
     )
 
 
@@ -172,5 +175,6 @@ def pictures(draw: st.DrawFn) -> Picture:
         images=(),
         lights=draw(lights()),
         world=World(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),
+        light_profiles=(beam(),),
     )
     return scene, draw(views()), draw(all_settings())

@@ -13,7 +13,6 @@ from ism_addon.scene import Lights
 RECEIVERS = 8
 MAIN = """
 uniform samplerBuffer points, normals;
-uniform usamplerBuffer lights;
 out vec4 result;
 void main() {
     int at = int(gl_FragCoord.x);

@@ -89,7 +89,6 @@ SHAPES = {
     "sheet": crumpled(12),
 }
 ACCURATE = """
-uniform usamplerBuffer lights;
 uniform sampler2D points, normals;
 out vec2 irradiances; // accurate, sum of all triangles
 void main() {

@@ -21,7 +21,6 @@ from .bulb import BULB, Bulb
 
 SIDE = 256
 MAIN = """
-uniform usamplerBuffer lights;
 uniform vec3 point, normal;
 layout(location = 0) out vec4 of_sample;    // radiance, cosine, pdf; irradiance of the whole light
 layout(location = 1) out vec4 of_direction; // pdf, emitted of that sample's direction; of a direction of the hemisphere

@@ -9,7 +9,6 @@
 #if CACHED
 #include "textures/irradiance_cache.glsl"
 #endif
-uniform usamplerBuffer lights;
 uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays

@@ -5,7 +5,6 @@
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 #include "trace/ray_correction.glsl"
-uniform usamplerBuffer lights;
 uniform uvec3 light_steps;
 flat in int tile_light;
 flat in float tile_visibility;

@@ -14,6 +14,7 @@ from ....resources import (
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
+    LIGHT_BUFFERS,
     MATERIAL_BUFFERS,
     MESH_BUFFERS,
     NORMAL,
@@ -30,7 +31,7 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
-from ...lights.falloff import has_falloff
+from ...lights import modulation
 from ...lights.world import has_world
 
 
@@ -39,7 +40,7 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(SEEN_LIGHTS, PRIMITIVE, MATERIAL_BUFFERS, MESH_BUFFERS, Change.WORLD, Change.VIEW),
+        *(SEEN_LIGHTS, LIGHT_BUFFERS, PRIMITIVE, MATERIAL_BUFFERS, MESH_BUFFERS, Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
@@ -48,19 +49,22 @@ class Shade(Pass):
         seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
         emissive = frame[MATERIAL_BUFFERS].emissive
         records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())
+        modulated = modulation.variant(frame.scene.lights, frame.scene.lights.visible_camera)
         program = self.tile_program(
             *records,
             occluded=occluded,
             seen_lights=int(seen is not None),
             has_emissive_mesh=0,  # surfaces, not seen lights
-            falloff=int(seen is not None and has_falloff(frame.scene.lights).any()),
+            falloff=modulated["falloff"],
+            profile=modulated["profile"],
             emissive=int(emissive),
         )
         if emissive:
             materials, corners = frame[MATERIAL_BUFFERS].table, frame[MESH_BUFFERS].samplers["corners"]
             bind(program, primitive=frame[PRIMITIVE], materials=materials, corners=corners)
         if seen is not None:
-            bind(program, seen_lights=seen, seen_count=int(frame.scene.lights.visible_camera.sum()))
+            count = int(frame.scene.lights.visible_camera.sum())
+            bind(program, **frame[LIGHT_BUFFERS], seen_lights=seen, seen_count=count)
         bind(
             program,
             position=frame[POSITION],

@@ -2,7 +2,6 @@
 // pixel of tiles near the light.
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
-uniform usamplerBuffer lights;
 uniform int light_index;
 #if !FINE
 uniform sampler2D needed; // by tile: whether the ratio is

@@ -1,7 +1,6 @@
 // Probe rays: each texel traces a ray from one pixel to a light. Texels lie in blocks; a block's rays go to one light.
 #include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
-uniform usamplerBuffer lights;
 uniform usamplerBuffer probe_blocks;
 uniform int first_block;
 uniform int block_columns;  // blocks side by side

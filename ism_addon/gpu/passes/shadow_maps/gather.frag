@@ -6,7 +6,6 @@
 #include "textures/irradiance_cache.glsl"
 #endif
 
-uniform usamplerBuffer lights;
 uniform usamplerBuffer virtual_light_ranges;
 uniform usamplerBuffer virtual_lights;
 uniform sampler2D shadow_maps;

@@ -38,8 +38,7 @@ from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
-from ...lights import type_of, types_variant
-from ...lights.falloff import has_falloff
+from ...lights import modulation, type_of, types_variant
 from ...material_inputs import MATERIAL, material_samplers
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
@@ -58,23 +57,24 @@ class GatherLight(Pass):
     outputs = outputs(DIRECT_PREDICTION)
 
     @cached_property
-    def shaders(self) -> dict[tuple[frozenset[str], bool, bool], moderngl.VertexArray]:
-        """By the lights it is for: names of their types; whether in the irradiance cache; whether any has falloff."""
+    def shaders(self) -> dict[tuple[object, ...], moderngl.VertexArray]:
+        """By the lights it is for: names of their types; whether in the irradiance cache; see modulation.variant."""
         return {}
 
     def shader(self, lights: Lights, drawn: Sequence[int], cached: bool) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
         light_types = {type_of(lights, light) for light in drawn}
-        types, falloff = frozenset(each.name for each in light_types), bool(has_falloff(lights)[list(drawn)].any())
-        if (types, cached, falloff) not in self.shaders:
+        types, modulated = frozenset(each.name for each in light_types), modulation.variant(lights, list(drawn))
+        key = types, cached, *modulated.values()
+        if key not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            constants: dict[str, Any] = types_variant(types)
+            constants: dict[str, Any] = types_variant(types) | modulated
             constants["parallel"] = int(any(each.parallel for each in light_types))
-            constants["cached"], constants["falloff"] = int(cached), int(falloff)
+            constants["cached"] = int(cached)
             if cached:
                 constants |= {"light_bvh": 1, **CACHE_CONSTANTS}
-            self.shaders[types, cached, falloff] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
-        return self.shaders[types, cached, falloff]
+            self.shaders[key] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
+        return self.shaders[key]
 
     def needed(self, frame: Frame) -> bool:
         return len(frame.scene.lights.shape) > 0

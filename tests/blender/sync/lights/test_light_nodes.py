@@ -127,12 +127,12 @@ def test_other_light_nodes_are_reported(light_object, read_scene):
     tree = node_tree(light_object.data)
     emission = tree.nodes["Emission"]
     tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs["Color"], emission.inputs["Color"])
-    tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs["Fac"], emission.inputs["Strength"])
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs["Fac"], emission.inputs["Strength"])
     scene = read_scene()
     assert len(scene.lights.shape) == 1
     assert scene.warnings == (
         "Lights coloured by a node 'Checker Texture' shine in the plain colour of its socket: 'Lamp'.",
-        "Lights whose strength a node 'IES Texture' gives have the plain one of its socket: 'Lamp'.",
+        "Lights whose strength a node 'Noise Texture' gives have the plain one of its socket: 'Lamp'.",
     )
     add = tree.nodes.new("ShaderNodeAddShader")
     tree.links.new(add.outputs[0], tree.nodes["Light Output"].inputs["Surface"])

@@ -1,30 +1,62 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light Falloff nodes: the radiance of a light is multiplied by a function of the distance that grows with it.
+"""What a light's nodes multiply its radiance by: by Light Falloff a function of the distance, by IES Texture a profile.
 
-The node's output Quadratic is the physical decrease of light: the factor is 1. By Linear it is the distance, by
-Constant its square. Smooth makes light weaker near its source.
+The output Quadratic of Light Falloff is the physical decrease of light: the factor is 1. By Linear it is the distance,
+by Constant its square. Smooth makes light weaker near its source. A profile gives a factor for each direction.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from ...scene import Lights, LightShape
+from ...scene import LightProfile, Lights, LightShape
+from ...scene.light_profiles import AZIMUTHS, POLAR_ANGLES
 from ..culling.surface_bounds import SurfaceBounds, dot
 from .point import MAX_BOUND
 
 if TYPE_CHECKING:
     from . import LightBounds
 
-#: Functions of the lights' interface that glsl/lights/falloff.glsl replaces by those of the same name with this prefix.
+#: Functions of the lights' interface that glsl/lights/modulation.glsl replaces; the plain ones have this prefix.
 PLAIN = "plain_"
 REPLACED = "irradiance", "sample", "emitted", "virtual_weight"
+
+#: Points of a light with a size whose mean profile is that of its irradiance, before rays correct it.
+PROFILE_POINTS = 16
+
+#: Texels of a profile for each azimuth: each has four factors, the last of which is the first of the next texel.
+GLSL_CONSTANTS = {"profile_azimuths": AZIMUTHS, "profile_texels": (POLAR_ANGLES - 1) // 3}
+TEXELS_OF_PROFILE = AZIMUTHS * GLSL_CONSTANTS["profile_texels"]
 
 
 def has_falloff(lights: Lights) -> np.ndarray:
     """(L,) bool: whether a light's radiance depends on the distance."""
     return (lights.falloff_power > 0) | (lights.falloff_smooth > 0.0)
+
+
+def has_profile(lights: Lights) -> np.ndarray:
+    """(L,) bool: whether a light's radiance depends on the direction by a profile."""
+    profiled: np.ndarray = lights.profile >= 0
+    return profiled
+
+
+def variant(lights: Lights, rows: slice | list[int] | np.ndarray = slice(None)) -> dict[str, int]:
+    """Constants of a shader for these lights: whether any has falloff, and of how many points the profile is taken."""
+    profiled = has_profile(lights)[rows]
+    has_size = (lights.radius[rows] > 0.0) | (lights.shape[rows] <= LightShape.ELLIPSE)
+    points = PROFILE_POINTS if (profiled & has_size).any() else int(profiled.any())
+    return {"falloff": int(has_falloff(lights)[rows].any()), "profile": points}
+
+
+def profile_words(profiles: Sequence[LightProfile]) -> np.ndarray:
+    """(P * azimuths * texels,4) uint32: the texels of profiles, see GLSL_CONSTANTS."""
+    if not profiles:
+        return np.zeros((0, 4), np.uint32)
+    factors = np.stack([profile.factors for profile in profiles])
+    first = np.arange(0, POLAR_ANGLES - 1, 3)[:, None] + np.arange(4)
+    return np.ascontiguousarray(factors[..., first]).view(np.uint32).reshape(-1, 4)
 
 
 @dataclass(frozen=True)
@@ -65,7 +97,7 @@ class FalloffBounds:
         return np.minimum(upper_bound, np.float32(MAX_BOUND)), np.minimum(estimate, np.float32(MAX_BOUND))
 
     def factor(self, distance: np.ndarray) -> np.ndarray:
-        """(K,N) of distances (K,N) m: see falloff.glsl."""
+        """(K,N) of distances (K,N) m: see modulation.glsl."""
         square = distance * distance
         smooth = np.divide(square, square + self.smooth, out=np.ones_like(square), where=self.smooth > 0.0)
         return np.where(self.power == 2, square, np.where(self.power == 1, distance, np.float32(1.0))) * smooth
