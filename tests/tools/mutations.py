@@ -56,8 +56,8 @@ MUTATIONS = (
     ),
     Mutation(
         "the last light is not drawn",
-        "for light in range(len(frame.scene.lights.shape)):",
-        "for light in range(len(frame.scene.lights.shape) - 1):",
+        "for light in frame[CONTRIBUTING_LIGHTS]:",
+        "for light in frame[CONTRIBUTING_LIGHTS][:-1]:",
         ("test_trace_shadows", "test_picture"),
     ),
     Mutation(

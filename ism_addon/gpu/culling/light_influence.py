@@ -21,7 +21,9 @@ class LightInfluence:
 
     contributes: np.ndarray  # bool: whether it is not culled
     bound_over_faint: np.ndarray  # float32: bound over the faint-light threshold, clamped to 1
-    relative_bound: np.ndarray  # float32: bound over the tile's light or the picture's mean, clamped to 1
+    #: float32: bound over the tile's light or the picture's mean, clamped to 1; of lights that no coarse ray reaches,
+    #: over the bounds of all of these, if they are more.
+    relative_bound: np.ndarray
     bound_over_mean: np.ndarray  # float32: bound over the picture's mean, clamped to MAX_BOUND_OVER_MEAN
     coarse_visibility: np.ndarray  # float32: estimate from few rays around the tile
 

@@ -5,6 +5,7 @@ Materials emit light from both sides. The inner side of a closed part is hidden 
 count as one-sided there: otherwise half of the light would be unshadowed light that its other half occludes.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
@@ -14,11 +15,14 @@ import numpy as np
 from ...scene import Instances, Lights, Mesh, Scene
 from ...scene.arrays import array_specs
 from .emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
-from .light_bvh import LightBVH, median_leaves, normal_areas, triangle_boxes
+from .light_bvh import MIN_DIVISOR, LightBVH, median_leaves, normal_areas, triangle_boxes
 from .mesh_parts import parts_of
 
 #: If there are more lights than this, neighbours of the same emission are joined until no emission has more.
 MAX_LIGHTS = 256
+
+#: Emissive triangles have the same shape if their corners agree to this fraction of their size.
+SHAPE_STEPS = 1 << 20
 
 
 class Emitters(NamedTuple):
@@ -175,15 +179,31 @@ def lights_of_emitters(emitters: Emitters) -> EmissiveLights:
     """A table of the lights of emissive triangles."""
     count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
     bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
+    shapes: dict[bytes, tuple[LightBVH, np.ndarray]] = {}
     triangles, bvhs = [], []
     for first, end in pairwise(bounds):
-        bvh = LightBVH.over(emitters.corners[order[first:end]]) if end - first > MAX_EXACT_TRIANGLES else None
+        has_bvh = end - first > MAX_EXACT_TRIANGLES
+        bvh = shared_bvh(emitters.corners[order[first:end]], shapes) if has_bvh else None
         rows = np.append(order[first:end], -1)
         triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
         bvhs.append(bvh)
     one_sided = np.bincount(emitters.light, ~emitters.one_sided, count) == 0
     of_lights = emissive_rows(emitters, triangles, bvhs)
     return EmissiveLights.of(**of_lights, **triangle_tables(emitters, triangles), **node_tables(one_sided, bvhs))
+
+
+def shared_bvh(corners: np.ndarray, shapes: dict[bytes, tuple[LightBVH, np.ndarray]]) -> LightBVH:
+    """The light BVH over triangles (N,3,3). Copies that are only moved share one: `shapes`, with the middle of each."""
+    middle = corners.mean((0, 1))
+    local = corners - middle
+    size = float(f"{np.abs(local).max():.6e}")
+    shape = (
+        np.rint(local * (SHAPE_STEPS / max(size, float(MIN_DIVISOR)))).astype(np.int32).tobytes() + str(size).encode()
+    )
+    if shape not in shapes:
+        shapes[shape] = LightBVH.over(corners), middle
+    bvh, first_middle = shapes[shape]
+    return replace(bvh, centre=bvh.centre + (middle - first_middle))
 
 
 def after_lamps(lamps: Lights, own: EmissiveLights) -> EmissiveLights:

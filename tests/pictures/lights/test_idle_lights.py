@@ -3,7 +3,9 @@
 
 import numpy as np
 
-from ism_addon.resources import IRRADIANCE_CACHE, TILE_VISIBILITY
+from ism_addon.gpu.passes.light_selection.retest_occluded import RETEST_PROBABILITY
+from ism_addon.gpu.tiles import PROBES_PER_TILE_SIDE
+from ism_addon.resources import IRRADIANCE_CACHE, PROBES, TILE_SIZE, TILE_VISIBILITY
 from tests.scenes.lights.mixed_rooms import IDLE, LAMPS, mixed_rooms
 from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 
@@ -20,6 +22,10 @@ def test_idle_lights_of_all_types_are_skipped(device):
     assert few.profile.counts["lights_used"] == len(many.renderer.graph[TILE_VISIBILITY]) == MATTER
     assert many.profile.counts["lights_used"] <= MATTER + 0.05 * idle
     assert many.profile.counts["pairs_traced"] <= 1.1 * few.profile.counts["pairs_traced"]
+    # Twenty suns above the roof are each as strong as the light in the room.
+    assert len(many.renderer.graph[PROBES]) <= MATTER + 2
+    rays = settings.quality.samples * SIZE[0] * SIZE[1] / TILE_SIZE**2 * PROBES_PER_TILE_SIDE**2
+    assert many.profile.counts["retests"] <= 1.1 * RETEST_PROBABILITY * rays
 
 
 def test_idle_lights_change_no_picture(device):

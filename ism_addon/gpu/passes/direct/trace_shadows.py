@@ -18,6 +18,7 @@ import numpy as np
 
 from ....resources import (
     CACHE_CONSTANTS,
+    CONTRIBUTING_LIGHTS,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -67,8 +68,8 @@ class TraceShadows(Pass):
     """Predicted radiance W/(sr m²), and the residuals that correct it."""
 
     inputs = (
-        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, IRRADIANCE_CACHE),
-        *(FAINT_LIGHTS, TILE_VISIBILITY),
+        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
+        *(CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -108,7 +109,7 @@ class TraceShadows(Pass):
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
         predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
         # All draws to one framebuffer come first, as changing it takes time.
-        for light in range(len(frame.scene.lights.shape)):
+        for light in frame[CONTRIBUTING_LIGHTS]:
             traced, untraced = self.tiles_to_draw(frame, light)
             if not len(traced) + len(untraced):
                 continue
@@ -165,9 +166,9 @@ class TraceShadows(Pass):
     @staticmethod
     def tiles_to_draw(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0."""
-        tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE].get(light)
+        tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE][light]
         has_shadow = casts_shadow(frame, light)
-        if influence is None or (has_shadow and light not in frame[TILE_VISIBILITY]):
+        if has_shadow and light not in frame[TILE_VISIBILITY]:
             return tiles[:0], tiles[:0]
         column, row = tiles["tile"].astype(np.int64).T
         predicted = (influence.contributes & ~influence.is_faint)[row, column]

@@ -73,8 +73,9 @@ MANY_LIGHTS = 64
 NEAR_BOUNDS = TILE_MIN, TILE_MAX, TILE_NORMAL_CONE
 FAR_BOUNDS = FAR_TILE_MIN, FAR_TILE_MAX, FAR_TILE_NORMAL_CONE
 
-#: Pairs of a light and a tile whose bounds are computed at a time, so that the arrays fit a processor's cache.
-PAIRS_AT_A_TIME = 1 << 15
+#: Pairs of a light and a tile whose bounds are computed at a time. For a thousand lights in the room of
+#: tests/scenes/lights/mixed_rooms.py that takes 0.29 s with 1 << 15, 0.19 s with 1 << 17, and 0.23 s with 1 << 19.
+PAIRS_AT_A_TIME = 1 << 17
 
 #: Bounds are clamped to this multiple of the picture's mean irradiance.
 MAX_BOUND_OVER_MEAN = 100.0
@@ -223,8 +224,12 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
     mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
     local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
     bounds = with_edges(state.bounds, exists)
-    relative_bounds = bounds / np.maximum(state.irradiance, mean)
-    for light in np.argsort(relative_bounds.sum((1, 2))):  # faintest first
+    light_of_tile, hidden = np.maximum(state.irradiance, mean), np.zeros_like(bounds, bool)
+    for light, visibility in state.coarse_visibility.items():
+        hidden[light] = visibility == 0.0
+    # Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
+    hidden_bound = np.maximum((bounds * hidden).sum(0), light_of_tile)
+    for light in np.argsort(np.tensordot(bounds, 1.0 / light_of_tile)):  # faintest first
         bound = bounds[light]
         culled += bound
         contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
@@ -232,7 +237,7 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
             influences[int(light)] = LightInfluence(
                 contributes=contributes,
                 bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
-                relative_bound=np.minimum(relative_bounds[light], 1.0),
+                relative_bound=np.minimum(bound / np.where(hidden[light], hidden_bound, light_of_tile), 1.0),
                 bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
                 coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
             )
