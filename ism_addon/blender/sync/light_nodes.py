@@ -84,7 +84,7 @@ def _profile(
     """Store an IES texture's profile: the factor of the strength."""
     if nodes.source(node.inputs["Vector"]) is not None:
         findings.warn("Lights whose IES Texture has a vector shine as if it had none", name)
-    found = ies.read(_ies_text(node))
+    found = ies.read(_ies_text(node, light))
     if found is None:
         findings.warn("Lights whose IES file cannot be read shine evenly, a hundred times as strong", name)
         return ies.UNREADABLE
@@ -95,12 +95,12 @@ def _profile(
     return peak
 
 
-def _ies_text(node: bpy.types.ShaderNodeTexIES) -> str:
+def _ies_text(node: bpy.types.ShaderNodeTexIES, light: bpy.types.Light) -> str:
     """The text of a node's IES file; "" without one."""
     if node.mode == "INTERNAL":
         return node.ies.as_string() if node.ies else ""
     try:
-        path = bpy.path.abspath(node.filepath, library=node.id_data.library)
+        path = bpy.path.abspath(node.filepath, library=light.library)
         with open(path, encoding="utf-8", errors="replace") as file:
             return file.read(ies.MAX_CHARACTERS)
     except OSError:
