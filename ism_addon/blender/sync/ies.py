@@ -11,6 +11,7 @@ from itertools import islice
 import numpy as np
 
 from ...scene.light_profiles import AZIMUTHS, POLAR_ANGLES, LightProfile
+from ...scene.limits import MAX_DISTANCE
 
 #: From candela to Cycles' factor of a light's power: 4 pi, over the luminous efficacy of D65 in lm/W.
 FACTOR_OF_CANDELA = 4.0 * np.pi / 177.83
@@ -36,7 +37,7 @@ def read(text: str) -> tuple[LightProfile, float] | None:
         azimuths, polar_angles, candela = measured(text)
     except (Unreadable, ValueError, IndexError, OverflowError):  # it ends early, or has a word where a number belongs
         return None
-    if not np.isfinite(candela).all():
+    if not np.abs(candela).max() <= MAX_DISTANCE:  # also if one is no number
         return None
     rows = np.linspace(0.0, 360.0, AZIMUTHS)
     columns = np.linspace(0.0, 180.0, POLAR_ANGLES)

@@ -196,7 +196,7 @@ def shared_bvh(corners: np.ndarray, shapes: dict[bytes, tuple[LightBVH, np.ndarr
     """The light BVH over triangles (N,3,3). Copies that are only moved share one: `shapes`, with the middle of each."""
     middle = corners.mean((0, 1))
     local = corners - middle
-    size = float(f"{np.abs(local).max():.6e}")
+    size = float(f"{np.abs(local).max():.6e}")  # so rounded that copies have the same
     shape = (
         np.rint(local * (SHAPE_STEPS / max(size, float(MIN_DIVISOR)))).astype(np.int32).tobytes() + str(size).encode()
     )

@@ -224,12 +224,12 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
     mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
     local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
     bounds = with_edges(state.bounds, exists)
-    light_of_tile, hidden = np.maximum(state.irradiance, mean), np.zeros_like(bounds, bool)
+    tile_irradiance, hidden = np.maximum(state.irradiance, mean), np.zeros_like(bounds, bool)
     for light, visibility in state.coarse_visibility.items():
         hidden[light] = visibility == 0.0
     # Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
-    hidden_bound = np.maximum((bounds * hidden).sum(0), light_of_tile)
-    for light in np.argsort(np.tensordot(bounds, 1.0 / light_of_tile)):  # faintest first
+    hidden_bound = np.maximum((bounds * hidden).sum(0), tile_irradiance)
+    for light in np.argsort(np.tensordot(bounds, 1.0 / tile_irradiance)):  # faintest first
         bound = bounds[light]
         culled += bound
         contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
@@ -237,7 +237,7 @@ def light_influences(state: CullingState) -> dict[int, LightInfluence]:
             influences[int(light)] = LightInfluence(
                 contributes=contributes,
                 bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
-                relative_bound=np.minimum(bound / np.where(hidden[light], hidden_bound, light_of_tile), 1.0),
+                relative_bound=np.minimum(bound / np.where(hidden[light], hidden_bound, tile_irradiance), 1.0),
                 bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
                 coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
             )

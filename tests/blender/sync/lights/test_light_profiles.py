@@ -180,6 +180,7 @@ BROKEN = {
     "type A": beam_file(kind=3),
     "no angles": file_of(np.zeros(0), np.zeros(0), np.zeros((0, 0))),
     "not a number": beam_file().replace("1003", "nan"),
+    "beyond measure": beam_file().replace("1003", "1e308"),
     "falling angles": beam_file(polar=np.array([0.0, 90.0, 45.0, 180.0])),
     "huge counts": beam_file().replace(" 37 145 ", " 1e300 1e300 "),
 }
