@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.blender.sync.lights.test_light_nodes import draw, light_object, node_tree  # noqa: F401 - a fixture
+from tests.blender.sync.lights.test_light_nodes import draw, node_tree
 from tests.scenes.cycles import direct_light
 
 #: Angles of the downlight below. Before 5.0, Cycles has a seam beside azimuth 0, as wide as the step.
@@ -31,7 +31,7 @@ def beam_file(polar=BEAM["polar"], azimuths=BEAM["azimuths"], **format_) -> str:
 
 
 @pytest.fixture
-def ies_texture(light_object):  # noqa: F811
+def ies_texture(light_object):
     """A point light's IES Texture node, without a file."""
     light_object.data = bpy.data.lights.new("lamp", "POINT")
     light_object.data.energy, light_object.data.shadow_soft_size = 5.0, 0.0
@@ -65,7 +65,7 @@ PLACES = {
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "SUN"])
-def test_lights_shine_as_in_cycles(device, ies_texture, light_object, read_scene, kind, place):  # noqa: F811
+def test_lights_shine_as_in_cycles(device, ies_texture, light_object, read_scene, kind, place):
     set_text(ies_texture, beam_file())
     light_object.data.type = kind
     light_object.data.energy = 0.05 if kind == "SUN" else 5.0
@@ -84,7 +84,7 @@ def test_lights_shine_as_in_cycles(device, ies_texture, light_object, read_scene
 
 
 @pytest.mark.parametrize(("radius", "soft", "bound"), [(0.2, True, 0.01), (0.6, True, 0.025), (0.6, False, 0.025)])
-def test_a_light_with_a_radius(device, ies_texture, light_object, radius, soft, bound):  # noqa: F811
+def test_a_light_with_a_radius(device, ies_texture, light_object, radius, soft, bound):
     """Its profile is the mean of a few points, until rays correct it."""
     set_text(ies_texture, beam_file())
     light_object.data.shadow_soft_size, light_object.data.use_soft_falloff = radius, soft
@@ -133,7 +133,7 @@ FILES_SINCE_5 = {"one azimuth", "type B", "a half of type B"}
 
 
 @pytest.mark.parametrize("name", [name for name in FILES if bpy.app.version >= (5, 0) or name not in FILES_SINCE_5])
-def test_files_are_read_as_in_cycles(device, ies_texture, light_object, read_scene, name):  # noqa: F811
+def test_files_are_read_as_in_cycles(device, ies_texture, light_object, read_scene, name):
     set_text(ies_texture, FILES[name])
     light_object.rotation_euler = (2.5, 0.3, 0.8) if name == "upwards only" else (0.3, 0.2, 0.5)
     if "type B" in name:
@@ -143,7 +143,7 @@ def test_files_are_read_as_in_cycles(device, ies_texture, light_object, read_sce
     assert_like_cycles(device, 0.01 if "only" in name or "type B" in name else 0.005)
 
 
-def test_strength_and_falloff_multiply_it(device, ies_texture, light_object, read_scene):  # noqa: F811
+def test_strength_and_falloff_multiply_it(device, ies_texture, light_object, read_scene):
     set_text(ies_texture, beam_file())
     tree = light_object.data.node_tree
     falloff = tree.nodes.new("ShaderNodeLightFalloff")
@@ -154,7 +154,7 @@ def test_strength_and_falloff_multiply_it(device, ies_texture, light_object, rea
     assert_like_cycles(device, 0.002)
 
 
-def test_a_file_on_disk(device, ies_texture, light_object, read_scene, tmp_path):  # noqa: F811
+def test_a_file_on_disk(device, ies_texture, light_object, read_scene, tmp_path):
     ies_texture.mode, ies_texture.filepath = "EXTERNAL", str(tmp_path / "lamp.ies")
     assert "cannot be read" in read_scene().warnings[0]
     (tmp_path / "lamp.ies").write_text(beam_file())
@@ -162,7 +162,7 @@ def test_a_file_on_disk(device, ies_texture, light_object, read_scene, tmp_path)
     assert_like_cycles(device, 0.002)
 
 
-def test_lights_share_a_profile(ies_texture, light_object, add, read_scene):  # noqa: F811
+def test_lights_share_a_profile(ies_texture, light_object, add, read_scene):
     set_text(ies_texture, beam_file())
     add("Other", light_object.data)
     plain = add("Plain", bpy.data.lights.new("plain", "POINT"))
