@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Suns: irradiance against that of spheres, bounds of irradiance and of shadow rays, occluders of parallel maps."""
+"""Suns: irradiance against an integral, bounds of irradiance and of shadow rays, occluders of parallel maps."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from ism_addon.gpu.culling.shaft_culling import meets_shaft
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.sun import SunLight, SunLightBounds
 from ism_addon.scene import Lights, LightShape
-from tests.support.reference_irradiance import point_irradiance
+from tests.support.reference_irradiance import cap_integral
 from tests.support.small_scenes import light
 
 from .conftest import RECEIVERS
@@ -47,13 +47,13 @@ def directions_in(random: np.random.Generator, sun: Lights, count: int) -> np.nd
 @fast
 @given(seed=seeds, angle=ANGLES)
 def test_irradiance_is_exact(shader, seed, angle):
-    """That of a sphere of the same angle, a meter away."""
     random = np.random.default_rng(seed)
     sun = some_sun(random, angle)
     normals = some_normals(random, sun, RECEIVERS)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    sphere = light(LightShape.POINT, -sun.normal[0], radius=float(np.sin(np.float32(angle) / 2.0)))
-    expected = [point_irradiance(ORIGIN, normal, sphere) for normal in normals]
+    sine = np.sin(np.float64(np.float32(angle)) / 2.0)
+    cosines = np.clip(-normals @ sun.normal[0], -1.0, 1.0)
+    expected = [cap_integral(each, sine) / (np.pi * sine**2) if sine else max(each, 0.0) for each in cosines]
     assert shader(sun, np.zeros((RECEIVERS, 3)), normals) == pytest.approx(expected, abs=2e-6)
 
 

@@ -38,6 +38,7 @@ void main() {
     gl_PointSize = 2.0 * float(side);
     if (top <= 0.0 || distance <= 1e-6 * radius) { // below the horizon, or at the virtual light
         gl_Position.x = 2.0; // outside the map
+        gl_PointSize = 1.0; // some drivers draw what reaches into the map of a point whose centre is outside
     } else if (angle < 0.5) {
         vec3 d = normalize(vec3(c.xy, max(c.z, 0.0)));
         gl_Position.xy = clamp(square_from_hemisphere(d), -1.0, 1.0); // OpenGL drops points whose centre is outside
