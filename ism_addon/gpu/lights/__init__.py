@@ -204,8 +204,9 @@ def is_exact(lights: Lights, light: int) -> bool:
 
 
 def mixed_variant(lights: Lights) -> dict[str, int]:
-    """Constants of a shader for all of these lights: whether any shadow sees another size; see modulation."""
-    return {"softness": int((lights.shadow_softness != 1.0).any()), **modulation.variant(lights)}
+    """Constants of a shader for all of these lights: their types, whether any shadow sees another size; see modulation."""
+    types = {light_type.name for light_type, _, _ in by_type(lights)}
+    return types_variant(types) | {"softness": int((lights.shadow_softness != 1.0).any())} | modulation.variant(lights)
 
 
 def types_variant(names: Collection[str]) -> dict[str, int]:

@@ -131,7 +131,8 @@ def test_shadows_of_lights_without_a_size_are_exact_after_one_sample(device, nam
     scene = replace(scene, lights=one, world=World(np.zeros(3, np.float32)))
     without_shadow = replace(SMALL_SETTINGS, shadow=Shadow(enabled=False))
     color, unshadowed = (draw(device, scene, view, each).color[..., 0] for each in (SMALL_SETTINGS, without_shadow))
-    rounding = 0.0 if device.name.startswith("llvmpipe") else 1e-5  # between two programs, of fused operations
+    # Cards fuse other operations in the two programs, which round to other values of 16-bit targets.
+    rounding = 0.0 if device.name.startswith("llvmpipe") else 2.0**-10
     assert (np.isclose(color, unshadowed, rounding, 0.0) | (color == 0.0)).all()
     is_lit = reference.picture(scene, view, 1)[0][:, 0].reshape(color.shape) > 0.0
     assert ((color > 0.0) != is_lit).mean() < 0.003

@@ -58,7 +58,8 @@ def test_without_softness_shadows_are_exact_after_one_sample(device, name):
     """And unshadowed light is that of the light's size."""
     hard = replace(LIGHTS[name](0.5), shadow_softness=np.zeros(1, np.float32))
     visible = visibility(device, hard, with_quality(SETTINGS[Method.RAY_TRACED], samples=1))
-    rounding = 0.0 if device.name.startswith("llvmpipe") else 1e-5  # between two programs, of fused operations
+    # Cards fuse other operations in the two programs, which round to other values of 16-bit targets.
+    rounding = 0.0 if device.name.startswith("llvmpipe") else 2.0**-10
     assert ((visible == 0.0) | (np.abs(visible - 1.0) <= rounding)).all()
     assert 0.05 < (visible == 0.0).mean() < 0.5
 

@@ -14,7 +14,6 @@ import numpy as np
 from ....resources import LIGHT_BUFFERS, PROBE, TLAS
 from ....sampling.dimensions import fixed_point
 from ...drawing import draw_pixels, draw_tiles
-from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
@@ -57,8 +56,7 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
     lights = frame.scene.lights
-    variant = mixed_variant(lights) | {"has_emissive_mesh": int(isinstance(lights, EmissiveLights))}
-    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, **variant)
+    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, **mixed_variant(lights))
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
