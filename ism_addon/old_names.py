@@ -79,6 +79,7 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             f"{lights}falloff_smooth": np.zeros(count, np.float32),
             f"{lights}profile": np.full(count, -1, np.int32),
             f"{lights}profile_axes": np.zeros((count, 3, 3)),
+            f"{lights}image": np.full(count, -1, np.int32),
             f"{lights}visible_camera": np.zeros(count, bool),
             f"{lights}shadow_softness": np.ones(count, np.float32),
         }

@@ -211,9 +211,11 @@ def _check_indices(scene: Scene) -> None:
             end = spec.into if isinstance(spec.into, int) else _length(name, spec.into, record, scene)
             if not (spec.first <= int(indices.min()) and int(indices.max()) < end):
                 raise SnapshotError(f"The snapshot's {path}/{name} leads outside {spec.first} to {end - 1}.")
-    for index, image in enumerate(scene.images):
-        if image.texels.size == 0:
-            raise SnapshotError(f"The snapshot's scene/images/{index} has no texels.")
+    texels = {"images": [image.texels for image in scene.images]}
+    texels["light_images"] = [image.colors for image in scene.light_images]
+    for name, images in texels.items():
+        if empty := [index for index, each in enumerate(images) if each.size == 0]:
+            raise SnapshotError(f"The snapshot's scene/{name}/{empty[0]} has no texels.")
 
 
 def _records(value: Any, path: str) -> Iterator[tuple[str, Arrays]]:

@@ -166,7 +166,12 @@ class Frame:
             Change.MESHES: self.scene.meshes,
             Change.INSTANCES: (self.scene.instances, self.anchor.tobytes()),
             Change.MATERIALS: (self.scene.materials, self.scene.images),
-            Change.LIGHTS: (self.scene.lights, self.scene.light_profiles, self.anchor.tobytes()),
+            Change.LIGHTS: (
+                self.scene.lights,
+                self.scene.light_profiles,
+                self.scene.light_images,
+                self.anchor.tobytes(),
+            ),
             Change.WORLD: self.scene.world,
             Change.VIEW: (
                 view.clip_from_view.tobytes(),

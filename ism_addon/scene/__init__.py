@@ -6,18 +6,21 @@ meshes, images and light tables must be passed on as the same objects. SI units,
 space; world space is float64 (see `spaces`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from enum import Enum
 from functools import cached_property
 from itertools import chain, repeat
-from typing import Self
+from typing import Self, TypeVar
 
 import numpy as np
 
 from ..color import PRIMARIES, REC709
+from .arrays import Arrays
 from .camera import View
 from .images import Encoding, Image
 from .instances import MAX_LINK_GROUPS, Instances
+from .light_images import LightImage
 from .light_profiles import LightProfile
 from .lights import Lights, LightShape
 from .materials import MATERIAL_INPUTS, Materials
@@ -31,6 +34,7 @@ __all__ = [
     "Encoding",
     "Image",
     "Instances",
+    "LightImage",
     "LightProfile",
     "LightShape",
     "Lights",
@@ -41,6 +45,8 @@ __all__ = [
     "World",
     "bounding_boxes",
 ]
+
+Record = TypeVar("Record", bound=Arrays)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +60,7 @@ class Scene:
     lights: Lights
     world: World
     light_profiles: tuple[LightProfile, ...] = ()
+    light_images: tuple[LightImage, ...] = ()
     warnings: tuple[str, ...] = ()
     working_space: str = REC709  # of all colours; a key of color.PRIMARIES
 
@@ -73,12 +80,9 @@ class Scene:
         for name, value in tables.items():
             if value.equals(getattr(other, name)):
                 tables[name] = getattr(other, name)
-        old_images = chain(other.images, repeat(None))
-        images = tuple(
-            old if old is not None and (old is new or old.equals(new)) else new
-            for new, old in zip(self.images, old_images, strict=False)
-        )
-        merged = replace(self, **tables, images=images)
+        images = reused(self.images, other.images)
+        light_images = reused(self.light_images, other.light_images)
+        merged = replace(self, **tables, images=images, light_images=light_images)
         is_same = all(getattr(merged, member.name) == getattr(other, member.name) for member in fields(self))
         return other if is_same else merged
 
@@ -94,6 +98,14 @@ class Scene:
         world_centre = np.einsum("nij,nj->ni", linear, centre) + self.instances.world_from_object[:, :3, 3]
         world_radius = (radius * np.linalg.norm(linear, axis=(1, 2)))[:, None]
         return float(((world_centre + world_radius).max(0) - (world_centre - world_radius).min(0)).max())
+
+
+def reused(new: Sequence[Record], old: Sequence[Record]) -> tuple[Record, ...]:
+    """The new records, with equal ones at the same index replaced by the old ones."""
+    pairs = zip(new, chain(old, repeat(None)), strict=False)
+    return tuple(
+        before if before is not None and (before is now or before.equals(now)) else now for now, before in pairs
+    )
 
 
 class Change(Enum):

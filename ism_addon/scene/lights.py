@@ -54,6 +54,8 @@ class Lights(Arrays):
     #: x, y and -z are its scalar products with these axes.
     profile: np.ndarray = index("int32 L", into="light_profiles", first=-1)
     profile_axes: np.ndarray = array("float64 L 3 3", max_abs=MAX_DISTANCE)
+    #: Of areas and spots: what the radiance is multiplied by at each point, or in each direction; -1: nothing.
+    image: np.ndarray = index("int32 L", into="light_images", first=-1)
     casts_shadow: np.ndarray = array("bool L")
     #: Whether the camera sees it.
     visible_camera: np.ndarray = array("bool L")

@@ -6,9 +6,11 @@ from typing import Any
 
 import bpy
 import pytest
+from bpy.app.handlers import depsgraph_update_post, frame_change_post
 
 from ism_addon import addon
 from ism_addon.blender.sync import scene_reader
+from ism_addon.scene import Scene
 from tests.tools.new_file import open_empty_file
 
 SQUARE = ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
@@ -48,6 +50,29 @@ def add(empty_scene) -> Callable[..., bpy.types.Object]:
 def read_scene(empty_scene) -> Callable[[], Any]:
     """read_scene(): our Scene, read from the depsgraph of viewports."""
     return lambda: scene_reader.scene(bpy.context.evaluated_depsgraph_get())
+
+
+@pytest.fixture
+def latest_scene(empty_scene) -> Iterator[Callable[[], Scene]]:
+    """latest_scene(): the Scene of a Reader that receives every update, and nothing else."""
+    reader, read = scene_reader.Reader(), []
+
+    def update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        read[:] = [reader.read(depsgraph)]
+
+    handlers = depsgraph_update_post, frame_change_post
+    for handler in handlers:
+        handler.append(update)
+    bpy.context.view_layer.update()
+    read[:] = [reader.read(bpy.context.evaluated_depsgraph_get())]
+
+    def latest() -> Scene:
+        bpy.context.view_layer.update()
+        return read[0]
+
+    yield latest
+    for handler in handlers:
+        handler.remove(update)
 
 
 @pytest.fixture(scope="session")

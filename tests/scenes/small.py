@@ -98,6 +98,7 @@ def lights(area_lights: Sequence[AreaLight]) -> Lights:
         falloff_power=np.zeros(len(area_lights), np.int32),
         falloff_smooth=np.zeros(len(area_lights), np.float32),
         profile=np.full(len(area_lights), -1, np.int32),
+        image=np.full(len(area_lights), -1, np.int32),
         profile_axes=np.zeros((len(area_lights), 3, 3)),
         casts_shadow=np.ones(len(area_lights), bool),
         receivers=np.full(len(area_lights), -1, np.int32),

@@ -136,6 +136,7 @@ def light(
     falloff_power: int = 0,
     falloff_smooth: float = 0.0,
     profile: int = -1,
+    image: int = -1,
 ) -> Lights:
     """One light that shines along axis_u × axis_v."""
     normal = np.cross(axis_u, axis_v)
@@ -154,6 +155,7 @@ def light(
         falloff_smooth=np.array([falloff_smooth], np.float32),
         profile=np.array([profile], np.int32),
         profile_axes=np.eye(3)[None],
+        image=np.array([image], np.int32),
         shadow_softness=np.array([shadow_softness], np.float32),
         casts_shadow=np.array([casts_shadow]),
         visible_camera=np.array([visible_camera]),

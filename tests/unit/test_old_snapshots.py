@@ -23,6 +23,7 @@ NEW_FIELDS = {
         "falloff_smooth": np.zeros(2, np.float32),
         "profile": np.full(2, -1, np.int32),
         "profile_axes": np.zeros((2, 3, 3)),
+        "image": np.full(2, -1, np.int32),
         "visible_camera": np.zeros(2, bool),
     },
     "instances": {

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon import snapshot
-from ism_addon.scene import Image, Instances, LightProfile, Lights, Mesh, Scene, View, World
+from ism_addon.scene import Image, Instances, LightImage, LightProfile, Lights, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
 from tests.scenes.parts.tables import materials_of
 
@@ -63,6 +63,7 @@ def a_scene():
             falloff_smooth=np.array([0.5, 0.0], np.float32),
             profile=np.array([-1, 0], np.int32),
             profile_axes=generator.normal(size=(2, 3, 3)),
+            image=np.array([0, -1], np.int32),
             visible_camera=np.array([True, False]),
             casts_shadow=np.array([True, False]),
             receivers=np.array([-1, 2], np.int32),
@@ -70,6 +71,7 @@ def a_scene():
         ),
         world=World(np.array([0.1, 0.2, 0.3], np.float32)),
         light_profiles=(LightProfile(generator.random((145, 361), np.float32)),),
+        light_images=(LightImage(generator.random((2, 3, 3), np.float32), repeat=False),),
         warnings=("Größe: ‘×’.",),
     )
 

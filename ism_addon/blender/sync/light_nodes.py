@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light's shader nodes: an Emission node of constant colour and strength, with falloff and IES files.
+"""A light's shader nodes: an Emission node of constant colour and strength, with images, falloff and IES files.
 
 There are warnings for all else.
 """
@@ -10,10 +10,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...scene import LightProfile
+from ...scene import LightImage, LightProfile
 from ...scene.limits import MAX_DISTANCE
 from . import ies
 from .diagnostics import Diagnostics
+from .light_images import LIGHT_TYPES, LightImages
 from .materials import nodes
 
 #: Outputs of a Light Falloff node: powers of the distance.
@@ -29,9 +30,10 @@ class LightShader:
     falloff_smooth: float = 0.0  # m²
     has_falloff: bool = False
     profile: LightProfile | None = None
+    image: LightImage | None = None
 
 
-def read(light: bpy.types.Light, name: str, findings: Diagnostics) -> LightShader:
+def read(light: bpy.types.Light, name: str, images: LightImages, findings: Diagnostics) -> LightShader:
     """A light's shader. Its factor is zero, as in Cycles, if the output has no shader."""
     # Since Blender 5.2 every new light has nodes; Blender 6.0 removes the switch.
     if light.node_tree is None or not light.use_nodes:
@@ -43,14 +45,23 @@ def read(light: bpy.types.Light, name: str, findings: Diagnostics) -> LightShade
         findings.warn(f"Lights whose surface is a node '{shader.bl_label}' shine as if they had none", name)
         return LightShader(np.ones(3))
     color, node = nodes.rgb(shader.inputs["Color"], 0.0)
-    if node is not None:
-        findings.warn(f"Lights coloured by a node '{node.bl_label}' shine in the plain colour of its socket", name)
     result = LightShader(color.astype(np.float64))
+    if node is not None and light.type in LIGHT_TYPES and _gives_color(node, shader.inputs["Color"]):
+        largest, result.image = images.of_node(node, name, findings)
+        result.factor = np.full(3, largest)
+    elif node is not None:
+        findings.warn(f"Lights coloured by a node '{node.bl_label}' shine in the plain colour of its socket", name)
     strength, node = _strength(shader.inputs["Strength"], light, result, name, findings)
     if node is not None:
         findings.warn(f"Lights whose strength a node '{node.bl_label}' gives have the plain one of its socket", name)
     result.factor = result.factor * strength
     return result
+
+
+def _gives_color(node: bpy.types.Node, socket: bpy.types.NodeSocket) -> bool:
+    """Whether a socket has the colour of an Image Texture node."""
+    output: Any = nodes.source(socket)
+    return node.bl_idname == "ShaderNodeTexImage" and output.identifier == "Color"
 
 
 def _strength(

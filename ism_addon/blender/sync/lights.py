@@ -12,10 +12,11 @@ import bpy
 import numpy as np
 
 from ... import radiometry
-from ...scene import LightProfile, Lights, LightShape
+from ...scene import LightImage, LightProfile, Lights, LightShape
 from ...scene.limits import MAX_EMISSION, is_within, spans_plane
 from . import light_nodes
 from .diagnostics import Diagnostics
+from .light_images import LightImages
 from .light_linking import LightLinks, warn_of_many_groups
 
 #: Blender's shapes: ours, and whether the height is a separate property.
@@ -26,7 +27,7 @@ SHAPES = {
     "ELLIPSE": (LightShape.ELLIPSE, True),
 }
 
-#: One light, by the fields of Lights; its profile is a LightProfile or None.
+#: One light, by the fields of Lights; its profile is a LightProfile or None, its image a LightImage or None.
 Row = dict[str, Any]
 
 
@@ -34,7 +35,7 @@ class LightReader:
     """Reads lights, incrementally, with warnings about what they ask for that is not drawn."""
 
     def __init__(self, links: LightLinks) -> None:
-        self._links = links
+        self._links, self._images = links, LightImages()
         self._rows: list[tuple[list[Row], Diagnostics]] = []
         self._object_rows: dict[int, int] = {}  # row of each light that is not an instance, by session_uid
 
@@ -48,34 +49,52 @@ class LightReader:
         """Add one light or instance of a light."""
         if not instance.is_instance:
             self._object_rows[instance.object.original.session_uid] = len(self._rows)
-        self._rows.append(_read(instance.object, np.array(instance.matrix_world, np.float64), self._links))
+        self._rows.append(self._read(instance.object, instance.matrix_world))
 
     def update(self, source: bpy.types.Object) -> None:
         """Read a light that is not an instance again; ignored if it was not added, so it is not visible."""
         index = self._object_rows.get(source.original.session_uid)
         if index is not None:
-            self._rows[index] = _read(source, np.array(source.matrix_world, np.float64), self._links)
+            self._rows[index] = self._read(source, source.matrix_world)
 
     def table(self, findings: Diagnostics) -> Lights:
         """All lights that emit."""
         for _, issues in self._rows:
             findings.merge(issues)
-        indices = {profile: index for index, profile in enumerate(self.profiles())} | {None: -1}
-        return Lights.of_rows(row | Row(profile=indices[row["profile"]]) for rows, _ in self._rows for row in rows)
+        indices: dict[LightProfile | LightImage | None, int] = {None: -1}
+        indices |= {each: index for index, each in enumerate(self.profiles())}
+        indices |= {each: index for index, each in enumerate(self.images())}
+        rows = (row for rows, _ in self._rows for row in rows)
+        return Lights.of_rows(row | {name: indices[row[name]] for name in ("profile", "image")} for row in rows)
 
     def profiles(self) -> tuple[LightProfile, ...]:
         """The profiles of all lights: the same objects for the same files."""
-        found = (row["profile"] for rows, _ in self._rows for row in rows if row["profile"] is not None)
-        return tuple(dict.fromkeys(found))
+        return tuple(self._distinct("profile"))
+
+    def images(self) -> tuple[LightImage, ...]:
+        """The images of all lights: the same objects until forget_images."""
+        return tuple(self._distinct("image"))
+
+    def forget_images(self) -> None:
+        """Some image has changed: all lights are added again."""
+        self._images.forget()
+
+    def _distinct(self, name: str) -> dict[Any, None]:
+        return dict.fromkeys(row[name] for rows, _ in self._rows for row in rows if row[name] is not None)
+
+    def _read(self, source: bpy.types.Object, matrix_world: Any) -> tuple[list[Row], Diagnostics]:
+        return _read(source, np.array(matrix_world, np.float64), self._links, self._images)
 
 
-def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks) -> tuple[list[Row], Diagnostics]:
+def _read(
+    source: bpy.types.Object, world_from_light: np.ndarray, links: LightLinks, images: LightImages
+) -> tuple[list[Row], Diagnostics]:
     """The rows of a light with its matrix (4,4); none if it has no size or emits nothing."""
     findings, light = Diagnostics(), source.data
     portal = hasattr(light, "cycles") and light.cycles.is_portal  # Cycles can be switched off
     if portal or not source.visible_diffuse:
         return [], findings  # as in Cycles, where portals only guide rays to the world
-    shader = light_nodes.read(light, source.name, findings)
+    shader = light_nodes.read(light, source.name, images, findings)
     power = watts(light) * shader.factor
     if not power.any():
         return [], findings
@@ -100,6 +119,7 @@ def _read(source: bpy.types.Object, world_from_light: np.ndarray, links: LightLi
         falloff_smooth=shader.falloff_smooth,
         profile=shader.profile,
         profile_axes=np.eye(3),
+        image=shader.image,
     )
     if shader.profile is not None and (axes := _axes(world_from_light)) is not None:
         row |= Row(profile_axes=axes)

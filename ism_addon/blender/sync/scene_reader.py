@@ -65,6 +65,7 @@ class Reader:
         has_new_working_space = self._scene is not None and self._scene.working_space != images.working_space()
         if changed.images or has_new_working_space:
             self._materials.forget_images()
+            self._lights.forget_images()
             all_instances |= has_new_working_space
         for material in changed.materials:
             all_instances |= self._materials.update(material)  # meshes need other UV layers
@@ -79,6 +80,7 @@ class Reader:
         """Read everything again the next time. What has not changed is still the same object."""
         self._instances.invalidate_all()
         self._materials.forget_images()
+        self._lights.forget_images()
 
     def _walk(self, depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool]) -> None:
         """Read all instances of the depsgraph."""
@@ -123,6 +125,7 @@ class Reader:
             images=self._materials.images(),
             lights=self._lights.table(findings),
             light_profiles=self._lights.profiles(),
+            light_images=self._lights.images(),
             world=world.read(_world(depsgraph), findings),
             warnings=findings.messages(),
             working_space=images.working_space(),

@@ -244,6 +244,7 @@ def emissive_rows(
         "falloff_smooth": np.zeros(count),
         "profile": np.full(count, -1),
         "profile_axes": np.zeros((count, 3, 3)),
+        "image": np.full(count, -1),
         "casts_shadow": np.ones(count, bool),
         "visible_camera": np.zeros(count, bool),
         "shadow_softness": np.ones(count),

@@ -155,7 +155,7 @@ def is_narrow(lights: Lights) -> np.ndarray:
     narrow = np.zeros(len(lights.shape), bool)
     for light_type, rows, type_lights in by_type(lights):
         narrow[rows] = light_type.is_narrow(type_lights)
-    return narrow | modulation.has_profile(lights)
+    return narrow | modulation.has_profile(lights) | modulation.has_image(lights)
 
 
 def bounds_with_falloff(light_type: LightType, lights: Lights, anchor: np.ndarray, working_space: str) -> LightBounds:
@@ -182,12 +182,12 @@ def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
 
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light."""
-    light_type, has_profile = type_of(lights, light), modulation.has_profile(lights)[light]
+    light_type = type_of(lights, light)
     return (
         types_variant({light_type.name})
         | {
             "exact": int(is_exact(lights, light)),
-            "exact_but_for_falloff": int(light_type.is_exact(lights, light) and not has_profile),
+            "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
             "max_rays": light_type.max_rays,
             "softness": int(lights.shadow_softness[light] != 1.0),
         }
@@ -197,14 +197,13 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
 
 
 def is_exact(lights: Lights, light: int) -> bool:
-    """See LightType.is_exact. Of a light with a size, falloff and profile are those of its middle."""
-    light_type = type_of(lights, light)
-    is_modulated = modulation.has_falloff(lights)[light] or modulation.has_profile(lights)[light]
-    return (light_type.is_hard(lights, light) or not is_modulated) and light_type.is_exact(lights, light)
+    """See LightType.is_exact. Of a light with a size, the factor of falloff is that of its middle."""
+    light_type, has_falloff = type_of(lights, light), modulation.has_falloff(lights)[light]
+    return (light_type.is_hard(lights, light) or not has_falloff) and light_type.is_exact(lights, light)
 
 
 def mixed_variant(lights: Lights) -> dict[str, int]:
-    """Constants of a shader for all of these lights: their types, whether any shadow sees another size; see modulation."""
+    """Constants of a shader for all of these lights: types, whether any shadow sees another size; see modulation."""
     types = {light_type.name for light_type, _, _ in by_type(lights)}
     return types_variant(types) | {"softness": int((lights.shadow_softness != 1.0).any())} | modulation.variant(lights)
 
@@ -230,14 +229,14 @@ def switch(result: str, function: str, parameters: str) -> str:
 
 def glsl() -> str:
     """The generated file lights/light.glsl: the interface of all types."""
-    lines = [LIGHT_SAMPLE, "uniform usamplerBuffer lights; // rows of LIGHT, and after them profiles"]
+    lines = [LIGHT_SAMPLE, "uniform usamplerBuffer lights; // rows of LIGHT, and after them profiles and images"]
     lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
     for light_type in LIGHT_TYPES:
         has = f"HAS_{light_type.name.upper()}"
         lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]
     lines += [switch(*function) for function in GLSL_INTERFACE]
-    return "\n".join([*lines, '#include "lights/modulation.glsl"'])
+    return "\n".join([*lines, '#include "lights/modulation.glsl"', '#include "lights/light_image.glsl"'])
 
 
 shader_compiler.GENERATED["lights/light.glsl"] = glsl

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a light's nodes multiply its radiance by: by Light Falloff a function of the distance, by IES Texture a profile.
+"""What a light's nodes multiply its radiance by: Light Falloff, the profile of an IES Texture, and an image.
 
 The output Quadratic of Light Falloff is the physical decrease of light: the factor is 1. By Linear it is the distance,
-by Constant its square. Smooth makes light weaker near its source. A profile gives a factor for each direction.
+by Constant its square. Smooth makes light weaker near its source. A profile gives a factor for each direction; an
+image a colour for each direction of a spot, or for each point of an area. The means of both over a light with a size
+are those of other points in each sample, so that a picture's are exact.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from ...scene import LightProfile, Lights, LightShape
+from ...sampling.dimensions import Dimension, draw, fixed_point
+from ...scene import Lights, LightShape
 from ...scene.light_profiles import AZIMUTHS, POLAR_ANGLES
 from ..culling.surface_bounds import SurfaceBounds, dot
 from .point import MAX_BOUND
@@ -23,12 +26,11 @@ if TYPE_CHECKING:
 PLAIN = "plain_"
 REPLACED = "irradiance", "sample", "emitted", "virtual_weight"
 
-#: Points of a light with a size whose mean profile is that of its irradiance, before rays correct it.
-PROFILE_POINTS = 16
+#: Points of a light with a size whose mean profile or colour a sample has.
+MEAN_POINTS = 16
 
 #: Texels of a profile for each azimuth: each has four factors, the last of which is the first of the next texel.
 GLSL_CONSTANTS = {"profile_azimuths": AZIMUTHS, "profile_texels": (POLAR_ANGLES - 1) // 3}
-TEXELS_OF_PROFILE = AZIMUTHS * GLSL_CONSTANTS["profile_texels"]
 
 
 def has_falloff(lights: Lights) -> np.ndarray:
@@ -42,21 +44,25 @@ def has_profile(lights: Lights) -> np.ndarray:
     return profiled
 
 
+def has_image(lights: Lights) -> np.ndarray:
+    """(L,) bool: whether a light's colour is that of an image."""
+    pictured: np.ndarray = lights.image >= 0
+    return pictured
+
+
 def variant(lights: Lights, rows: slice | list[int] | np.ndarray = slice(None)) -> dict[str, int]:
-    """Constants of a shader for these lights: whether any has falloff, and of how many points the profile is taken."""
-    profiled = has_profile(lights)[rows]
+    """Constants of a shader for these lights: whether any has falloff, and points of means of profiles and images."""
     has_size = (lights.radius[rows] > 0.0) | (lights.shape[rows] <= LightShape.ELLIPSE)
-    points = PROFILE_POINTS if (profiled & has_size).any() else int(profiled.any())
-    return {"falloff": int(has_falloff(lights)[rows].any()), "profile": points}
+    points = {}
+    for name, varied in {"profile": has_profile(lights)[rows], "light_image": has_image(lights)[rows]}.items():
+        points[name] = MEAN_POINTS if (varied & has_size).any() else int(varied.any())
+    return {"falloff": int(has_falloff(lights)[rows].any()), **points}
 
 
-def profile_words(profiles: Sequence[LightProfile]) -> np.ndarray:
-    """(P * azimuths * texels,4) uint32: the texels of profiles, see GLSL_CONSTANTS."""
-    if not profiles:
-        return np.zeros((0, 4), np.uint32)
-    factors = np.stack([profile.factors for profile in profiles])
-    first = np.arange(0, POLAR_ANGLES - 1, 3)[:, None] + np.arange(4)
-    return np.ascontiguousarray(factors[..., first]).view(np.uint32).reshape(-1, 4)
+@cache
+def mean_points(sample: int) -> dict[str, tuple[int, ...]]:
+    """Uniforms of the points of means in a sample."""
+    return {"mean_point_shift": fixed_point(draw(Dimension.MEAN_POINT, sample=sample))}
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ def with_world(lights: Lights, world: World) -> Lights:
         "falloff_smooth": 0.0,
         "profile": -1,
         "profile_axes": np.zeros((3, 3)),
+        "image": -1,
         "casts_shadow": True,
         "visible_camera": False,
         "shadow_softness": 1.0,

@@ -2,7 +2,7 @@
 """A Reader that receives all updates has the same scene as a new Reader, and reads only what has changed."""
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import fields
 from types import SimpleNamespace
 
@@ -10,7 +10,6 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from bpy.app.handlers import depsgraph_update_post, frame_change_post
 
 from ism_addon.blender.sync.geometry import instances
 from ism_addon.blender.sync.scene_reader import Reader
@@ -64,29 +63,6 @@ def row_nodes(thing: bpy.types.Object) -> bpy.types.NodeTree:
     nodes.links.new(info.outputs["Geometry"], instances.inputs["Instance"])
     nodes.links.new(instances.outputs["Instances"], end.inputs["Geometry"])
     return nodes
-
-
-@pytest.fixture
-def latest_scene(setup) -> Iterator[Callable[[], Scene]]:
-    """latest_scene(): the Scene of a Reader that receives every update, and nothing else."""
-    reader, read = Reader(), []
-
-    def update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        read[:] = [reader.read(depsgraph)]
-
-    handlers = depsgraph_update_post, frame_change_post
-    for handler in handlers:
-        handler.append(update)
-    bpy.context.view_layer.update()
-    read[:] = [reader.read(bpy.context.evaluated_depsgraph_get())]
-
-    def latest() -> Scene:
-        bpy.context.view_layer.update()
-        return read[0]
-
-    yield latest
-    for handler in handlers:
-        handler.remove(update)
 
 
 def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket:

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from bpy.app.handlers import depsgraph_update_post, frame_change_post
+from bpy.app.handlers import depsgraph_update_post
 
 from ism_addon.blender.sync import scene_reader
 
@@ -27,27 +27,6 @@ def textured(add):
         return node
 
     return textured
-
-
-@pytest.fixture
-def latest_scene(empty_scene):
-    """latest_scene(): the Scene of a Reader that receives every update, and nothing else."""
-    reader, read = scene_reader.Reader(), []
-
-    def update(_scene, depsgraph):
-        read[:] = [reader.read(depsgraph)]
-
-    handlers = depsgraph_update_post, frame_change_post
-    for handler in handlers:
-        handler.append(update)
-
-    def latest():
-        bpy.context.view_layer.update()
-        return read[0]
-
-    yield latest
-    for handler in handlers:
-        handler.remove(update)
 
 
 def test_a_uv_map_node_selects_the_layer_and_can_be_edited(textured, read_scene, latest_scene):

@@ -44,6 +44,7 @@ def lamps(rows: list[tuple[LightShape, tuple[float, ...], dict[str, float]]]) ->
         "falloff_power": np.zeros(count, np.int32),
         "falloff_smooth": np.zeros(count),
         "profile": np.full(count, -1),
+        "image": np.full(count, -1),
         "profile_axes": np.zeros((count, 3, 3)),
         "receivers": np.full(count, -1),
         "blockers": np.full(count, -1),

@@ -12,7 +12,7 @@ from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import mesh, perspective
 from tests.stress.pictures.moves import Picture
-from tests.support.light_profiles import beam
+from tests.support.light_profiles import beam, stripes
 from tests.support.small_scenes import AREA_SHAPES
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -100,6 +100,7 @@ def lights(draw: st.DrawFn) -> Lights:
     sizes = np.where(is_area[:, None], sizes, random.choice([1.0, 0.5, 2.0], (count, 2)))  # of spots, their cone's
     spread = random.choice([math.pi, 2.0, 0.5, 0.01, 0.0], count, p=[0.6, 0.2, 0.1, 0.05, 0.05])
     is_sun = shape == LightShape.SUN
+    has_image = (is_area | (shape == LightShape.SPOT)) & (random.random(count) < 0.2)
     spread[is_sun] = random.choice([0.0, 0.01, 0.5, 2.0, math.pi], count)[is_sun]
     return Lights(
         shape=shape,
@@ -121,6 +122,7 @@ def lights(draw: st.DrawFn) -> Lights:
         falloff_smooth=np.where(is_sun, 0.0, random.choice([0.0, 1.0], count, p=[0.9, 0.1])).astype(np.float32),
         profile=np.where(is_sun, -1, random.choice([-1, 0], count, p=[0.9, 0.1])).astype(np.int32),
         profile_axes=axes.copy(),
+        image=np.where(has_image, 0, -1).astype(np.int32),
     )
 
 
@@ -176,5 +178,6 @@ def pictures(draw: st.DrawFn) -> Picture:
         lights=draw(lights()),
         world=World(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),
         light_profiles=(beam(),),
+        light_images=(stripes(),),
     )
     return scene, draw(views()), draw(all_settings())

@@ -89,7 +89,7 @@ def against_rays(device, picture: Picture, renderer) -> float | None:
     ones, no = np.ones(len(scene.lights.shape), np.float32), np.zeros(len(scene.lights.shape), np.bool_)
     # The reference shows no lights, whose shadows see their sizes, and whose nodes do nothing.
     lights = replace(scene.lights, shadow_softness=ones, visible_camera=no, falloff_power=no.astype(np.int32))
-    lights = replace(lights, falloff_smooth=0.0 * ones, profile=no.astype(np.int32) - 1)
+    lights = replace(lights, falloff_smooth=0.0 * ones, profile=no.astype(np.int32) - 1, image=no.astype(np.int32) - 1)
     scene = replace(scene, meshes=meshes, lights=lights)
     view = replace(view, filter_width=0.01, transparent=False)
     plain_settings = Settings(

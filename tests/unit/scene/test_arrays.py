@@ -23,7 +23,7 @@ class Beams(Lights):
     """Lights with two more fields."""
 
     width: np.ndarray = array("float32 L 2", "m", max_abs=5.0)
-    image: np.ndarray = index("int32 L", into="images", first=-1)
+    cover: np.ndarray = index("int32 L", into="images", first=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class BeamScene(Scene):
         ({"width": np.ones((2, 2))}, "lights/width is float64 2 2 where float32 L 2 belongs"),
         ({"width": np.ones((3, 2), np.float32)}, "lights/width is float32 3 2 where float32 L 2 belongs"),
         ({"width": np.full((2, 2), 6.0, np.float32)}, "lights/width holds numbers beyond 5"),
-        ({"image": np.array([0, 1], np.int32)}, "lights/image leads outside -1 to 0"),
+        ({"cover": np.array([0, 1], np.int32)}, "lights/cover leads outside -1 to 0"),
     ],
 )
 def test_a_new_field_is_one_line(tmp_path, monkeypatch, arrays, sentence):
@@ -49,7 +49,7 @@ def test_a_new_field_is_one_line(tmp_path, monkeypatch, arrays, sentence):
     monkeypatch.setattr(snapshot, "Scene", BeamScene)
     scene, path = a_scene(), tmp_path / "stage.npz"
     columns = {member.name: getattr(scene.lights, member.name).tolist() for member in fields(Lights)}
-    beams = Beams.of(**columns, width=[(1, 2), (3, 4)], image=[-1, 0])
+    beams = Beams.of(**columns, width=[(1, 2), (3, 4)], cover=[-1, 0])
     members = {member.name: getattr(scene, member.name) for member in fields(Scene)} | {"lights": beams}
     snapshot.save(path, BeamScene(**members), VIEW, SETTINGS)
     rewritten(path, arrays={f"scene/lights/{name}": array for name, array in arrays.items()})

@@ -79,10 +79,15 @@ def mean_color(image: bpy.types.Image) -> np.ndarray | None:
     if stored is None:
         return None
     step = max(max(stored.shape[:2]) // MEAN_TEXELS, 1)
-    color, encoded = stored[::step, ::step, :3].reshape(-1, 3).astype(np.float32), encoding(image)
-    if encoded is not Encoding.FLOAT:
-        color /= 255.0
-    return (linear_from_srgb(color) if encoded is Encoding.SRGB else color).mean(0, dtype=np.float64)
+    return linear(stored[::step, ::step, :3], encoding(image)).mean((0, 1), dtype=np.float64)
+
+
+def linear(stored: np.ndarray, encoded: Encoding) -> np.ndarray:
+    """(H,W,3) float32: linear colours of texels."""
+    if encoded is Encoding.FLOAT:
+        return stored.astype(np.float32)
+    values = np.arange(256, dtype=np.float32) / np.float32(255.0)
+    return (linear_from_srgb(values) if encoded is Encoding.SRGB else values).astype(np.float32)[stored]
 
 
 def texels_of_frame(image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:

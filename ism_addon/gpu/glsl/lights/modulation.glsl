@@ -6,6 +6,13 @@
 #ifndef PROFILE
 #define PROFILE 16 // points of a light whose mean is the factor of its irradiance; 0: no light has a profile
 #endif
+uniform uvec2 mean_point_shift; // of the points of means, in 32-bit fixed point
+
+// The point k of a Hammersley set of `count`, shifted.
+vec2 mean_point(int k, int count) {
+    uvec2 at = uvec2(uint(k) * (4294967295u / uint(count)), bitfieldReverse(uint(k))) + mean_point_shift;
+    return vec2(at >> 8u) / 16777216.0;
+}
 
 float light_falloff(Light light, float distance) {
 #if FALLOFF
@@ -57,14 +64,13 @@ float light_falloff_ratio(Light light, vec3 p, vec3 point) {
 #endif
 }
 
-// The mean of a profile over a light's irradiance, by a Hammersley set of its points.
+// The mean of a profile over a light's irradiance.
 float light_mean_profile(Light light, vec3 p, vec3 n) {
 #if PROFILE > 1
     if (light.profile < 0) return 1.0;
     float sum = 0.0, all = 0.0;
     for (int k = 0; k < PROFILE; ++k) {
-        vec2 uv = vec2((float(k) + 0.5) / float(PROFILE), float(bitfieldReverse(uint(k))) / 4294967296.0);
-        LightSample from = plain_light_sample(light, p, n, uv);
+        LightSample from = plain_light_sample(light, p, n, mean_point(k, PROFILE));
         float weight = from.radiance * max(dot(n, from.wi), 0.0) / from.pdf;
         all += weight;
         sum += weight * light_profile(light, -from.wi);

@@ -11,10 +11,12 @@ vec3 bsdf_evaluate(Surface surface, vec3 wi) {
 
 // Unshadowed radiance by a light of this irradiance, for a radiance or intensity of 1. W/(sr m^2)
 vec3 bsdf_unshadowed(Surface surface, Light light, float irradiance) {
-    return light.emission * surface.material.base_color * (INVERSE_PI * irradiance);
+    vec3 emission = light.emission * light_mean_color(light, surface.position, surface.normal);
+    return emission * surface.material.base_color * (INVERSE_PI * irradiance);
 }
 
 // An unbiased estimate of bsdf_unshadowed, if the light's irradiance is exact.
 vec3 bsdf_estimate(Surface surface, Light light, LightSample from) {
-    return light.emission * bsdf_evaluate(surface, from.wi) * (from.radiance / from.pdf);
+    vec3 emission = light.emission * light_color(light, surface.position, from.point);
+    return emission * bsdf_evaluate(surface, from.wi) * (from.radiance / from.pdf);
 }

@@ -47,6 +47,7 @@ from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import is_exact, shader_variant, type_of
+from ...lights.modulation import mean_points
 from ...material_inputs import MATERIAL, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
@@ -146,6 +147,7 @@ class TraceShadows(Pass):
             **surface_samplers(frame),
             **material_samplers(frame),
             **frame[LIGHT_BUFFERS],
+            **mean_points(frame.sample),
             "light_index": light,
             "depth": frame[DEPTH],
             "prediction_surface": frame[PREDICTION_SURFACE],
@@ -203,6 +205,7 @@ class TraceShadows(Pass):
                 program,
                 **surface_samplers(frame) | material_samplers(frame),
                 **frame[LIGHT_BUFFERS],
+                **mean_points(frame.sample),
                 light_steps=light_steps(),
                 **ray_sequence(),
                 ray_threshold=ray_threshold(frame) if rays else 0.0,

@@ -46,7 +46,10 @@ vec3 seen_radiance(Surface surface) {
     for (int k = 0; k < seen_count; ++k) {
         Light light = fetch_Light(seen_lights, k);
         float emitted = light_emitted(light, ray.origin, wi);
-        if (emitted > 0.0 && light_hit_distance(light, ray.origin, wi) < farthest) sum += emitted * light.emission;
+        if (emitted <= 0.0) continue;
+        float distance = light_hit_distance(light, ray.origin, wi);
+        vec3 point = ray.origin + distance * wi;
+        if (distance < farthest) sum += emitted * light.emission * light_color(light, ray.origin, point);
     }
 #endif
     return sum;

@@ -57,6 +57,7 @@ class Shade(Pass):
             has_emissive_mesh=0,  # surfaces, not seen lights
             falloff=modulated["falloff"],
             profile=modulated["profile"],
+            light_image=modulated["light_image"],
             emissive=int(emissive),
         )
         if emissive:

@@ -97,6 +97,7 @@ class GatherLight(Pass):
             "primitive": frame[PRIMITIVE],
             "link_groups": frame[INSTANCE_BUFFERS].memberships,
             **frame[LIGHT_BUFFERS],
+            **modulation.mean_points(frame.sample),
             "virtual_light_ranges": frame[VIRTUAL_LIGHT_RANGES],
             "virtual_lights": frame[VIRTUAL_LIGHTS],
             "shadow_maps": frame[SHADOW_MAPS if shadow.fill_holes else SHADOW_MAP_SPLATS],

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Upload the lights as shader records."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ....resources import LIGHT_BUFFERS, SEEN_LIGHTS
-from ....scene import Change, LightProfile, Lights
+from ....scene import Change, Lights
 from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.buffer_texture import BufferTexture
@@ -14,15 +12,15 @@ from ...gl.context import Device
 from ...gl.shader_records import EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE
 from ...lights import by_type
 from ...lights.emissive_mesh import padded_nodes
-from ...lights.modulation import TEXELS_OF_PROFILE, has_profile, profile_words
+from .light_textures import NO_TEXTURES, LightTextures
 
 
-def light_table(lights: Lights, anchor: np.ndarray, first_profile: int = 0) -> np.ndarray:
-    """Rows (L,) of LIGHT. Profiles lie from this texel on."""
+def light_table(lights: Lights, anchor: np.ndarray, textures: LightTextures) -> np.ndarray:
+    """Rows (L,) of LIGHT."""
     table = np.zeros(len(lights.shape), LIGHT.dtype)
     for light_type, rows, type_lights in by_type(lights):
         table[rows] = light_type.records(type_lights, anchor)
-    table["profile"] = np.where(has_profile(lights), first_profile + TEXELS_OF_PROFILE * lights.profile, -1)
+    textures.refer(table, lights)
     return table
 
 
@@ -46,19 +44,14 @@ def emitter_words(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
 
 
 def light_buffers(
-    device: Device, lights: Lights, anchor: np.ndarray, profiles: Sequence[LightProfile] = ()
+    device: Device, lights: Lights, anchor: np.ndarray, textures: LightTextures = NO_TEXTURES
 ) -> dict[str, BufferTexture]:
-    """The table of lights and their profiles, and that of emitters if there are any, by sampler name."""
-    table = LIGHT.words(light_table(lights, anchor, first_profile(lights)))
-    buffers = {"lights": device.buffer_from(np.concatenate([table, profile_words(profiles)]))}
+    """The table of lights with their textures, and that of emitters if there are any, by sampler name."""
+    table = LIGHT.words(light_table(lights, anchor, textures))
+    buffers = {"lights": device.buffer_from(np.concatenate([table, textures.words]))}
     if isinstance(lights, EmissiveLights):
         buffers["emitters"] = device.buffer_from(emitter_words(lights, anchor))
     return buffers
-
-
-def first_profile(lights: Lights) -> int:
-    """The first texel of the profiles, after the table of lights."""
-    return len(lights.shape) * LIGHT.texels
 
 
 class UploadLights(Pass):
@@ -73,8 +66,10 @@ class UploadLights(Pass):
 
     def execute(self, frame: Frame) -> None:
         lights = frame.scene.lights
-        frame[LIGHT_BUFFERS] = buffers = light_buffers(self.device, lights, frame.anchor, frame.scene.light_profiles)
+        first_texel = len(lights.shape) * LIGHT.texels
+        textures = LightTextures.of(frame.scene.light_profiles, frame.scene.light_images, first_texel)
+        frame[LIGHT_BUFFERS] = buffers = light_buffers(self.device, lights, frame.anchor, textures)
         seen = lights.select(lights.visible_camera)
-        seen_table = light_table(seen, frame.anchor, first_profile(lights))
+        seen_table = light_table(seen, frame.anchor, textures)
         frame[SEEN_LIGHTS] = LIGHT.upload(self.device, seen_table) if len(seen.shape) else None
         frame.counts["bytes_uploaded"] += sum(buffer.bytes for buffer in buffers.values())
