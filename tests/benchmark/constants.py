@@ -90,10 +90,8 @@ GROUPS = {
             f"{PASSES}.light_selection.retest_occluded": ("RETEST_PROBABILITY",),
             f"{PASSES}.direct.select_faint_lights": ("MIN_LIGHT_PROBABILITY",),
             f"{PASSES}.direct.ray_correction": ("RAY_THRESHOLD", "MIN_DOUBT"),
-            f"{PASSES}.direct.trace_shadows": (
-                *("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY", "CERTAIN_PROBABILITY"),
-                "MAX_CERTAIN_PROBABILITY",
-            ),
+            f"{PASSES}.direct.trace_shadows": ("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY"),
+            f"{PASSES}.direct.tiles_of_lights": ("CERTAIN_PROBABILITY", "MAX_CERTAIN_PROBABILITY"),
             f"{PASSES}.surfaces.select_tiles": (
                 *("UNIFORM_SAMPLES", "MIN_TILE_PROBABILITY", "ALWAYS_SAMPLED_FRACTION", "MIN_NEIGHBOUR_RATIO"),
             ),

@@ -5,10 +5,11 @@ LIGHT_TYPES lists them. The switch in GLSL, shader variants and the tests of the
 type needs a Python file, a GLSL file and an entry in the list.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -180,8 +181,19 @@ def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
     return next(each for each in types if shape in each.shapes)
 
 
-def shader_variant(lights: Lights, light: int) -> dict[str, int]:
-    """Constants of a shader for one light."""
+#: By light, see shader_variant, of tables that exist.
+_VARIANTS: WeakKeyDictionary[Lights, dict[int, dict[str, int]]] = WeakKeyDictionary()
+
+
+def shader_variant(lights: Lights, light: int) -> Mapping[str, int]:
+    """Constants of a shader for one light; found once."""
+    variants = _VARIANTS.setdefault(lights, {})
+    if light not in variants:
+        variants[light] = _shader_variant(lights, light)
+    return variants[light]
+
+
+def _shader_variant(lights: Lights, light: int) -> dict[str, int]:
     light_type = type_of(lights, light)
     return (
         types_variant({light_type.name})

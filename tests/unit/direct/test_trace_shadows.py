@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.direct.trace_shadows import CERTAIN_PROBABILITY, MAX_CERTAIN_PROBABILITY, TraceShadows
+from ism_addon.gpu.passes.direct.tiles_of_lights import CERTAIN_PROBABILITY, MAX_CERTAIN_PROBABILITY, TilesOfLights
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.resources import (
@@ -108,7 +108,7 @@ def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel
     has_rays = np.zeros((64 * count, len(tiles)), int)
     for sample, in_sample in enumerate(has_rays):
         tiles["sample_index"] = sample
-        traced, _ = renderer.graph.instance(TraceShadows).tiles_to_draw(frame, 0)
+        traced, _ = TilesOfLights(frame).of_light(0)
         in_sample += (tiles["tile"][:, None] == traced["tile"]).all(2).any(1)
     has_rays = has_rays.reshape(64, count, len(tiles))
     assert count == 16

@@ -38,7 +38,6 @@ from ....resources import (
     TILES,
     TLAS,
 )
-from ....sampling.dimensions import Dimension, draw
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -46,23 +45,19 @@ from ...gl import driver_variants
 from ...gl.context import Device
 from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
-from ...lights import is_exact, shader_variant, type_of
+from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
 from ...material_inputs import MATERIAL, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
 from .ray_correction import RECORDS, light_shift, light_steps, ray_sequence, ray_threshold, shader_constants
+from .tiles_of_lights import TilesOfLights, casts_shadow
 
 # How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
 
 #: Minimum probability of a ray that corrects a prediction, and of a ray to a faint light.
 MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
-
-#: Probability that a sample tests a tile whose prediction is certain, if the light's bound there equals the picture's
-#: mean. It is proportional to the bound, as errors are, up to MAX_CERTAIN_PROBABILITY.
-CERTAIN_PROBABILITY = 0.03125
-MAX_CERTAIN_PROBABILITY = 0.5
 
 
 class TraceShadows(Pass):
@@ -109,25 +104,34 @@ class TraceShadows(Pass):
     def draw_lights(self, frame: Frame) -> set[int]:
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
         predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
+        shared, programs, tiles = self.shared_uniforms(frame), set[moderngl.Program](), TilesOfLights(frame)
+
+        def bind_light(program: moderngl.Program, **uniforms: Any) -> None:
+            """Bind the uniforms of a light, and once those that all lights share."""
+            bind(program, **uniforms, **({} if program in programs else shared))
+            programs.add(program)
+
         # All draws to one framebuffer come first, as changing it takes time.
         for light in frame[CONTRIBUTING_LIGHTS]:
-            traced, untraced = self.tiles_to_draw(frame, light)
+            traced, untraced = tiles.of_light(light)
             if not len(traced) + len(untraced):
                 continue
             used.add(light)
             variant, uniforms = self.variant(frame, light), self.uniforms(frame, light)
-            program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
-            bind(program, **uniforms, **(frame[TLAS] if variant["hard"] else {}))
-            draw_tiles(frame, predicted, program, untraced)
+            if len(untraced):
+                program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
+                bind_light(program, **uniforms)
+                draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 is_round = type_of(frame.scene.lights, light).is_round(frame.scene.lights, light)
                 sequences = {"light_uv_shift": light_shift(light), **ray_sequence(is_round)}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
+        threshold = ray_threshold(frame) if traced_draws else 0.0
         for light, variant, uniforms, traced in traced_draws:
             constants = shader_constants(variant, 1, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, **constants)
-            bind(program, **uniforms, ray_threshold=ray_threshold(frame), **frame[TLAS])
+            bind_light(program, **uniforms, ray_threshold=threshold)
             draw_tiles(frame, self.framebuffer(frame, light), program, traced)
         return used
 
@@ -140,17 +144,24 @@ class TraceShadows(Pass):
         cached = int(light in (frame.get(IRRADIANCE_CACHE) or {}))
         return variant | {"hard": int(hard), "cached": cached} | CACHE_CONSTANTS
 
-    def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
-        """Uniforms of a light's prediction."""
-        cache = frame.get(IRRADIANCE_CACHE) or {}
+    @staticmethod
+    def shared_uniforms(frame: Frame) -> dict[str, Any]:
+        """Uniforms of all lights' predictions."""
         return {
             **surface_samplers(frame),
             **material_samplers(frame),
             **frame[LIGHT_BUFFERS],
             **mean_points(frame.sample),
-            "light_index": light,
             "depth": frame[DEPTH],
             "prediction_surface": frame[PREDICTION_SURFACE],
+            **(frame[TLAS] if frame.casts_shadows else {}),
+        }
+
+    def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
+        """Uniforms of a light's prediction."""
+        cache = frame.get(IRRADIANCE_CACHE) or {}
+        return {
+            "light_index": light,
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
             **(cache[light].uniforms if light in cache else {}),
         }
@@ -164,32 +175,6 @@ class TraceShadows(Pass):
                 del self.framebuffers[unused]
             self.framebuffers[light] = self.device.gl.framebuffer(textures)
         return self.framebuffers[light]
-
-    @staticmethod
-    def tiles_to_draw(frame: Frame, light: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0."""
-        tiles, influence = frame[TILES], frame[LIGHT_INFLUENCE][light]
-        has_shadow = casts_shadow(frame, light)
-        if has_shadow and light not in frame[TILE_VISIBILITY]:
-            return tiles[:0], tiles[:0]
-        column, row = tiles["tile"].astype(np.int64).T
-        predicted = (influence.contributes & ~influence.is_faint)[row, column]
-        tiles, row, column = tiles[predicted], row[predicted], column[predicted]
-        if not has_shadow:
-            return tiles[:0], tiles
-        any_visible, any_occluded = frame[TILE_VISIBILITY][light][row, column].T
-        uncertain = (any_visible & any_occluded) | (not is_exact(frame.scene.lights, light))
-        if frame.sample == 0:
-            return tiles[:0], tiles[any_visible]
-        # The phase changes after each round of subpixel offsets: otherwise rays would start at the same ones only.
-        rounds = tiles["sample_index"] // len(frame.grid.subpixel_offsets)
-        phase = draw(Dimension.TEST_TURN, light=light, tile=row * frame.tiles[0] + column, round=rounds)[:, 0]
-        probability = CERTAIN_PROBABILITY * influence.bound_over_mean[row, column]
-        probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
-        position = (tiles["sample_index"] + 1.0) * probability + phase
-        tested = ~uncertain & (np.floor(position) > np.floor(position - probability))
-        tiles["ray_probability"] = np.where(uncertain, 0.0, probability)
-        return tiles[uncertain | tested], tiles[any_visible & ~uncertain & ~tested]
 
     def draw_faint_lights(self, frame: Frame) -> set[int]:
         """Draw faint lights, with one draw for each shader variant. Returns those that were drawn in any tile."""
@@ -220,8 +205,3 @@ class TraceShadows(Pass):
         if not len(frame[FAINT_LIGHTS]):
             return frame[TILES][:0]
         return drawn_pairs(frame[FAINT_LIGHTS], frame[TILES], *frame.tiles, frame.sample)
-
-
-def casts_shadow(frame: Frame, light: int) -> bool:
-    """Whether a light casts shadows in this picture."""
-    return frame.casts_shadows and bool(frame.scene.lights.casts_shadow[light])
