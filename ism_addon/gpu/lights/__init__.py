@@ -5,7 +5,7 @@ LIGHT_TYPES lists them. The switch in GLSL, shader variants and the tests of the
 type needs a Python file, a GLSL file and an entry in the list.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Protocol
@@ -185,7 +185,7 @@ def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
 _VARIANTS: WeakKeyDictionary[Lights, dict[int, dict[str, int]]] = WeakKeyDictionary()
 
 
-def shader_variant(lights: Lights, light: int) -> Mapping[str, int]:
+def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light; found once."""
     variants = _VARIANTS.setdefault(lights, {})
     if light not in variants:
