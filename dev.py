@@ -55,6 +55,9 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
             pool.submit(blender_root.install, BLENDER_ROOT)  # if it cannot be, gui_test tries again and reports why
         prepared = all_environments(pool) if everything else environments()
         default = next(prepared)
+        if not chosen:  # for the tests that build zips
+            for platform in project.WHEELS:
+                pool.submit(extension.wheels_of, default.python, platform)
         checks = {} if chosen else STATIC_CHECKS
         if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
             checks = {name: command for name, command in checks.items() if name != "mypy"}

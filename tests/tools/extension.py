@@ -17,7 +17,7 @@ WHEELS = project.ROOT / "build" / "wheels"
 
 def build(python: Path, tool: Sequence[str], output: Path, platforms: Sequence[str] = ()) -> list[Path]:
     """Build and validate zips in `output`, for some platforms or all. `python` has pip; `tool` is Blender's."""
-    wheels = {platform: _wheels(python, platform) for platform in platforms or project.WHEELS}
+    wheels = {platform: wheels_of(python, platform) for platform in platforms or project.WHEELS}
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         source, zips = Path(folder, "source"), Path(folder, "zips")
@@ -29,7 +29,7 @@ def build(python: Path, tool: Sequence[str], output: Path, platforms: Sequence[s
         return sorted(Path(shutil.copy2(path, output)) for path in zips.iterdir())
 
 
-def _wheels(python: Path, platform: str) -> list[Path]:
+def wheels_of(python: Path, platform: str) -> list[Path]:
     """The wheels of the platform's zip, downloaded once."""
     contents = project.WHEELS[platform]
     folder = WHEELS / platform
