@@ -52,7 +52,7 @@ class Dimension(Enum):
     # The point on a light that is a shadow ray's target. The increments of `ray` and `pixel` are even together with the
     # subpixel offsets, which determine a ray's weight, over neighbors, and for thousands of rays. They were chosen by a
     # search with half-occluded lights, see tests/unit/direct/test_ray_sampling.py, and by the error of
-    # penumbrae, see tests/stress/pictures/test_closed_forms.py.
+    # penumbrae, see tests/stress/pictures/test_penumbrae.py.
     LIGHT_POINT = {
         "light": powers_of_root(1, -3, 1),
         "pixel": (0.56283799, 0.75252225),
