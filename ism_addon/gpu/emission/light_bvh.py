@@ -12,10 +12,14 @@ from functools import reduce
 
 import numpy as np
 
+from ...parallel import parallel_map
 from ..accel.bvh import SHORT_ROW, ascending
 
 #: Maximum number of triangles in a leaf.
 MAX_PER_LEAF = 4
+
+#: Subtrees that are built in parallel.
+SUBTREES = 8
 
 #: Key of slots without a point, which are sorted to the end.
 LAST_KEY = np.int16(32767)
@@ -88,14 +92,17 @@ def with_empty_row(rows: np.ndarray) -> np.ndarray:
 def normal_sines(means: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(2 L,): LightBVH.normal_sine, from mean normals (2 L,3) and the triangles' normals (T,3), 0 without triangle."""
     axes = means / np.maximum(np.linalg.norm(means, axis=1), MIN_DIVISOR)[:, None]
-    sines, first, missing = np.zeros(len(means), np.float32), 1, ~normals.any(1)
-    while first < len(means):
+    sines, missing = np.zeros(len(means), np.float32), ~normals.any(1)
+
+    def fill(first: int) -> None:
         level, each = slice(first, 2 * first), len(normals) // first
         cosines = np.einsum("nti,ni->nt", normals.reshape(first, each, 3), axes[level])
         cosines[missing.reshape(first, each)] = 1.0
         cosine = cosines.min(1) if each > SHORT_ROW else reduce(np.minimum, cosines.T)
         sines[level] = np.where(cosine > 0.0, np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0)), 2.0)
-        first *= 2
+
+    levels = len(means).bit_length() - 1
+    parallel_map(fill, (1 << level for level in range(levels)), len(normals))
     return sines
 
 
@@ -145,6 +152,14 @@ def median_leaves(points: np.ndarray, max_per_leaf: int, min_leaves: int = 1) ->
     scale = 65534.0 / max((high - low).max(), 1e-30)
     keys = np.full((points.shape[1], count + 1), LAST_KEY)
     keys[:, :count] = np.rint((points - low) * scale - 32767.0).T
+    first = split(rows, keys, min(leaves, SUBTREES))
+    parts = parallel_map(lambda row: split(row[None], keys, leaves // len(first)), first, count)
+    return np.concatenate(parts)
+
+
+def split(rows: np.ndarray, keys: np.ndarray, leaves: int) -> np.ndarray:
+    """(leaves,…): rows (R,T) of points, halved until there are so many; `keys` (K,N + 1): the points' coordinates."""
+    count = keys.shape[1] - 1
     while len(rows) < leaves:
         present = np.where(rows == count, rows[:, :1], rows)  # slots without a point do not count
         values = keys[:, present.T]  # numpy is slow along short rows

@@ -23,6 +23,9 @@ class MeshParts:
 #: Size of the grid on which vertices are at the same place, relative to the mesh: more than rounding errors.
 WELD_DISTANCE = 1e-6
 
+#: More than the places on this grid along an axis.
+PLACES = 1 << 20
+
 #: Of meshes that exist.
 _CACHE: WeakKeyDictionary[Mesh, MeshParts] = WeakKeyDictionary()
 
@@ -32,8 +35,8 @@ def parts_of(mesh: Mesh) -> MeshParts:
     if mesh not in _CACHE:
         # Vertices at the same place are one: seams of texture coordinates or of sharp edges may be in between.
         size = max(float((mesh.box[1] - mesh.box[0]).max()), 1e-30)
-        places = np.rint((mesh.positions - mesh.box[0]) / (WELD_DISTANCE * size))
-        _, vertices = np.unique(places, axis=0, return_inverse=True)
+        places = np.rint((mesh.positions - mesh.box[0]) / (WELD_DISTANCE * size)).astype(np.int64)
+        _, vertices = np.unique(places @ (1, PLACES, PLACES**2), return_inverse=True)
         _CACHE[mesh] = find_parts(mesh.positions[mesh.triangles].astype(np.float64), vertices.ravel()[mesh.triangles])
     return _CACHE[mesh]
 
@@ -53,19 +56,22 @@ def find_parts(corners: np.ndarray, triangles: np.ndarray) -> MeshParts:
 
 
 def connected(triangles: np.ndarray) -> np.ndarray:
-    """(T,) int from 0 on: equal for connected triangles (T,3)."""
-    _, corners = np.unique(triangles, return_inverse=True)
-    corners = corners.ravel()
-    order = np.argsort(corners, kind="stable")
-    starts = np.flatnonzero(np.diff(corners[order], prepend=-1))
-    labels = np.arange(len(starts))  # of vertices: each takes the smallest of its triangles, and then of that vertex
+    """(T,) int from 0 on: equal for connected triangles (T,3).
+
+    Each vertex has a label, at first itself, in the end the smallest of all connected vertices. In each round, the
+    higher label at each edge takes the lower one as its own label, and all labels are followed to their ends.
+    """
+    labels = np.arange(triangles.max() + 1)
+    start, end = triangles[:, :2].ravel(), triangles[:, 1:].ravel()
     while True:
-        smallest = labels[corners].reshape(-1, 3).min(1)
-        new = np.minimum.reduceat(smallest.repeat(3)[order], starts)
-        new = new[new]
-        if np.array_equal(new, labels):
-            return np.unique(smallest, return_inverse=True)[1].ravel()
-        labels = new
+        one, other = labels[start], labels[end]
+        differ = one != other
+        if not differ.any():
+            return np.unique(labels[triangles[:, 0]], return_inverse=True)[1].ravel()
+        start, end, one, other = start[differ], end[differ], one[differ], other[differ]
+        labels[np.maximum(one, other)] = np.minimum(one, other)
+        while not np.array_equal(followed := labels[labels], labels):
+            labels = followed
 
 
 def has_all_neighbours(triangles: np.ndarray) -> np.ndarray:
