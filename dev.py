@@ -55,7 +55,7 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
             pool.submit(blender_root.install, BLENDER_ROOT)  # if it cannot be, gui_test tries again and reports why
         prepared = all_environments(pool) if everything else environments()
         default = next(prepared)
-        if not chosen:  # for the tests that build zips
+        if not chosen:  # for the tests that build zips, which try again what fails here
             for platform in project.WHEELS:
                 pool.submit(extension.wheels_of, default.python, platform)
         checks = {} if chosen else STATIC_CHECKS

@@ -12,7 +12,7 @@ from .materials import images, nodes
 #: Texels along the longer side: larger images are resampled.
 MAX_SIDE = 1024
 
-#: By light type, of which Cycles gives coordinates: those of an area are from side to side, a spot's across its cone.
+#: Blender's types of lights whose images are drawn.
 LIGHT_TYPES = "AREA", "SPOT"
 
 
@@ -54,7 +54,7 @@ def _read(image: bpy.types.Image, on_black: bool, repeat: bool, path: str) -> tu
     if (scale := MAX_SIDE / max(height, width)) < 1.0:
         colors = resampled(colors, max(round(scale * height), 1), max(round(scale * width), 1))
     largest = float(colors.max())
-    return largest, LightImage(np.minimum(colors / largest, np.float32(1.0)), repeat) if largest else None
+    return largest, LightImage(np.clip(colors / largest, 0.0, 1.0), repeat) if largest else None
 
 
 def _warn_of_mapping(node: bpy.types.ShaderNodeTexImage, name: str, findings: Diagnostics) -> None:

@@ -2,13 +2,12 @@
 """What a light's nodes multiply its radiance by: Light Falloff, the profile of an IES Texture, and an image.
 
 The output Quadratic of Light Falloff is the physical decrease of light: the factor is 1. By Linear it is the distance,
-by Constant its square. Smooth makes light weaker near its source. A profile gives a factor for each direction; an
-image a colour for each direction of a spot, or for each point of an area. The means of both over a light with a size
-are those of other points in each sample, so that a picture's are exact.
+by Constant its square. Smooth makes light weaker near its source. A profile gives a factor for each direction. An image
+gives a colour for each direction of a spot, or for each point of an area. For a light with a size, each sample averages
+both over other points of it, so the mean over all samples is exact.
 """
 
 from dataclasses import dataclass, fields
-from functools import cache
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -59,7 +58,6 @@ def variant(lights: Lights, rows: slice | list[int] | np.ndarray = slice(None)) 
     return {"falloff": int(has_falloff(lights)[rows].any()), **points}
 
 
-@cache
 def mean_points(sample: int) -> dict[str, tuple[int, ...]]:
     """Uniforms of the points of means in a sample."""
     return {"mean_point_shift": fixed_point(draw(Dimension.MEAN_POINT, sample=sample))}

@@ -19,7 +19,7 @@ MAX_CERTAIN_PROBABILITY = 0.5
 
 
 class TilesOfLights:
-    """What all lights have in common is computed once a sample."""
+    """The tiles of one sample by light. What does not depend on the light is computed once."""
 
     def __init__(self, frame: Frame):
         self.frame, self.tiles = frame, frame[TILES]

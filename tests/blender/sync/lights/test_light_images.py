@@ -119,13 +119,13 @@ def test_painting_changes_the_light(texture, latest_scene):
     assert latest_scene().light_images[0].colors.min() == 1.0
 
 
-BLACK = "Lights whose Image Texture has no image, or one that cannot be read, are not coloured: 'Lamp'."
+NO_IMAGE = "Lights whose Image Texture has no image, or one that cannot be read, are not coloured: 'Lamp'."
 MAPPED = "Images of lights that are mapped otherwise lie across the whole light: 'Lamp'."
 
 
 def test_what_is_not_drawn_is_said(texture, light_object, read_scene):
     image, texture.image = texture.image, None
-    assert read_scene().warnings == (BLACK,)
+    assert read_scene().warnings == (NO_IMAGE,)
     texture.image, texture.projection = image, "BOX"
     assert read_scene().warnings == (MAPPED,)
     texture.projection, texture.interpolation = "FLAT", "Closest"
