@@ -52,6 +52,8 @@ class Device:
     draw: Callable[[moderngl.VertexArray, int, int, int], None]
     #: Draws N ranges of triangles in one call: first triangles (N,) and counts (N,).
     draw_ranges: Callable[[moderngl.VertexArray, np.ndarray, np.ndarray], None]
+    #: Until the state of OpenGL is set again, draws replace what their targets hold, without blending and depth test.
+    overwrite: Callable[[], None]
     #: Whether the context is not lost.
     is_alive: Callable[[], bool]
     buffer_textures: BufferTextureApi
@@ -66,6 +68,11 @@ class Device:
     on_compile: list[Callable[[], None]] = field(default_factory=list)
     #: Resources that renderers share, as long as any uses them: see Frame.shared_resource.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
+
+    def add(self) -> None:
+        """Until the state of OpenGL is set again, draws add to what their targets hold."""
+        self.gl.enable_only(moderngl.BLEND)
+        self.gl.blend_func = moderngl.ONE, moderngl.ONE
 
     def new_buffer(self, count: int, components: int, dtype: str) -> BufferTexture:
         """An empty buffer texture of `count` rows. Raises ValueError if these are too many."""
@@ -158,6 +165,7 @@ def open_device() -> Device:
             finish,
             submit,
             *draw_without_gil(load),
+            driver_variants.overwriting(gl, name),
             is_alive,
             buffer_textures,
             depth.use_reversed_depth(gl),

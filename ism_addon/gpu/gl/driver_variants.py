@@ -4,8 +4,11 @@
 It compiles one variant for textures whose sides are powers of two and one for others; one for buffers of less than 256
 bytes and one for larger ones (it reads bits 8 to 15 of a buffer's size as a texture's last level); and one for each
 state of each sampler, which for a buffer is the state of the last texture that was bound. So all textures and buffers
-have the same properties.
+have the same properties. It compiles a shader twice, for blocks whose pixels are all drawn and for others, unless
+what the target holds is blended in.
 """
+
+from collections.abc import Callable
 
 import moderngl
 
@@ -18,9 +21,21 @@ SAMPLERS = 16
 VERTICES = "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }"
 PIXELS = f"""
 uniform sampler2D all_of_them[{SAMPLERS}];
-out vec4 color;
-void main() {{ color = {" + ".join(f"texelFetch(all_of_them[{k}], ivec2(0), 0)" for k in range(SAMPLERS))}; }}
+out vec2 color;
+void main() {{ color = vec2({" + ".join(f"textureSize(all_of_them[{k}], 0)" for k in range(SAMPLERS))}); }}
 """
+
+
+def overwriting(gl: moderngl.Context, name: str) -> Callable[[], None]:
+    """Device.overwrite, in a driver of this name. Mesa's software driver blends with 0 times what a target holds."""
+    if not name.startswith("llvmpipe"):
+        return lambda: gl.enable_only(moderngl.NOTHING)
+
+    def overwrite() -> None:
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_func = moderngl.ONE, moderngl.ZERO
+
+    return overwrite
 
 
 def side(texels: int) -> int:

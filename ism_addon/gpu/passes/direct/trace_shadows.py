@@ -79,11 +79,9 @@ class TraceShadows(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def execute(self, frame: Frame) -> None:
-        gl = self.device.gl
         frame[RAY_COUNTS] = self.ray_counts(frame)
         frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL).clear()
-        gl.enable_only(moderngl.BLEND)
-        gl.blend_func = moderngl.ONE, moderngl.ONE
+        self.device.add()
         used = self.draw_lights(frame) | self.draw_faint_lights(frame)
         frame[LIGHTS_USED] = frozenset(used)
         frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))

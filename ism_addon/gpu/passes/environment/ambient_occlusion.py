@@ -62,7 +62,7 @@ class AmbientOcclusion(Pass):
 
     def execute(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
-        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.device.overwrite()
         bind(
             self.pixels.program,
             depth=frame[DEPTH],

@@ -29,7 +29,7 @@ class BlurOcclusion(Pass):
         return not frame.is_neutral(RAW_OCCLUSION)
 
     def execute(self, frame: Frame) -> None:
-        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.device.overwrite()
         for source, target, along in (
             (RAW_OCCLUSION, HALF_BLURRED_OCCLUSION, (1, 0)),
             (HALF_BLURRED_OCCLUSION, AMBIENT_OCCLUSION, (0, 1)),

@@ -12,8 +12,6 @@ That widens the filter by a pixel, so its radius is reduced accordingly.
 import math
 from dataclasses import replace
 
-import moderngl
-
 from ....resource_types import Lifetime, Target
 from ....resources import (
     DEBUG_IMAGE,
@@ -81,10 +79,9 @@ class Accumulate(Pass):
     outputs = outputs(*SUMS, *SAMPLES, *ROWS)
 
     def execute(self, frame: Frame) -> None:
-        gl = frame.device.gl
         is_first, is_render = frame.sample == 0, frame.settings.debug_view == SAMPLE_COLOR.name
-        margin, adding = filter_margin(frame.view.filter_width), moderngl.NOTHING if is_first else moderngl.BLEND
-        gl.blend_func = moderngl.ONE, moderngl.ONE
+        margin = filter_margin(frame.view.filter_width)
+        begin_sums = self.device.overwrite if is_first else self.device.add
         has_residual = int(is_render and not is_first)  # the first sample has only predictions
         samples = {
             "sample_color": frame[SAMPLE_COLOR if is_render else DEBUG_IMAGE],
@@ -92,7 +89,7 @@ class Accumulate(Pass):
             "sample_headroom": frame[SAMPLE_HEADROOM],
         }
         if margin < WIDE_MARGIN:
-            gl.enable_only(adding)
+            begin_sums()
             program = self.tile_program(margin=margin, has_residual=has_residual, first_sample=int(is_first))
             bind(
                 program,
@@ -103,7 +100,7 @@ class Accumulate(Pass):
             rays = rays_for((2 * margin + 1) ** 2)
             draw_tiles(frame, frame.framebuffer(*SUMS), program, margin=0 if is_first else margin, rays=rays)
             return
-        gl.enable_only(moderngl.NOTHING)
+        self.device.overwrite()
         for target in (*SAMPLES, *ROWS):
             frame.allocate(target, frame.size)
         sample_framebuffer = frame.framebuffer(*SAMPLES)
@@ -112,7 +109,7 @@ class Accumulate(Pass):
         bind(program, **samples, tile_probabilities=frame[TILE_PROBABILITIES])
         draw_tiles(frame, sample_framebuffer, program, rays=rays_for(1))
         self.draw_lines(frame, SAMPLES, ROWS)
-        gl.enable_only(adding)
+        begin_sums()
         self.draw_lines(frame, ROWS, SUMS)
 
     def draw_lines(self, frame: Frame, source: tuple[Target, ...], destination: tuple[Target, ...]) -> None:

@@ -30,7 +30,7 @@ class DebugImage(Pass):
         return frame.settings.debug_view != SAMPLE_COLOR.name
 
     def execute(self, frame: Frame) -> None:
-        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.device.overwrite()
         target = next(view for view in DEBUG_VIEWS if view.name == frame.settings.debug_view)
         source = frame[target]
         shader = self.shaders[source.dtype == "u4"]

@@ -59,7 +59,7 @@ class Resolve(Pass):
         return self.full_screen_program(tile_size=TILE_SIZE, has_residual=1)
 
     def execute(self, frame: Frame) -> None:
-        self.device.gl.enable_only(moderngl.NOTHING)
+        self.device.overwrite()
         sums = {
             "sum_color": frame[SUM_COLOR],
             "sum_residual": frame[SUM_RESIDUAL],

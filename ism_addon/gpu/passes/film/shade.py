@@ -6,8 +6,6 @@ background it is the world's. Emissive surfaces and lights that the camera sees 
 full resolution from the half-resolution pixels that show the same surface.
 """
 
-import moderngl
-
 from ....resources import (
     AMBIENT_OCCLUSION,
     BASE_COLOR,
@@ -45,7 +43,7 @@ class Shade(Pass):
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
-        self.device.gl.enable_only(moderngl.NOTHING)
+        self.device.overwrite()
         seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
         emissive = frame[MATERIAL_BUFFERS].emissive
         records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())

@@ -79,7 +79,7 @@ class CacheIrradiance(Pass):
     def execute(self, frame: Frame) -> None:
         lights = frame.scene.lights
         caches: dict[int, CachedIrradiance] = {} if frame.sample == 0 else dict(frame[IRRADIANCE_CACHE])
-        self.device.gl.enable_only(moderngl.NOTHING)
+        self.device.overwrite()
         has_bvh = has_light_bvh(lights)
         for light, influence in frame[LIGHT_INFLUENCE].items():
             tiles = influence.contributes & ~influence.is_faint

@@ -61,7 +61,7 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
     target.viewport = 0, 0, *size
-    device.gl.enable_only(moderngl.NOTHING)
+    device.overwrite()
     bind(program, **uniforms(frame, PROBE_BLOCK.upload(device, table), 0, grid))
     draw_pixels(frame, target, device.gl.vertex_array(program, []))
     return texture

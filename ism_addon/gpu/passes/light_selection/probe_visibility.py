@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: a shadow ray from one pixel of every 2×2, in the tiles that CullLights selects."""
 
-import moderngl
-
 from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
@@ -29,7 +27,7 @@ class ProbeVisibility(Pass):
         influences = frame[LIGHT_INFLUENCE]
         lights = [light for light, influence in influences.items() if casts_shadow[light] and influence.to_probe.any()]
         probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
-        gl.enable_only(moderngl.NOTHING)
+        self.device.overwrite()
         blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, draw(Dimension.PROBE_POINT, light=lights)))
         light_uv_steps = fixed_increments(Dimension.PROBE_POINT, "probe")
         for index, light in enumerate(lights):

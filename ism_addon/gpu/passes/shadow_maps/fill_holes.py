@@ -51,7 +51,7 @@ class FillHoles(Pass):
         return frame.casts_shadows and frame[ATLAS_BATCH].count > 0 and frame.settings.shadow.fill_holes
 
     def execute(self, frame: Frame) -> None:
-        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.device.overwrite()
         width, height = frame[ATLAS_BATCH].size
         for level, pulled in enumerate(PULLED, 1):
             frame.allocate(pulled, (width >> level, height >> level))

@@ -82,13 +82,12 @@ class GatherLight(Pass):
     def execute(self, frame: Frame) -> None:
         counts, batch, shadow = frame[VIRTUAL_LIGHT_COUNTS], frame[ATLAS_BATCH], frame.settings.shadow
         frame.counts["lights_used"] = len(counts)
-        gl, target = frame.device.gl, frame.framebuffer(DIRECT_PREDICTION)
+        target = frame.framebuffer(DIRECT_PREDICTION)
         if batch.first == 0:
             target.clear()
         if not counts:
             return
-        gl.enable_only(moderngl.BLEND)
-        gl.blend_func = moderngl.ONE, moderngl.ONE
+        self.device.add()
         cache = frame.get(IRRADIANCE_CACHE) or {}
         uniforms = {
             "position": frame[POSITION],

@@ -6,8 +6,6 @@ Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 
 from typing import Any
 
-import moderngl
-
 from ....resources import (
     BACKGROUND_DEPTH,
     BASE_COLOR,
@@ -46,7 +44,7 @@ class GBuffer(Pass):
     )
 
     def execute(self, frame: Frame) -> None:
-        frame.device.gl.enable_only(moderngl.NOTHING)
+        frame.device.overwrite()
         first, size = frame.grid.bounds(*frame.size)
         # A variant without images: some drivers execute both branches.
         images = len(frame.scene.images) > 0
