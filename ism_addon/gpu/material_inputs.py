@@ -35,7 +35,7 @@ def components() -> dict[str, list[str]]:
     return names
 
 
-def reading() -> str:
+def reading(_constants: shader_compiler.Constants) -> str:
     """The generated file surfaces/material_inputs.glsl: reads a pixel's material."""
     members = [f"    {each.glsl_type} {name};" for name, each in MATERIAL_INPUTS.items()]
     fetches = [f"    vec4 at_{target.name} = fetch({target.name}, at);" for target in MATERIAL_VALUES]
@@ -54,7 +54,7 @@ def reading() -> str:
     )
 
 
-def writing() -> str:
+def writing(_constants: shader_compiler.Constants) -> str:
     """The generated file surfaces/material_outputs.glsl: outputs of the G-buffer, at locations that it defines."""
     outputs = [
         f"layout(location = {target.name.upper()}_LOCATION) out vec4 {target.name};" for target in MATERIAL_VALUES

@@ -40,7 +40,7 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
     for pass_type in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
         renderer.graph.step(pass_type, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
-    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", []), SHADER])
+    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", [], {}), SHADER])
     program = device.gl.program(vertex_shader=shader, varyings=["result"])
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}

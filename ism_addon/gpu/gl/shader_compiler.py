@@ -5,8 +5,9 @@ The source of a stage is a head and its file. `#include "folder/name.glsl"` is r
 once. The head has the GLSL version, constants from Python, fetch.glsl, the frame's uniform block and the records.
 """
 
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -31,35 +32,41 @@ UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.M)
 FIRST_ERROR = re.compile(r"^(?:ERROR: )?\d+[:(](\d+)(?:\(\d+\)|\))? ?: *(.*)$", re.M)
 
 
-#: Generated includes by name: functions that return their source.
-GENERATED: dict[str, Callable[[], str]] = {}
+#: Constants from Python by their names, in lower case.
+Constants = Mapping[str, int | float]
+
+#: Generated includes by name: functions that return their source, in a shader with these constants.
+GENERATED: dict[str, Callable[[Constants], str]] = {}
 
 
 class ShaderError(RuntimeError):
     """A shader does not compile. The message is one line with file and line number."""
 
 
-def expand(path: Path, files: list[Path]) -> str:
-    """A file's source with its includes. Appends each file read to `files`; its index gives its line numbers."""
+def expand(path: Path, files: list[Path], constants: Constants) -> str:
+    """A file's source with its includes. Appends each file read to `files`; its index gives its line numbers.
+
+    `constants`: of the shader.
+    """
     files.append(path)
     start = len(files) * LINES_PER_FILE
     lines = [f"#line {start + 1}"]
     generated = (
         GENERATED.get(path.relative_to(FOLDER / "glsl").as_posix()) if path.is_relative_to(FOLDER / "glsl") else None
     )
-    text = generated() if generated else path.read_text("utf-8")
+    text = generated(constants) if generated else path.read_text("utf-8")
     for count, line in enumerate(text.splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
             if line.startswith("#endif"):  # an include may have been skipped, with its line numbers
                 lines.append(f"#line {start + count + 1}")
-        elif (included := FOLDER / "glsl" / include[1]) not in files:
-            lines += [expand(included, files), f"#line {start + count + 1}"]
+        elif (included := Path(os.path.normpath(FOLDER / "glsl" / include[1]))) not in files:
+            lines += [expand(included, files, constants), f"#line {start + count + 1}"]
     return "\n".join(lines)
 
 
-def head(records: tuple[Record, ...], constants: dict[str, int | float]) -> str:
+def head(records: tuple[Record, ...], constants: Constants) -> str:
     """The head of a stage's source."""
     lines = ["#version 410 core"]
     lines += [f"#define {name.upper()} {value}" for name, value in constants.items()]
@@ -81,14 +88,16 @@ def compile_program(
 
 
 def compile_stages(
-    gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: dict[str, int | float]
+    gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: Constants
 ) -> moderngl.Program:
     """Compile, link and bind the frame's uniform block."""
     head_source = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
-        texts = (head_source + expand(FOLDER / name, files[stage]) for name, stage in zip(names, files, strict=True))
-        stages: dict[str, Any] = dict(zip(files, texts, strict=True))
+        stages: dict[str, Any] = {
+            stage: head_source + expand(FOLDER / name, files[stage], constants)
+            for name, stage in zip(names, files, strict=True)
+        }
         program = gl.program(**stages)
     except (moderngl.Error, OSError) as error:
         raise ShaderError(f"the shader {' + '.join(names)} does not compile: {first_error(error, files)}") from error

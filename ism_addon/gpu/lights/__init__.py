@@ -5,7 +5,8 @@ LIGHT_TYPES lists them. The switch in GLSL, shader variants and the tests of the
 type needs a Python file, a GLSL file and an entry in the list.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Protocol
@@ -16,7 +17,6 @@ import numpy as np
 from ...scene import Lights
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
-from ..emission.emissive_lights import EmissiveLights
 from ..gl import shader_compiler
 from . import modulation
 from .area import AreaLight
@@ -105,8 +105,8 @@ class LightType(Protocol):
         `region` contains all receivers, if the light is parallel.
         """
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
-        """Constants of a shader for one light, without code for others: some drivers execute both branches."""
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
+        """(L,) bool each: constants of a shader for one light, if it is of this type. A mixed shader has all."""
 
 
 #: All light types. A shape belongs to one of them.
@@ -120,6 +120,11 @@ struct LightSample {
     float radiance; // towards the receiver; 0: no light from this point
     float pdf;      // density by solid angle, 1/sr; 1 if there is only one direction: radiance is irradiance then
 };"""
+
+LIGHT_TABLES = """
+uniform usamplerBuffer lights;   // rows of LIGHT, and after them profiles and images
+uniform usamplerBuffer emitters; // rows of EMISSIVE_TRIANGLE and of LIGHT_NODE
+"""
 
 #: GLSL functions of each light type: result, name, and parameters after the light. The light has radiance 1; p and n
 #: are position and normal of a receiver.
@@ -165,11 +170,6 @@ def bounds_with_falloff(light_type: LightType, lights: Lights, anchor: np.ndarra
     return modulation.FalloffBounds.of(plain, lights, anchor) if modulation.has_falloff(lights).any() else plain
 
 
-def has_light_bvh(lights: Lights) -> np.ndarray:
-    """(L,) bool: whether a light's irradiance in GLSL is an estimate that the irradiance cache corrects."""
-    return lights.leaves > 0 if isinstance(lights, EmissiveLights) else np.zeros(len(lights.shape), bool)
-
-
 def type_of(lights: Lights, light: int) -> LightType:
     """The type of a light."""
     return type_of_shape(int(lights.shape[light]), LIGHT_TYPES)
@@ -181,31 +181,54 @@ def type_of_shape(shape: int, types: tuple[LightType, ...]) -> LightType:
     return next(each for each in types if shape in each.shapes)
 
 
-#: By light, see shader_variant, of tables that exist.
-_VARIANTS: WeakKeyDictionary[Lights, dict[int, dict[str, int]]] = WeakKeyDictionary()
+@dataclass(frozen=True)
+class Variants:
+    """Constants of shaders for the lights of a table: `values` (L,C) of the C `names`. Shaders are cached by them."""
+
+    names: tuple[str, ...]
+    values: np.ndarray
+    #: Results of shader_variant by light.
+    by_light: dict[int, dict[str, int]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, lights: Lights) -> "Variants":
+        """The variants of a table's lights."""
+        columns = {"softness": lights.shadow_softness != 1.0, **modulation.variant(lights)}
+        for light_type in LIGHT_TYPES:
+            of_type = columns[f"has_{light_type.name}"] = np.isin(lights.shape, light_type.shapes)
+            for name, values in light_type.variant(lights).items():
+                columns[name] = columns.get(name, 0) | of_type & values
+        return cls(tuple(columns), np.stack(list(columns.values()), 1))
+
+
+#: The variants of tables that exist.
+_VARIANTS: WeakKeyDictionary[Lights, Variants] = WeakKeyDictionary()
+
+
+def variants_of(lights: Lights) -> Variants:
+    """The variants of a table; found once."""
+    if lights not in _VARIANTS:
+        _VARIANTS[lights] = Variants.of(lights)
+    return _VARIANTS[lights]
+
+
+def mixed_variant(lights: Lights, rows: Sequence[int] | None = None) -> dict[str, int]:
+    """Constants of a shader for these lights, or for all: some drivers execute branches for others too."""
+    variants = variants_of(lights)
+    values = variants.values if rows is None else variants.values[list(rows)]
+    return dict(zip(variants.names, values.max(0).tolist(), strict=True))
 
 
 def shader_variant(lights: Lights, light: int) -> dict[str, int]:
-    """Constants of a shader for one light; found once."""
-    variants = _VARIANTS.setdefault(lights, {})
-    if light not in variants:
-        variants[light] = _shader_variant(lights, light)
-    return variants[light]
-
-
-def _shader_variant(lights: Lights, light: int) -> dict[str, int]:
-    light_type = type_of(lights, light)
-    return (
-        types_variant({light_type.name})
-        | {
+    """Constants of a shader for one light: those of mixed_variant, and how exact its predictions are; found once."""
+    by_light, light_type = variants_of(lights).by_light, type_of(lights, light)
+    if light not in by_light:
+        by_light[light] = mixed_variant(lights, [light]) | {
             "exact": int(is_exact(lights, light)),
             "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
             "max_rays": light_type.max_rays,
-            "softness": int(lights.shadow_softness[light] != 1.0),
         }
-        | modulation.variant(lights, [light])
-        | light_type.variant(lights, light)
-    )
+    return by_light[light]
 
 
 def is_exact(lights: Lights, light: int) -> bool:
@@ -214,40 +237,25 @@ def is_exact(lights: Lights, light: int) -> bool:
     return (light_type.is_hard(lights, light) or not has_falloff) and light_type.is_exact(lights, light)
 
 
-def mixed_variant(lights: Lights) -> dict[str, int]:
-    """Constants of a shader for all of these lights: types, whether any shadow sees another size; see modulation."""
-    types = {light_type.name for light_type, _, _ in by_type(lights)}
-    return types_variant(types) | {"softness": int((lights.shadow_softness != 1.0).any())} | modulation.variant(lights)
-
-
-def types_variant(names: Collection[str]) -> dict[str, int]:
-    """Constants of a shader for lights of these types only."""
-    return {f"has_{each.name}": int(each.name in names) for each in LIGHT_TYPES}
-
-
-def switch(result: str, function: str, parameters: str) -> str:
-    """GLSL: a function that calls the function of the light's type. The last type that a program has needs no test."""
+def switch(result: str, function: str, parameters: str, types: Sequence[LightType]) -> str:
+    """GLSL: a function that calls the function of the light's type, one of `types`. The last one needs no test."""
     names = ", ".join(["light", *(parameter.split()[-1] for parameter in parameters.split(", "))])
     prefix = modulation.PLAIN if function in modulation.REPLACED else ""
     lines = [f"{result} {prefix}light_{function}(Light light, {parameters}) {{"]
-    for index, light_type in enumerate(LIGHT_TYPES):
+    for light_type in types:
         is_type = " || ".join(f"light.shape == {shape}" for shape in light_type.shapes)
-        others = " || ".join(f"HAS_{later.name.upper()}" for later in LIGHT_TYPES[index + 1 :])
-        test = [f"#if {others}", f"    if ({is_type})", "#endif"] if others else []
-        call = f"        return {light_type.name}_{function}({names});"
-        lines += [f"#if HAS_{light_type.name.upper()}", *test, call, "#endif"]
+        test = [] if light_type is types[-1] else [f"    if ({is_type})"]
+        lines += [*test, f"        return {light_type.name}_{function}({names});"]
     return "\n".join([*lines, "}"])
 
 
-def glsl() -> str:
-    """The generated file lights/light.glsl: the interface of all types."""
-    lines = [LIGHT_SAMPLE, "uniform usamplerBuffer lights; // rows of LIGHT, and after them profiles and images"]
+def glsl(constants: shader_compiler.Constants) -> str:
+    """The generated file lights/light.glsl: the interface of the types that mixed_variant names."""
+    types = [each for each in LIGHT_TYPES if constants.get(f"has_{each.name}", 1)]
+    lines = [LIGHT_SAMPLE, LIGHT_TABLES]
     lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
-    for light_type in LIGHT_TYPES:
-        has = f"HAS_{light_type.name.upper()}"
-        lines += [f"#ifndef {has}", f"#define {has} 1", "#endif"]
-    lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in LIGHT_TYPES]
-    lines += [switch(*function) for function in GLSL_INTERFACE]
+    lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in types]
+    lines += [switch(*function, types) for function in GLSL_INTERFACE]
     return "\n".join([*lines, '#include "lights/modulation.glsl"', '#include "lights/light_image.glsl"'])
 
 

@@ -10,8 +10,12 @@
 #define SPREADS 1
 #endif
 #include "closed_forms/polygon.glsl"
+#if ELLIPSES
 #include "closed_forms/ellipse.glsl"
+#endif
+#if SPREADS
 #include "closed_forms/spread_irradiance.glsl"
+#endif
 
 bool is_rectangle(Light light) { return ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0); }
 
@@ -23,8 +27,10 @@ float area_irradiance_without_spread(Light light, vec3 p, vec3 n) {
     centre *= scale;
     u *= scale;
     v *= scale;
-    if (is_rectangle(light)) return polygon_irradiance(centre, u, v, n, light.normal);
-    return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, light.normal);
+#if ELLIPSES
+    if (!is_rectangle(light)) return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, light.normal);
+#endif
+    return polygon_irradiance(centre, u, v, n, light.normal);
 }
 
 // Factor of the spread on the radiance of a point of the light. The receiver is `height` above the light's plane, and
@@ -34,6 +40,7 @@ float spread_falloff(Light light, float height, float lateral) {
     return max(light.spread_tangent - lateral / max(height, 1e-30), 0.0) * light.spread_scale;
 }
 
+#if SPREADS
 // Factor of the spread on the irradiance of a small light: the mean over the four points of a quadrature of degree 3,
 // weighted by the irradiance without spread. Coordinates lie in the light's plane, in units of the receiver's height.
 float small_light_spread_factor(Light light, vec2 centre, vec2 u, vec2 v, vec3 n, int points) {
@@ -47,13 +54,10 @@ float small_light_spread_factor(Light light, vec2 centre, vec2 u, vec2 v, vec3 n
     return light.spread_scale * with_spread / max(without_spread, 1e-30);
 }
 
-// Unshadowed irradiance of a light of radiance 1. From here on: the functions of GLSL_INTERFACE, see __init__.py, and
-// their helpers.
-float area_irradiance(Light light, vec3 p, vec3 n) {
+float area_irradiance_with_spread(Light light, vec3 p, vec3 n, float without_spread) {
     vec3 centre = light.position - p;
-    float without_spread = area_irradiance_without_spread(light, p, n), height = -dot(light.normal, centre);
+    float height = -dot(light.normal, centre);
     float cone = light.spread_tangent; // radius of the spread's cone at the light's plane
-    if (SPREADS == 0 || light.spread_scale == 0.0 || without_spread == 0.0) return without_spread;
     mat2x3 plane = mat2x3(light.tangent, cross(light.tangent, light.normal));
     vec2 to = (centre * plane) / height, u = (light.axis_u * plane) / height, v = (light.axis_v * plane) / height;
     vec3 local_n = vec3(n * plane, -dot(n, light.normal));
@@ -62,9 +66,23 @@ float area_irradiance(Light light, vec3 p, vec3 n) {
     bool small = size < 2.5e-3 * min(1.0 + dot(to, to), cone * cone);
     float factor = small_light_spread_factor(light, to, u, v, local_n, small ? 4 : 0), irradiance;
     if (u.x * v.y < u.y * v.x) v = -v;
-    if (is_rectangle(light)) irradiance = spread_polygon(to, u, v, local_n, cone, small ? 0 : 5);
-    else irradiance = spread_ellipse(to, 0.5 * u, 0.5 * v, local_n, cone, small ? 0 : 12);
+#if ELLIPSES
+    if (!is_rectangle(light)) irradiance = spread_ellipse(to, 0.5 * u, 0.5 * v, local_n, cone, small ? 0 : 12);
+    else
+#endif
+    irradiance = spread_polygon(to, u, v, local_n, cone, small ? 0 : 5);
     return small ? without_spread * factor : max(irradiance, 0.0) * light.spread_scale;
+}
+#endif
+
+// Unshadowed irradiance of a light of radiance 1. From here on: the functions of GLSL_INTERFACE, see __init__.py, and
+// their helpers.
+float area_irradiance(Light light, vec3 p, vec3 n) {
+    float irradiance = area_irradiance_without_spread(light, p, n);
+#if SPREADS
+    if (light.spread_scale != 0.0 && irradiance != 0.0) return area_irradiance_with_spread(light, p, n, irradiance);
+#endif
+    return irradiance;
 }
 
 // Weight of a virtual light that faces along `axis`, among those of one light: its irradiance at a receiver of normal n.

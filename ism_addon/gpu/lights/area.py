@@ -166,10 +166,6 @@ class AreaLight:
         lit = (along > -extent) & ~bounds.is_outside_cone(along, across, bounds.radius + extent)[0]
         return np.where(lit, (facing + np.float32(1.0 / 3.0)) / square, np.float32(0.0))
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
-        rectangle = lights.shape[row] == LightShape.RECTANGLE
-        return {
-            "rectangles": int(rectangle),
-            "ellipses": int(not rectangle),
-            "spreads": int(lights.spread[row] < np.pi),
-        }
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
+        rectangle = lights.shape == LightShape.RECTANGLE
+        return {"rectangles": rectangle, "ellipses": ~rectangle, "spreads": lights.spread < np.pi}

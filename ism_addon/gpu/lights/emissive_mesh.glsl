@@ -4,16 +4,18 @@
 #include "lights/emissive_limits.glsl"
 #include "closed_forms/triangle.glsl"
 #include "sampling/triangle.glsl"
-#ifndef LIGHT_BVH
-#define LIGHT_BVH 2 // 1 in a shader variant for lights that have one, 0 for others
+#ifndef MESHES_WITH_BVH
+#define MESHES_WITH_BVH 1
+#endif
+#ifndef MESHES_WITHOUT_BVH
+#define MESHES_WITHOUT_BVH 1
 #endif
 #ifndef ESTIMATE_NODES
 #define ESTIMATE_NODES MAX_NODES // see estimate_light_bvh
 #endif
 const int MAX_NODES = 16;
-uniform usamplerBuffer emitters; // rows of EMISSIVE_TRIANGLE and of LIGHT_NODE
 
-bool has_light_bvh(Light light) { return LIGHT_BVH == 2 ? light.leaves > 0 : LIGHT_BVH == 1; }
+bool has_light_bvh(Light light) { return MESHES_WITHOUT_BVH == 0 || (MESHES_WITH_BVH == 1 && light.leaves > 0); }
 
 // Whether one-sided triangles emit from both sides: in the box around closed meshes.
 bool emissive_mesh_encloses(Light light, vec3 p) {
@@ -32,7 +34,7 @@ bool is_edge_on(EmissiveTriangle triangle, vec3 p) {
 }
 
 // See triangle_irradiance. Errors of the many triangles of a light BVH are smaller together.
-const float SMALL_TRIANGLE = LIGHT_BVH == 1 ? 2e-2 : 2e-3;
+const float SMALL_TRIANGLE = MESHES_WITHOUT_BVH == 0 ? 2e-2 : 2e-3;
 
 float emissive_triangle_irradiance(int row, vec3 p, vec3 n, bool enclosed) {
     EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, row);

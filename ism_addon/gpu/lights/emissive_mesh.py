@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from ...color import REC709, luminance
+from ...scene import Lights
 from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
 from ..emission.emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
 from ..emission.light_bvh import normal_areas
@@ -111,11 +112,17 @@ class EmissiveMesh(PointLight):
         height = lights.radius[row] * (MIN_HEIGHT + MAX_HEIGHT * (1.0 - flatness))
         return points - lights.position[row] + height * axes, axes
 
-    def variant(self, lights: Any, row: int) -> dict[str, int]:
-        return {"light_bvh": int(lights.leaves[row] > 0)}
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
+        has_bvh = has_light_bvh(lights)
+        return {"meshes_with_bvh": has_bvh, "meshes_without_bvh": ~has_bvh}
 
 
-def limits() -> str:
+def has_light_bvh(lights: Lights) -> np.ndarray:
+    """(L,) bool: whether a light's irradiance in GLSL is an estimate that the irradiance cache corrects."""
+    return lights.leaves > 0 if isinstance(lights, EmissiveLights) else np.zeros(len(lights.shape), bool)
+
+
+def limits(_constants: shader_compiler.Constants) -> str:
     """The generated file lights/emissive_limits.glsl. Leaves have fewer triangles."""
     return f"const int MAX_EXACT_TRIANGLES = {MAX_EXACT_TRIANGLES};"
 

@@ -49,13 +49,14 @@ def has_image(lights: Lights) -> np.ndarray:
     return pictured
 
 
-def variant(lights: Lights, rows: slice | list[int] | np.ndarray = slice(None)) -> dict[str, int]:
-    """Constants of a shader for these lights: whether any has falloff, and points of means of profiles and images."""
-    has_size = (lights.radius[rows] > 0.0) | (lights.shape[rows] <= LightShape.ELLIPSE)
-    points = {}
-    for name, varied in {"profile": has_profile(lights)[rows], "light_image": has_image(lights)[rows]}.items():
-        points[name] = MEAN_POINTS if (varied & has_size).any() else int(varied.any())
-    return {"falloff": int(has_falloff(lights)[rows].any()), **points}
+def variant(lights: Lights) -> dict[str, np.ndarray]:
+    """See LightType.variant: whether a light has falloff, and points of means of profiles and images."""
+    points = np.where((lights.radius > 0.0) | (lights.shape <= LightShape.ELLIPSE), MEAN_POINTS, 1)
+    return {
+        "falloff": has_falloff(lights),
+        "profile": points * has_profile(lights),
+        "light_image": points * has_image(lights),
+    }
 
 
 def mean_points(sample: int) -> dict[str, tuple[int, ...]]:

@@ -123,6 +123,6 @@ class PointLight:
         facing = np.abs(np.einsum("nk,nk->n", to, normals)) / np.sqrt(square)
         return (facing + np.float32(1.0 / 3.0)) / square
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
-        has_radius = int(lights.radius[row] > 0.0)
-        return {"points_with_radius": has_radius, "points_without_radius": 1 - has_radius}
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
+        has_radius = lights.radius > 0.0
+        return {"points_with_radius": has_radius, "points_without_radius": ~has_radius}

@@ -1,6 +1,6 @@
 // Spots: points whose intensity is attenuated by the angle to their axis, as in Cycles: smoothly between two cones.
-// With a radius, the attenuation is that of each direction, so it varies over the cap that a receiver sees. The functions
-// of points are in point.glsl, which programs include before, see LIGHT_TYPES.
+// With a radius, the attenuation is that of each direction, so it varies over the cap that a receiver sees.
+#include "../lights/point.glsl"
 #include "closed_forms/spherical_lens.glsl"
 
 // A direction from the light in the space in which its cone is circular. Not of unit length.

@@ -129,6 +129,6 @@ class SunLight:
         facing = np.abs(normals @ direction.astype(np.float32))
         return np.where(may_occlude, facing + np.float32(1.0 / 3.0), np.float32(0.0))
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
-        has_angle = int(lights.spread[row] > 0.0)
-        return {"suns_with_angle": has_angle, "suns_without_angle": 1 - has_angle}
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
+        has_angle = lights.spread > 0.0
+        return {"suns_with_angle": has_angle, "suns_without_angle": ~has_angle}

@@ -110,5 +110,5 @@ class WorldLight(SunLight):
         """The same for all: each is seen from some direction."""
         return np.ones(len(points), np.float32)
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
         return {}

@@ -92,5 +92,5 @@ class Bulb:
         to = points - (lights.position[row] - anchor).astype(np.float32)
         return 1.0 / ((to * to).sum(1) + np.float32(1e-12))
 
-    def variant(self, lights: Lights, row: int) -> dict[str, int]:
+    def variant(self, lights: Lights) -> dict[str, np.ndarray]:
         return {}

@@ -29,7 +29,7 @@ def shader(opened_device):
         begin = head(LIGHT_RECORDS, {})
         program = gl.program(
             begin + (FOLDER / "glsl/full_screen.vert").read_text(),
-            fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + MAIN,
+            fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + MAIN,
         )
         triangle = gl.vertex_array(program, [])
         target = gl.texture((RECEIVERS, 1), 4, dtype="f4")

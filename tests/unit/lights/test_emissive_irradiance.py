@@ -105,11 +105,11 @@ void main() {
 @pytest.fixture(scope="module")
 def of_bvh(opened_device):
     """of_bvh(lights, points, normals): (N,2) the irradiance for the cache by the first light, and by all triangles."""
-    begin = head(LIGHT_RECORDS, {"light_bvh": 1})
+    begin = head(LIGHT_RECORDS, {"meshes_without_bvh": 0})
     with opened_device.gl as gl:
         program = gl.program(
             begin + (FOLDER / "glsl/full_screen.vert").read_text(),
-            fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + ACCURATE,
+            fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + ACCURATE,
         )
         program.extra = frozenset(UNIFORM.findall(ACCURATE)) | {"emitters", "normals"}
 

@@ -11,6 +11,7 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
+from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
 from ism_addon.gpu.lights.world import with_world
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape, World
@@ -100,7 +101,7 @@ def evaluate():
             begin = head(LIGHT_RECORDS, {"side": SIDE})
             program = gl.program(
                 begin + (FOLDER / "glsl/full_screen.vert").read_text(),
-                fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", []) + MAIN,
+                fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + MAIN,
             )
             targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
             framebuffer, triangle = gl.framebuffer(targets), gl.vertex_array(program, [])
@@ -123,7 +124,7 @@ def evaluated(request, evaluate):
     name, index, k = request.param
     columns = evaluate(EXAMPLES[name][index], NORMALS[k]).T
     radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = columns
-    estimated = lights.has_light_bvh(EXAMPLES[name][index])[0]  # by few nodes of a light BVH: not compared
+    estimated = has_light_bvh(EXAMPLES[name][index])[0]  # by few nodes of a light BVH: not compared
     return {
         "arrives": (radiance > 0.0) & (cosine > 0.0),
         "radiance": radiance,

@@ -6,6 +6,10 @@ background it is the world's. Emissive surfaces and lights that the camera sees 
 full resolution from the half-resolution pixels that show the same surface.
 """
 
+from typing import Any
+
+import numpy as np
+
 from ....resources import (
     AMBIENT_OCCLUSION,
     BASE_COLOR,
@@ -29,7 +33,7 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
-from ...lights import modulation
+from ...lights import mixed_variant
 from ...lights.world import has_world
 
 
@@ -47,23 +51,20 @@ class Shade(Pass):
         seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
         emissive = frame[MATERIAL_BUFFERS].emissive
         records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())
-        modulated = modulation.variant(frame.scene.lights, frame.scene.lights.visible_camera)
+        visible = np.flatnonzero(frame.scene.lights.visible_camera).tolist()
+        seen_variant: dict[str, Any] = mixed_variant(frame.scene.lights, visible) if seen is not None else {}
         program = self.tile_program(
             *records,
             occluded=occluded,
             seen_lights=int(seen is not None),
-            has_emissive_mesh=0,  # surfaces, not seen lights
-            falloff=modulated["falloff"],
-            profile=modulated["profile"],
-            light_image=modulated["light_image"],
             emissive=int(emissive),
+            **seen_variant,
         )
         if emissive:
             materials, corners = frame[MATERIAL_BUFFERS].table, frame[MESH_BUFFERS].samplers["corners"]
             bind(program, primitive=frame[PRIMITIVE], materials=materials, corners=corners)
         if seen is not None:
-            count = int(frame.scene.lights.visible_camera.sum())
-            bind(program, **frame[LIGHT_BUFFERS], seen_lights=seen, seen_count=count)
+            bind(program, **frame[LIGHT_BUFFERS], seen_lights=seen, seen_count=len(visible))
         bind(
             program,
             position=frame[POSITION],

@@ -32,7 +32,8 @@ from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS
-from ...lights import has_light_bvh, shader_variant
+from ...lights import shader_variant
+from ...lights.emissive_mesh import has_light_bvh
 from ...tiles import tiles_where
 
 #: Time of a texel, in rays: measured with a ball of 960 triangles, from close by.

@@ -19,7 +19,7 @@ from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
-from ...lights import mixed_variant, shader_variant
+from ...lights import mixed_variant
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
@@ -77,7 +77,7 @@ def trace_tiles(
     grid: ProbeGrid,
 ) -> None:
     """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`."""
-    variant = shader_variant(frame.scene.lights, light)
+    variant = mixed_variant(frame.scene.lights, [light])
     program = compile_program(frame.device, "glsl/tiles.vert", SHADER, records=RECORDS, **variant)
     bind(program, **uniforms(frame, blocks, first, grid))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)

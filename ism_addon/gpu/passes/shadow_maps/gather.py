@@ -38,7 +38,7 @@ from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
-from ...lights import modulation, type_of, types_variant
+from ...lights import mixed_variant, modulation, type_of
 from ...material_inputs import MATERIAL, material_samplers
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
@@ -58,21 +58,19 @@ class GatherLight(Pass):
 
     @cached_property
     def shaders(self) -> dict[tuple[object, ...], moderngl.VertexArray]:
-        """By the lights it is for: names of their types; whether in the irradiance cache; see modulation.variant."""
+        """By the constants of the lights it is for, and whether they are in the irradiance cache."""
         return {}
 
     def shader(self, lights: Lights, drawn: Sequence[int], cached: bool) -> moderngl.VertexArray:
         """The shader for the types of these lights."""
-        light_types = {type_of(lights, light) for light in drawn}
-        types, modulated = frozenset(each.name for each in light_types), modulation.variant(lights, list(drawn))
-        key = types, cached, *modulated.values()
+        variant = mixed_variant(lights, drawn)
+        key = cached, *variant.items()
         if key not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
-            constants: dict[str, Any] = types_variant(types) | modulated
-            constants["parallel"] = int(any(each.parallel for each in light_types))
-            constants["cached"] = int(cached)
+            parallel = any(type_of(lights, light).parallel for light in drawn)
+            constants: dict[str, Any] = {**variant, "parallel": int(parallel), "cached": int(cached)}
             if cached:
-                constants |= {"light_bvh": 1, **CACHE_CONSTANTS}
+                constants |= CACHE_CONSTANTS
             self.shaders[key] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
         return self.shaders[key]
 
