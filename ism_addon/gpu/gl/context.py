@@ -69,9 +69,14 @@ class Device:
     #: Resources that renderers share, as long as any uses them: see Frame.shared_resource.
     shared: "WeakValueDictionary[Hashable, Any]" = field(default_factory=WeakValueDictionary)
 
+    def enable_only(self, flags: int) -> None:
+        """moderngl's enable_only, after overwrite too."""
+        self.gl.disable_direct(driver_variants.COLOR_LOGIC_OP)
+        self.gl.enable_only(flags)
+
     def add(self) -> None:
         """Until the state of OpenGL is set again, draws add to what their targets hold."""
-        self.gl.enable_only(moderngl.BLEND)
+        self.enable_only(moderngl.BLEND)
         self.gl.blend_func = moderngl.ONE, moderngl.ONE
 
     def new_buffer(self, count: int, components: int, dtype: str) -> BufferTexture:

@@ -5,7 +5,7 @@ It compiles one variant for textures whose sides are powers of two and one for o
 bytes and one for larger ones (it reads bits 8 to 15 of a buffer's size as a texture's last level); and one for each
 state of each sampler, which for a buffer is the state of the last texture that was bound. So all textures and buffers
 have the same properties. It compiles a shader twice, for blocks whose pixels are all drawn and for others, unless
-what the target holds is blended in.
+what the target holds has a part in the result, or might have.
 """
 
 from collections.abc import Callable
@@ -18,6 +18,9 @@ MAX_SIDE = 1 << 14
 #: The smallest GL_MAX_TEXTURE_IMAGE_UNITS that OpenGL 4.1 allows. No shader uses more.
 SAMPLERS = 16
 
+#: GL_COLOR_LOGIC_OP. The operation is GL_COPY, unless it is set.
+COLOR_LOGIC_OP = 0x0BF2
+
 VERTICES = "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }"
 PIXELS = f"""
 uniform sampler2D all_of_them[{SAMPLERS}];
@@ -27,13 +30,12 @@ void main() {{ color = vec2({" + ".join(f"textureSize(all_of_them[{k}], 0)" for 
 
 
 def overwriting(gl: moderngl.Context, name: str) -> Callable[[], None]:
-    """Device.overwrite, in a driver of this name. Mesa's software driver blends with 0 times what a target holds."""
-    if not name.startswith("llvmpipe"):
-        return lambda: gl.enable_only(moderngl.NOTHING)
+    """Device.overwrite, in a driver of this name. Mesa's software driver has the logical operation "copy"."""
 
     def overwrite() -> None:
-        gl.enable_only(moderngl.BLEND)
-        gl.blend_func = moderngl.ONE, moderngl.ZERO
+        gl.enable_only(moderngl.NOTHING)
+        if name.startswith("llvmpipe"):
+            gl.enable_direct(COLOR_LOGIC_OP)
 
     return overwrite
 

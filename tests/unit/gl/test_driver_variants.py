@@ -138,26 +138,29 @@ def test_the_picture_does_not_depend_on_how_much_larger_textures_are(device, mon
 
 
 def test_overwriting_keeps_nothing_of_what_a_target_held(device):
-    """Not even NaN and infinity, which times 0 are NaN. Also where a draw covers only a part of a block of pixels."""
+    """Not even NaN and numbers whose digits are lost in a sum. Also where a draw covers a part of a block of pixels."""
     gl, size = device.gl, (37, 21)
     before = np.resize(np.float32([np.nan, np.inf, -np.inf, 5.0]), (size[1], size[0], 4))
     floats = gl.texture(size, 4, before.tobytes(), dtype="f4")
+    large = gl.texture(size, 1, np.full(size[::-1], 1e10, np.float32).tobytes(), dtype="f4")
     integers = gl.texture(size, 1, np.full(size[::-1], 7, np.int32).tobytes(), dtype="i4")
     program = gl.program(
         vertex_shader="#version 410 core\nvoid main() { gl_Position = vec4(2 * gl_VertexID - 1, "
         "gl_VertexID == 1 ? 3.0 : -1.0, 0.0, 1.0); }",
         fragment_shader="#version 410 core\nlayout(location = 0) out vec4 color;\nlayout(location = 1) out int whole;\n"
-        "void main() { color = vec4(0.5, -1.0, 0.0, 2.0); whole = 3; }",
+        "layout(location = 2) out float small;\n"
+        "void main() { color = vec4(0.5, -1.0, 0.0, 2.0); whole = 3; small = 0.1; }",
     )
     device.add()
     device.overwrite()
-    gl.framebuffer([floats, integers]).use()
+    gl.framebuffer([floats, integers, large]).use()
     gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
     color = np.frombuffer(floats.read(), np.float32).reshape(before.shape)
     drawn = np.frombuffer(integers.read(), np.int32).reshape(size[::-1]) == 3
     assert 0.3 < drawn.mean() < 0.9
     assert (color[drawn] == [0.5, -1.0, 0.0, 2.0]).all()
     assert np.array_equal(color[~drawn], before[~drawn], equal_nan=True)
+    assert np.array_equal(np.frombuffer(large.read(), np.float32).reshape(drawn.shape) == np.float32(0.1), drawn)
 
 
 @given(count=st.integers(0, 1 << 20), each=st.sampled_from([4, 8, 16]))

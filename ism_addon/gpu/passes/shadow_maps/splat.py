@@ -52,7 +52,7 @@ class SplatMaps(Pass):
         if points.buffer is None:
             return
         atlas.use()
-        gl.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        self.device.enable_only(moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         gl.blend_equation = moderngl.MIN  # type: ignore[assignment] # typed as two values, accepts one
         is_parallel = frame[SHADOW_MAP_VIEWS]["map_radius"][batch.first : batch.first + batch.count] > 0.0
         try:

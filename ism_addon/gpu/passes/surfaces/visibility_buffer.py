@@ -53,7 +53,7 @@ class VisibilityBuffer(Pass):
         guard_band = [min(math.ceil(GUARD_BAND * side), (max_side - side) // 2) for side in size]
         framebuffer.viewport = *np.negative(guard_band), *np.add(size, np.multiply(2, guard_band))
         framebuffer.use()
-        gl.enable_only(moderngl.DEPTH_TEST)
+        self.device.enable_only(moderngl.DEPTH_TEST)
         rotation, shift = frame.grid.fine_from_clip(*frame.size)
         viewport_fraction = np.divide(size, framebuffer.viewport[2:])
         instances = frame[INSTANCE_BUFFERS]
