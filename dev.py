@@ -51,18 +51,19 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
     window too. With `any_pace`, nothing fails there for being slow.
     """
     with ThreadPoolExecutor() as pool:  # what later tests need is installed while the first ones run
-        if everything and not chosen:
-            pool.submit(blender_root.install, BLENDER_ROOT)  # if it cannot be, gui_test tries again and reports why
         prepared = all_environments(pool) if everything else environments()
         default = next(prepared)
+        if everything and not chosen:
+            pool.submit(blender_root.install, BLENDER_ROOT)  # if it cannot be, gui_test tries again and reports why
         if not chosen:  # for the tests that build zips, which try again what fails here
             for platform in project.WHEELS:
                 pool.submit(extension.wheels_of, default.python, platform)
         checks = {} if chosen else STATIC_CHECKS
         if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
             checks = {name: command for name, command in checks.items() if name != "mypy"}
-        results = {name: default.run(*command) for name, command in checks.items()}
-        results |= run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
+        checking = {name: pool.submit(default.run, *command) for name, command in checks.items()}
+        results = run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
+        results |= {name: check.result() for name, check in checking.items()}
         for other in prepared if everything else ():
             results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
     if everything and not chosen:

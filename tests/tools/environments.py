@@ -58,10 +58,11 @@ def environments() -> Iterator[Environment]:
 
 
 def all_environments(pool: ThreadPoolExecutor) -> Iterator[Environment]:
-    """`environments`, set up in parallel by a pool: most of the time is spent waiting for downloads."""
-    if PYTHON in project.BPY:
-        return pool.map(_with_bpy, project.BPY[PYTHON])
-    return iter([_with_blender()])
+    """`environments`. The first is set up alone, as tests wait for it; then all others, by a pool."""
+    default = next(environments())
+    others = pool.map(_with_bpy, project.BPY.get(PYTHON, ())[1:])
+    yield default
+    yield from others
 
 
 def _with_bpy(version: str) -> Environment:
