@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from .gpu.buffers.material_buffers import MaterialBuffers
     from .gpu.buffers.mesh_buffers import MeshBuffers, UVBuffers
     from .gpu.convergence import Convergence
+    from .gpu.culling.culling_state import CullingState
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
     from .gpu.gl.buffer_texture import BufferTexture
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
-    from .gpu.passes.light_selection.cull_lights import CullingState
-    from .gpu.passes.light_selection.retest_occluded import Retest
+    from .gpu.passes.light_selection.retests import Candidates, Retest
     from .gpu.passes.shadow_maps.atlas import Batch
     from .gpu.passes.shadow_maps.point_cloud import PointCloud
     from .gpu.passes.shadow_maps.select_points import MapPoints
@@ -137,6 +137,11 @@ CULLING_STATE: Resource[CullingState] = Resource(
 LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
     "light_influence", "Of each light that contributes anywhere, bounds of its irradiance in each tile", _PICTURE
 )
+HIDDEN_LIGHTS: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
+    "hidden_lights",
+    "Lights (H,) that no ray has reached; (H,R,C) bounds over those of all, summed over the tiles of each block",
+    _PICTURE,
+)
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
     "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
 )
@@ -157,15 +162,11 @@ PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textur
 RETESTS: Resource[tuple[Retest, ...]] = Resource(
     "retests", "Rays of each sample since the last doubling to lights believed occluded", _PICTURE
 )
-RETEST_CANDIDATES: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
-    "retest_candidates",
-    "Lights (N,) believed occluded; cumulative probabilities (N rows columns,) of their tiles",
-    _PICTURE,
+RETEST_CANDIDATES: Resource[Candidates] = Resource(
+    "retest_candidates", "Lights believed occluded, and the probabilities of their retests", _PICTURE
 )
 REDISCOVERED: Resource[dict[int, np.ndarray]] = Resource(
-    "rediscovered",
-    "By light, (rows,columns) bool: tiles where retests since the last doubling were unoccluded",
-    _PICTURE,
+    "rediscovered", "By light, (rows,columns) bool: where retests before the last doubling were unoccluded", _PICTURE
 )
 
 # Direct light: prediction and residual. Both methods write direct_prediction.

@@ -82,10 +82,10 @@ GROUPS = {
         lambda device, benchmark_scene: error_times_time(device, benchmark_scene, ALL_SAMPLES, 16),
         ("objects", "thin", "lamps"),
         {
-            f"{PASSES}.light_selection.cull_lights": (
-                *("MAX_CULLED_FRACTION", "MIN_RELATIVE_IRRADIANCE", "FAINT_FRACTION"),
-                *("FEW_LIGHTS", "MANY_LIGHTS", "MAX_BOUND_OVER_MEAN"),
+            "ism_addon.gpu.culling.culling_state": (
+                *("MAX_CULLED_FRACTION", "MIN_RELATIVE_IRRADIANCE", "FAINT_FRACTION", "MAX_BOUND_OVER_MEAN"),
             ),
+            f"{PASSES}.light_selection.cull_lights": ("FEW_LIGHTS", "MANY_LIGHTS"),
             "ism_addon.gpu.culling.light_influence": ("STRONG_FRACTION", "UNKNOWN_VISIBILITY"),
             f"{PASSES}.light_selection.retest_occluded": ("RETEST_PROBABILITY",),
             f"{PASSES}.direct.select_faint_lights": ("MIN_LIGHT_PROBABILITY",),

@@ -14,7 +14,14 @@ from ism_addon.gpu.passes.direct.predict_visibility import PredictVisibility
 from ism_addon.gpu.passes.light_selection.cull_lights import CullLights
 from ism_addon.gpu.passes.light_selection.probe_visibility import ProbeVisibility
 from ism_addon.gpu.renderer import Renderer
-from ism_addon.resources import CONTRIBUTING_LIGHTS, CULLING_STATE, LIGHT_INFLUENCE, TILE_VISIBILITY
+from ism_addon.resources import (
+    CONTRIBUTING_LIGHTS,
+    CULLING_STATE,
+    HIDDEN_LIGHTS,
+    LIGHT_INFLUENCE,
+    REDISCOVERED,
+    TILE_VISIBILITY,
+)
 
 from .error.ism import Ism
 
@@ -40,12 +47,14 @@ def use_known_visibility(renderer: Renderer) -> None:
     cull, probe, predict = (graph.instance(pass_type) for pass_type in (CullLights, ProbeVisibility, PredictVisibility))
     execute_cull, execute_probe, rays_of_tiles = cull.execute, probe.execute, predict.rays_of_tiles
     state, influences, visibility = (graph[each] for each in (CULLING_STATE, LIGHT_INFLUENCE, TILE_VISIBILITY))
+    hidden = graph[HIDDEN_LIGHTS]
 
     def known_cull(frame: Frame) -> None:
         if frame.sample:
             execute_cull(frame)
             return
-        frame[CULLING_STATE], frame[LIGHT_INFLUENCE] = state, influences
+        frame[CULLING_STATE], frame[LIGHT_INFLUENCE], frame[HIDDEN_LIGHTS] = state, influences, hidden
+        frame[REDISCOVERED] = {}
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
 
     def known_probe(frame: Frame) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
+from ism_addon.gpu.passes.light_selection.cull_lights import CullLights
 from ism_addon.resources import REDISCOVERED, TILE_VISIBILITY
 from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import EACH_SAMPLE, EDITS, FIRST, SHARED, colour_changed
@@ -63,7 +63,7 @@ def test_after_several_samples(device, method, edit, last):
 
 def test_a_rediscovered_light_is_not_in_the_probe_results_of_the_next_picture(device, monkeypatch):
     """Later samples add rediscovered lights to the probe results, which the next picture may reuse without them."""
-    monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {0: np.ones(frame.tiles[::-1], bool)})
+    monkeypatch.setattr(CullLights, "rediscovered", lambda _pass, frame: {0: np.ones(frame.tiles[::-1], bool)})
     lid = quad((-9.0, -9.0, 1.0), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0))
     lights = join_lights(light(radiance=0.008), light(position=(0.0, 0.0, 0.9)))
     scene = make_scene([quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), lid], lights)
@@ -77,7 +77,7 @@ def test_a_rediscovered_light_is_not_in_the_probe_results_of_the_next_picture(de
 
 def test_rediscovered_lights_are_dropped_with_their_picture(device, method, monkeypatch):
     """The next picture has fewer lights, and may use the other method."""
-    monkeypatch.setattr(RetestOccluded, "rediscovered", lambda _pass, frame: {1: np.ones(frame.tiles[::-1], bool)})
+    monkeypatch.setattr(CullLights, "rediscovered", lambda _pass, frame: {1: np.ones(frame.tiles[::-1], bool)})
     floor, view = quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 6.0, 0.0)), look_at((0.0, -4.0, 0.8), size=SIZE)
     before = make_scene([floor], join_lights(light(), light(position=(0.0, 0.0, 0.9))))
     renderer = draw(device, before, view, with_quality(SETTINGS[Method.RAY_TRACED], samples=SAMPLES)).renderer

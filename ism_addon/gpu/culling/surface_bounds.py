@@ -51,8 +51,9 @@ class SurfaceBounds:
         return np.where(axis_cosine >= cosine, np.float32(1.0), outside)
 
     def half_angle_around(self, other: Self) -> np.ndarray:
-        """(N,) rad: half angles of cones around these axes that contain the other's cones."""
-        return np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0)) + other.half_angle
+        """(N,) rad: half angles, up to pi, of cones around these axes that contain the other's cones."""
+        between = np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0))
+        return np.minimum(between + other.half_angle, np.float32(np.pi))
 
     def contains(self, other: Self) -> np.ndarray:
         """(N,) bool: whether these bounds contain the other's."""
@@ -61,7 +62,7 @@ class SurfaceBounds:
 
     def joined(self, other: Self) -> Self:
         """Bounds that contain these and the other's."""
-        joined_angle = np.minimum(np.maximum(self.half_angle, self.half_angle_around(other)), np.float32(np.pi))
+        joined_angle = np.maximum(self.half_angle, self.half_angle_around(other))
         half_angle = np.where(self.exists, np.where(other.exists, joined_angle, self.half_angle), other.half_angle)
         return type(self)(
             self.exists | other.exists,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.light_selection import cull_lights
+from ism_addon.gpu.culling import culling_state
 from ism_addon.scene import MAX_LINK_GROUPS
 from ism_addon.settings import Method
 from tests.support.small_scenes import (
@@ -66,7 +66,7 @@ def test_only_the_linked_cast_shadows(device, settings, groups):
 
 
 def test_linking_of_faint_lights(device, monkeypatch):
-    monkeypatch.setattr(cull_lights, "FAINT_FRACTION", np.inf)
+    monkeypatch.setattr(culling_state, "FAINT_FRACTION", np.inf)
     for links, lit in (({"receivers": 0}, (True, False)), ({"receivers": 1}, (False, True))):
         radiances = half_radiances(
             device, SETTINGS[Method.RAY_TRACED], join_lights(small_light(0.9, **links), small_light(0.9, receivers=2))

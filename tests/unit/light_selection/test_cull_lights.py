@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ism_addon.gpu.culling import culling_state
+from ism_addon.gpu.culling.hidden_lights import BLOCK_SIDE
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.area import AreaLightBounds
 from ism_addon.gpu.passes.light_selection import cull_lights
-from ism_addon.resources import LIGHT_INFLUENCE, TILE_SIZE, TILE_VISIBILITY
+from ism_addon.resources import HIDDEN_LIGHTS, LIGHT_INFLUENCE, TILE_SIZE, TILE_VISIBILITY
 from ism_addon.scene import Lights, LightShape
 from ism_addon.settings import Shadow
 from tests.scenes.rooms import IDLE, rooms
@@ -91,7 +93,7 @@ def drawn_rooms(device, idle: dict[str, int], samples: int = 8):
 def test_idle_lights_take_no_work_and_change_nothing(device, why):
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {why: 40})
     expected, color = alone.color[..., :3], drawn.color[..., :3]
-    allowed = cull_lights.MAX_CULLED_FRACTION if why == "faint" else ROUNDING
+    allowed = culling_state.MAX_CULLED_FRACTION if why == "faint" else ROUNDING
     assert np.sqrt(((color - expected) ** 2).mean()) <= allowed * expected.mean()
     assert set(drawn.renderer.graph[TILE_VISIBILITY]) == set(range(5)), (
         "only contributing lights have textures of their own"
@@ -103,9 +105,22 @@ def test_idle_lights_take_no_work_and_change_nothing(device, why):
         assert not any(each.coarse_visibility.any() for light, each in influences.items() if light >= 5)
 
 
+def test_many_lights_that_no_ray_reaches_are_bounded_in_blocks_only(device, monkeypatch):
+    """They change nothing, but some of them are retested."""
+    monkeypatch.setattr(cull_lights, "MANY_LIGHTS", 0)
+    alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {"hidden": 40})
+    color, expected = drawn.color[..., :3], alone.color[..., :3]
+    assert np.sqrt(((color - expected) ** 2).mean()) <= ROUNDING * expected.mean()
+    influences, (hidden, relative_bounds) = (drawn.renderer.graph[name] for name in (LIGHT_INFLUENCE, HIDDEN_LIGHTS))
+    assert set(range(5)) <= set(influences) and len(influences) < 15
+    assert len(hidden) > 30 and not set(influences) & set(hidden)
+    assert 0.0 < relative_bounds.sum(0).max() <= BLOCK_SIDE**2 * (1.0 + ROUNDING), "together they count as one light"
+    assert drawn.profile.counts["retests"] > 0
+
+
 def test_faint_lights_contribute_if_nothing_is_negligible(device, monkeypatch):
     """So the test above depends on the culled fraction."""
-    monkeypatch.setattr(cull_lights, "MAX_CULLED_FRACTION", 0.0)
+    monkeypatch.setattr(culling_state, "MAX_CULLED_FRACTION", 0.0)
     assert len(drawn_rooms(device, {"faint": 40}, 1).renderer.graph[LIGHT_INFLUENCE]) == 45
 
 
@@ -175,7 +190,7 @@ def test_faint_lights_with_one_visibility_per_tile_are_unbiased(device, monkeypa
     truth, _ = reference.picture(scene, view, 16)
     errors = []
     for faint_fraction in (0.0, np.inf):
-        monkeypatch.setattr(cull_lights, "FAINT_FRACTION", faint_fraction)
+        monkeypatch.setattr(culling_state, "FAINT_FRACTION", faint_fraction)
         drawn = draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=256))
         assert bool(drawn.renderer.graph[TILE_VISIBILITY]) == (faint_fraction == 0.0)
         errors.append(reference.nrmse(drawn.color[..., :3].reshape(-1, 3), truth))

@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 
+from ism_addon.gpu.culling.hidden_lights import BLOCK_SIDE, blocks_of
 from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
+from ism_addon.gpu.passes.light_selection.retests import Candidates
 from ism_addon.resources import REDISCOVERED
 from ism_addon.scene import LightShape
 from tests.support.small_scenes import (
@@ -27,9 +29,9 @@ PLATE = quad((-9, -9, 3.9), (18, 0, 0), (0, 18, 0))
 def all_believed_occluded(monkeypatch):
     """Every light in every tile is retested in each sample."""
 
-    def candidates(frame) -> tuple[np.ndarray, np.ndarray]:
+    def candidates(frame) -> Candidates:
         lights, (columns, rows) = np.arange(len(frame.scene.lights.shape)), frame.tiles
-        return lights, np.cumsum(np.ones(len(lights) * columns * rows))
+        return Candidates(lights, np.zeros(0, int), np.cumsum(np.ones(len(lights) * columns * rows)))
 
     monkeypatch.setattr(RetestOccluded, "candidates", staticmethod(candidates))
 
@@ -53,3 +55,18 @@ def test_a_light_is_rediscovered_in_the_tiles_that_it_reaches(device, all_believ
     (tiles,) = drawn.renderer.graph[REDISCOVERED].values()
     assert tiles[:, :4].all() and not tiles[:, 4:].any()
     assert drawn.profile.counts["retests"] == 4 * tiles.size * 16, "in four samples, 16 rays a tile"
+
+
+def test_hidden_lights_are_retested_in_all_tiles_of_their_blocks(device, monkeypatch):
+    """Twenty-five blocks of up to sixteen tiles: a light that no ray can reach, and one that any ray reaches."""
+
+    def candidates(frame) -> Candidates:
+        columns, rows = blocks_of(frame.tiles)
+        return Candidates(np.zeros(0, int), np.arange(2), np.cumsum(np.full(2 * columns * rows, BLOCK_SIDE**2)))
+
+    monkeypatch.setattr(RetestOccluded, "candidates", staticmethod(candidates))
+    scene = make_scene([FLOOR, PLATE], join_lights(light(), light(position=(0, 0, 4))))
+    drawn = draw(device, scene, view_from_above(2.0, (150, 140), 3.0), with_quality(SMALL_SETTINGS, samples=5))
+    rediscovered = drawn.renderer.graph[REDISCOVERED]
+    assert set(rediscovered) == {0}
+    assert rediscovered[0].shape == (18, 19) and rediscovered[0].all()

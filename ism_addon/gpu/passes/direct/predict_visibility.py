@@ -96,7 +96,8 @@ class PredictVisibility(Pass):
     ) -> None:
         """Add the lights that became visible by retests: their tiles, and probes without rays."""
         for light, tiles in frame[REDISCOVERED].items():
-            if light in visibility or not (tiles & ~frame[LIGHT_INFLUENCE][light].is_faint).any():
+            influence = frame[LIGHT_INFLUENCE].get(light)
+            if light in visibility or influence is None or not (tiles & ~influence.is_faint).any():
                 continue
             visibility[light] = np.stack([tiles, np.ones_like(tiles)], 2)
             probes[light] = create(self.device.gl, PROBE, size_of(PROBE, *frame.size))

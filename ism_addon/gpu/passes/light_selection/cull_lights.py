@@ -7,7 +7,9 @@ occluded is probed by ProbeVisibility if it could be a large fraction of a tile'
 in some samples. Lights whose bounds together are negligible in a tile are culled there.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import moderngl
@@ -22,11 +24,13 @@ from ....resources import (
     FAR_TILE_MAX,
     FAR_TILE_MIN,
     FAR_TILE_NORMAL_CONE,
+    HIDDEN_LIGHTS,
     LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
     POSITION,
     RECEIVER_REGION,
     REDISCOVERED,
+    RETESTS,
     TILE_MAX,
     TILE_MIN,
     TILE_NORMAL_CONE,
@@ -35,7 +39,14 @@ from ....resources import (
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
-from ...culling.light_influence import UNKNOWN_VISIBILITY, LightInfluence
+from ...culling.culling_state import CullingState, light_influences, neighbourhood
+from ...culling.hidden_lights import (
+    BLOCK_SIDE,
+    HiddenLights,
+    blocks_of,
+    surfaces_of_blocks,
+)
+from ...culling.light_influence import STRONG_FRACTION, UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.receiver_region import ReceiverRegion
 from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_per_tile
@@ -45,27 +56,15 @@ from ...lights import LightBounds, bounds_with_falloff, by_type, is_narrow
 from ...surface_inputs import SURFACE
 from ...tiles import from_strips
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
-
-# How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
-
-#: The culled lights of a tile together contribute at most this fraction of its irradiance.
-MAX_CULLED_FRACTION = 1e-3
-
-#: For culling, a tile's irradiance counts as at least this fraction of the picture's mean.
-MIN_RELATIVE_IRRADIANCE = 0.1
-
-#: A light is faint in a tile if its bound is at most this fraction of the tile's irradiance. It has one prediction per
-#: tile.
-FAINT_FRACTION = 0.01
+from .retests import visible_tiles
 
 #: A tile has two bounding boxes, of near and of far surfaces, if its maximum depth is more than its minimum times this.
 DEPTH_SPLIT_RATIO = 1.1
 
 #: Coarse shadow rays start in every FINE_TILE_SPACING-th tile, in x and in y. More than FEW_LIGHTS lights are first
-#: tested from every COARSE_TILE_SPACING-th tile, if these are at least MANY_LIGHTS tiles: in a small picture, so few
-#: rays would miss visible lights.
+#: tested by a ray from each block of tiles, if there are at least MANY_LIGHTS blocks: in a small picture, so few rays
+#: would miss visible lights.
 FINE_TILE_SPACING = 2
-COARSE_TILE_SPACING = 4
 FEW_LIGHTS = 16
 MANY_LIGHTS = 64
 
@@ -77,29 +76,17 @@ FAR_BOUNDS = FAR_TILE_MIN, FAR_TILE_MAX, FAR_TILE_NORMAL_CONE
 #: tests/scenes/lights/mixed_rooms.py that takes 0.29 s with 1 << 15, 0.19 s with 1 << 17, and 0.23 s with 1 << 19.
 PAIRS_AT_A_TIME = 1 << 17
 
-#: Bounds are clamped to this multiple of the picture's mean irradiance.
-MAX_BOUND_OVER_MEAN = 100.0
-
-FLOAT32_TINY = float(np.finfo(np.float32).tiny)
-
-
-@dataclass
-class CullingState:
-    """Bounds and visibility of lights, from all samples so far. Irradiance is a luminance, W/m²."""
-
-    surfaces: SurfaceBounds  # of the visible surfaces of each tile
-    bounds: np.ndarray  # (L,rows,columns) float32: upper bounds of each light's irradiance
-    coarse_visibility: dict[int, np.ndarray]  # (rows,columns) by light
-    irradiance: np.ndarray  # (rows,columns): estimated sum over all lights
-
 
 class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
     schedule = Schedule.DOUBLING  # further samples show additional surfaces
     inputs = *SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
-    feedback = (REDISCOVERED,)
-    outputs = outputs(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, LIGHT_INFLUENCE, CONTRIBUTING_LIGHTS, RECEIVER_REGION)
+    feedback = (RETESTS,)
+    outputs = outputs(
+        *(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, REDISCOVERED),
+        *(LIGHT_INFLUENCE, HIDDEN_LIGHTS, CONTRIBUTING_LIGHTS, RECEIVER_REGION),
+    )
 
     @cached_property
     def surface_bounds(self) -> moderngl.VertexArray:
@@ -112,49 +99,103 @@ class CullLights(Pass):
 
     def execute(self, frame: Frame) -> None:
         is_parallel, region = any(light_type.parallel for light_type, *_ in by_type(frame.scene.lights)), None
+        frame[REDISCOVERED] = self.rediscovered(frame) if frame.sample > 0 and frame.traces_shadows else {}
         if frame.settings.shortcuts:
             state = self.first_state(frame) if frame.sample == 0 else self.next_state(frame)
             frame[CULLING_STATE] = state
-            influences = light_influences(state)
+            influences, hidden = light_influences(state), (state.hidden.lights, state.relative_bounds(np.add))
         else:
-            influences = without_culling(frame)
+            influences, none = without_culling(frame), HiddenLights.none(frame.tiles)
+            hidden = none.lights, none.bounds
         if is_parallel:
             region = ReceiverRegion.around(state.surfaces if frame.settings.shortcuts else self.bound_tiles(frame))
-        frame[LIGHT_INFLUENCE] = influences
+        frame[LIGHT_INFLUENCE], frame[HIDDEN_LIGHTS] = influences, hidden
         frame[CONTRIBUTING_LIGHTS] = tuple(sorted(influences))
         frame[RECEIVER_REGION] = region
 
+    def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
+        """By light, the tiles (rows,columns) bool where any retest since the last doubling was unoccluded."""
+        self.device.wait()
+        return visible_tiles(frame.get(RETESTS) or (), frame.tiles)
+
     def first_state(self, frame: Frame) -> CullingState:
         """The state after the first sample."""
-        surfaces = self.bound_tiles(frame)
-        bounds, estimates = self.irradiance(frame, surfaces, np.flatnonzero(surfaces.exists))
-        visibility = self.probe_coarsely(frame, bounds)
+        surfaces, lights = self.bound_tiles(frame), np.arange(len(frame.scene.lights.shape))
+        hidden = HiddenLights.none(frame.tiles)
+        if len(lights) > FEW_LIGHTS and frame.traces_shadows and math.prod(blocks_of(frame.tiles)) >= MANY_LIGHTS:
+            lights, hidden = self.bound_in_blocks(frame, surfaces)
+        bounds, estimates = self.irradiance(frame, lights, surfaces, surfaces.exists)
+        visibility = self.probe_coarsely(frame, lights, bounds)
+        rows = np.flatnonzero(np.isin(lights, list(visibility)))
         zeros = np.zeros(frame.tiles[::-1])
-        irradiance = sum((visibility[light] * estimates[light] for light in visibility), zeros)
-        return CullingState(surfaces, bounds, visibility, neighbourhood(irradiance).mean((2, 3)))
+        irradiance = sum((visibility[int(lights[row])] * estimates[row] for row in rows), zeros)
+        state = CullingState(surfaces, lights, bounds, hidden, visibility, neighbourhood(irradiance).mean((2, 3)))
+        strong = state.relative_bounds(np.maximum) >= STRONG_FRACTION
+        return self.bounded_in_tiles(frame, state, strong.any((1, 2)), {})
+
+    def bound_in_blocks(self, frame: Frame, surfaces: SurfaceBounds) -> tuple[np.ndarray, HiddenLights]:
+        """Lights (K,) that a ray from any block reaches, or that cast no shadows; and the hidden ones."""
+        blocks, narrow = surfaces_of_blocks(surfaces, frame.tiles), is_narrow(frame.scene.lights)
+        all_lights = np.arange(len(frame.scene.lights.shape))
+        bounds, _ = self.irradiance(frame, all_lights, blocks, blocks.exists, BLOCK_SIDE)
+        bounded = np.flatnonzero(bounds.any((1, 2)))
+        probed = bounded[frame.scene.lights.casts_shadow[bounded]]
+        if len(probed) <= FEW_LIGHTS:
+            return bounded, HiddenLights.none(frame.tiles)
+        rays = self.probe_rays(frame, probed, BLOCK_SIDE)
+        hidden = [light for light in rays if not rays[light][..., 0].any() and (rays[light].any() or not narrow[light])]
+        return np.setdiff1d(bounded, hidden), HiddenLights(np.array(hidden, int), bounds[hidden])
+
+    def bounded_in_tiles(
+        self, frame: Frame, state: CullingState, chosen: np.ndarray, rediscovered: Mapping[int, np.ndarray]
+    ) -> CullingState:
+        """The state with the chosen hidden lights (H,) bool bounded in each tile; `rediscovered`: in these tiles."""
+        lights, none = state.hidden.lights[chosen], np.zeros(frame.tiles[::-1], bool)
+        if not len(lights):
+            return state
+        bounds, _ = self.irradiance(frame, lights, state.surfaces, state.surfaces.exists)
+        visibility = {k: UNKNOWN_VISIBILITY * rediscovered.get(k, none).astype(np.float32) for k in lights.tolist()}
+        return replace(
+            state,
+            lights=np.concatenate([state.lights, lights]),
+            bounds=np.concatenate([state.bounds, bounds]),
+            hidden=state.hidden.select(~chosen),
+            coarse_visibility=state.coarse_visibility | visibility,
+        )
 
     def next_state(self, frame: Frame) -> CullingState:
         """The state updated with the surfaces of this sample and the rediscovered lights."""
         state, visible, narrow = frame[CULLING_STATE], self.bound_tiles(frame), is_narrow(frame.scene.lights)
+        rediscovered = frame[REDISCOVERED]
         visibility = dict(state.coarse_visibility)
-        rediscovered = frame[REDISCOVERED] if frame.traces_shadows else {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
             visibility[light] = influence.visibility_with(rediscovered.get(light))
+        surfaces, grown = state.surfaces.joined(visible), ~state.surfaces.contains(visible)
+        bounds = np.maximum(state.bounds, self.irradiance(frame, state.lights, surfaces, grown)[0])
+        hidden = state.hidden
+        if len(hidden.lights):
+            blocks, old_blocks = (surfaces_of_blocks(each, frame.tiles) for each in (surfaces, state.surfaces))
+            grown_bounds, _ = self.irradiance(frame, hidden.lights, blocks, ~old_blocks.contains(blocks), BLOCK_SIDE)
+            hidden = HiddenLights(hidden.lights, np.maximum(hidden.bounds, grown_bounds))
+        state = CullingState(surfaces, state.lights, bounds, hidden, visibility, state.irradiance)
+        state = self.bounded_in_tiles(frame, state, np.isin(hidden.lights, list(rediscovered)), rediscovered)
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
             coarse = neighbourhood_visibility(rays, narrow[light])
-            visibility[light] = np.maximum(visibility[light], self.per_tile(frame, coarse))
-        grown = np.flatnonzero(~state.surfaces.contains(visible))
-        surfaces = state.surfaces.joined(visible)
-        bounds = np.maximum(state.bounds, self.irradiance(frame, surfaces, grown)[0])
-        return CullingState(surfaces, bounds, visibility, state.irradiance)
+            state.coarse_visibility[light] = np.maximum(state.coarse_visibility[light], self.per_tile(frame, coarse))
+        return state
 
-    def irradiance(self, frame: Frame, surfaces: SurfaceBounds, chosen: np.ndarray) -> list[np.ndarray]:
-        """Bounds and estimates (L,rows,columns) of lights' irradiance on the chosen surfaces: see LightBounds."""
-        chosen_surfaces, lights = surfaces.select(chosen), frame.scene.lights
-        step = max(PAIRS_AT_A_TIME // max(len(chosen), 1), 1)
-        columns, rows = frame.tiles
-        irradiance = np.zeros((2, len(lights.shape), rows, columns), np.float32)  # bounds, estimates
-        for light_type, indices, type_lights in by_type(lights):
+    def irradiance(
+        self, frame: Frame, lights: np.ndarray, surfaces: SurfaceBounds, chosen: np.ndarray, side: int = 1
+    ) -> list[np.ndarray]:
+        """Bounds and estimates (K,rows,columns) of lights' (K,) irradiance on surfaces: see LightBounds.
+
+        0 where not chosen, bool. With another `side` than 1, of blocks of side×side tiles.
+        """
+        columns, rows = (-(-count // side) for count in frame.tiles)
+        chosen_surfaces, count = surfaces.select(chosen), int(chosen.sum())
+        step = max(PAIRS_AT_A_TIME // max(count, 1), 1)
+        irradiance = np.zeros((2, len(lights), rows, columns), np.float32)  # bounds, estimates
+        for light_type, indices, type_lights in by_type(frame.scene.lights.select(lights)) if count else ():
             type_bounds = bounds_with_falloff(light_type, type_lights, frame.anchor, frame.scene.working_space)
 
             def fill(first: int, indices: np.ndarray = indices, bounds: LightBounds = type_bounds) -> None:
@@ -164,7 +205,7 @@ class CullLights(Pass):
                 near_and_far.reshape(2, -1, 2 * rows * columns)[..., chosen] = batch_irradiance
                 irradiance[:, batch] = near_and_far.max(2).reshape(2, -1, rows, columns)
 
-            parallel_map(fill, range(0, len(indices), step), len(indices) * len(chosen))
+            parallel_map(fill, range(0, len(indices), step), len(indices) * count)
         return list(irradiance)
 
     def bound_tiles(self, frame: Frame) -> SurfaceBounds:
@@ -177,22 +218,13 @@ class CullLights(Pass):
         near_and_far = np.array(texels).reshape(2, 3, -1, 4)
         return SurfaceBounds.of(*near_and_far.swapaxes(0, 1).reshape(3, -1, 4))
 
-    def probe_coarsely(self, frame: Frame, bounds: np.ndarray) -> dict[int, np.ndarray]:
-        """Coarse visibility (rows,columns) by light, if its bounds, of (L,rows,columns), are not 0 everywhere."""
+    def probe_coarsely(self, frame: Frame, lights: np.ndarray, bounds: np.ndarray) -> dict[int, np.ndarray]:
+        """Coarse visibility (rows,columns) by light, of those (K,) whose bounds (K,rows,columns) are not all 0."""
         casts_shadow, narrow = frame.scene.lights.casts_shadow & frame.traces_shadows, is_narrow(frame.scene.lights)
-        bounded = np.flatnonzero(bounds.any((1, 2)))
-        probed = bounded[casts_shadow[bounded]]
-        coarse_tiles = np.prod([-(-count // COARSE_TILE_SPACING) for count in frame.tiles])
-        if len(probed) > FEW_LIGHTS and coarse_tiles >= MANY_LIGHTS:
-            coarse = self.probe_rays(frame, probed, COARSE_TILE_SPACING)
-            is_lit = {light: rays.any() for light, rays in coarse.items()}
-            probed = np.array([k for k in probed if coarse[k][..., 0].any() or (narrow[k] and not is_lit[k])], int)
-        rays = self.probe_rays(frame, probed, FINE_TILE_SPACING)
-        unprobed = {
-            light: np.full(frame.tiles[::-1], 0.0 if casts_shadow[light] else 1.0, np.float32)
-            for light in bounded.tolist()
-        }
-        return unprobed | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
+        bounded = lights[bounds.any((1, 2))]
+        rays = self.probe_rays(frame, bounded[casts_shadow[bounded]], FINE_TILE_SPACING)
+        visible = {light: np.ones(frame.tiles[::-1], np.float32) for light in bounded[~casts_shadow[bounded]].tolist()}
+        return visible | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
 
     @staticmethod
     def per_tile(frame: Frame, values: np.ndarray) -> np.ndarray:
@@ -203,7 +235,7 @@ class CullLights(Pass):
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
         """By light, unoccluded and traced rays (H,W,2), one from every `spacing`-th tile in x and in y."""
         columns, rows = (-(-count // spacing) for count in frame.tiles)
-        probing, px = 0 if spacing == COARSE_TILE_SPACING else frame.sample + 1, spacing * TILE_SIZE
+        probing, px = 0 if spacing == BLOCK_SIDE else frame.sample + 1, spacing * TILE_SIZE
         blocks = light_blocks(lights, draw(Dimension.CULLING_POINT, light=lights, probing=probing))
         light_uv_steps = fixed_increments(Dimension.CULLING_POINT, "culling_tile")
         grid = ProbeGrid((columns, rows), px, (px // 2, px // 2), light_uv_steps)
@@ -214,51 +246,8 @@ class CullLights(Pass):
             texture = trace_blocks(frame, blocks[first : first + step], grid)
             self.device.wait()
             rays = pixels(texture)[: len(batch) * rows, :columns]
-            rays_by_light |= zip(batch, rays.reshape(len(batch), rows, columns, 2), strict=True)
+            rays_by_light |= zip(batch.tolist(), rays.reshape(len(batch), rows, columns, 2), strict=True)
         return rays_by_light
-
-
-def light_influences(state: CullingState) -> dict[int, LightInfluence]:
-    """By light, its influence on the tiles, for all lights that contribute to any tile."""
-    exists, influences = state.surfaces.exists.reshape(2, *state.irradiance.shape).any(0), {}
-    mean = max(float(state.irradiance[exists].mean()) if exists.any() else 0.0, FLOAT32_TINY)
-    local, culled = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean), np.zeros_like(state.irradiance)
-    bounds = with_edges(state.bounds, exists)
-    tile_irradiance, hidden = np.maximum(state.irradiance, mean), np.zeros_like(bounds, bool)
-    for light, visibility in state.coarse_visibility.items():
-        hidden[light] = visibility == 0.0
-    # Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
-    hidden_bound = np.maximum((bounds * hidden).sum(0), tile_irradiance)
-    for light in np.argsort(np.tensordot(bounds, 1.0 / tile_irradiance)):  # faintest first
-        bound = bounds[light]
-        culled += bound
-        contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
-        if contributes.any():
-            influences[int(light)] = LightInfluence(
-                contributes=contributes,
-                bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
-                relative_bound=np.minimum(bound / np.where(hidden[light], hidden_bound, tile_irradiance), 1.0),
-                bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
-                coarse_visibility=state.coarse_visibility.get(int(light), np.zeros_like(bound)),
-            )
-    return influences
-
-
-def with_edges(bounds: np.ndarray, exists: np.ndarray) -> np.ndarray:
-    """Bounds (L,rows,columns); in tiles without surfaces, the greatest of their neighbours.
-
-    In a later sample the edge of a neighbour's surface may be in such a tile.
-    """
-    row, column = np.nonzero(neighbourhood(exists).any((2, 3)) & ~exists)
-    if not len(row):
-        return bounds
-    rows, columns = (
-        np.clip(index + np.arange(-1, 2)[:, None], 0, size - 1)
-        for index, size in zip((row, column), exists.shape, strict=True)
-    )
-    filled = bounds.copy()
-    filled[:, row, column] = np.max([bounds[:, y, x] for y in rows for x in columns], 0)
-    return filled
 
 
 def without_culling(frame: Frame) -> dict[int, LightInfluence]:
@@ -274,8 +263,3 @@ def neighbourhood_visibility(rays: np.ndarray, narrow: bool) -> np.ndarray:
     """
     unoccluded, traced = (neighbourhood(count).sum((2, 3)) for count in np.moveaxis(rays, 2, 0))
     return np.where(narrow & (traced == 0.0), UNKNOWN_VISIBILITY, unoccluded / np.maximum(traced, 1.0))
-
-
-def neighbourhood(values: np.ndarray) -> np.ndarray:
-    """(H,W,3,3): 3×3 neighbourhoods of (H,W). Values at the border are repeated beyond it."""
-    return np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, mode="edge"), (3, 3))

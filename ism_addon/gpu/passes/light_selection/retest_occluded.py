@@ -5,13 +5,11 @@ Each sample tests a few pairs. The probability of a pair is proportional to the 
 cost no more than one. From the next doubling on, PredictVisibility and TraceShadows draw the lights that were visible.
 """
 
-import math
-from dataclasses import dataclass
-
 import moderngl
 import numpy as np
 
 from ....resources import (
+    HIDDEN_LIGHTS,
     LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
     PROBE_SPACING,
@@ -23,51 +21,36 @@ from ....resources import (
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
+from ...culling.hidden_lights import BLOCK_SIDE, blocks_of
 from ...culling.light_influence import visibilities
 from ...frame import Frame, Pass, Schedule, outputs
-from ...gl.render_targets import pixels
 from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, TILE
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
+from .retests import Candidates, Retest, columns_of
 
 #: Probability that a sample retests a light in a tile, if the light's bound equals the tile's irradiance. See `dev.py
 #: bench constants` in docs/benchmarks.md.
 RETEST_PROBABILITY = 0.25
 
 
-@dataclass(frozen=True)
-class Retest:
-    """The retests of one sample."""
-
-    tiles: np.ndarray  # rows of TILE: pairs of a tile and a light
-    rays: moderngl.Texture  # PROBE, see RetestOccluded.trace
-
-    def any_visible(self) -> np.ndarray:
-        """(N,) bool: whether any ray of a pair was unoccluded. Valid after Device.wait."""
-        side, columns = PROBES_PER_TILE_SIDE, columns_of(self.tiles)
-        rows = -(-len(self.tiles) // columns)
-        rays = pixels(self.rays)[: rows * side, : columns * side, 0] == 1.0
-        return rays.reshape(rows, side, columns, side).any((1, 3)).ravel()[: len(self.tiles)]
-
-
 class RetestOccluded(Pass):
     """Where lights are visible that had been believed occluded."""
 
-    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, Change.LIGHTS, Change.SAMPLE
+    inputs = (
+        *(*SURFACE, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, HIDDEN_LIGHTS, REDISCOVERED),
+        *(Change.LIGHTS, Change.SAMPLE),
+    )
     feedback = (TILE_VISIBILITY,)
-    outputs = outputs(RETESTS, RETEST_CANDIDATES, REDISCOVERED)
+    outputs = outputs(RETESTS, RETEST_CANDIDATES)
 
     def needed(self, frame: Frame) -> bool:
         return frame.casts_shadows and frame.sample > 0
 
     def execute(self, frame: Frame) -> None:
         doubling = Schedule.DOUBLING.is_due
-        if frame.sample == 1:
-            frame[REDISCOVERED] = {}
         if doubling(frame.sample) or doubling(frame.sample - 1):  # CullLights comes before, PredictVisibility after
             frame[RETEST_CANDIDATES] = self.candidates(frame)
-        if doubling(frame.sample):
-            frame[REDISCOVERED] = self.rediscovered(frame)
         tiles = self.pairs_to_retest(frame)
         frame.counts["retests"] += len(tiles) * PROBES_PER_TILE_SIDE**2
         earlier = () if doubling(frame.sample) or frame.sample == 1 else frame[RETESTS]
@@ -85,43 +68,41 @@ class RetestOccluded(Pass):
         return trace_blocks(frame, blocks, ProbeGrid(size, PROBE_SPACING, offset, light_uv_steps, columns_of(tiles)))
 
     @staticmethod
-    def candidates(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-        """Lights (N,) assumed occluded, and cumulative probabilities (N rows columns,) of their tiles."""
+    def candidates(frame: Frame) -> Candidates:
+        """The lights assumed occluded."""
         coarse = visibilities(frame[LIGHT_INFLUENCE], frame[REDISCOVERED])
+        hidden, relative_bounds = frame[HIDDEN_LIGHTS]
         probabilities = {}
         for light, influence in frame[LIGHT_INFLUENCE].items():
             if frame.scene.lights.casts_shadow[light]:
                 untraced = influence.is_faint | (light not in frame[TILE_VISIBILITY])
                 occluded = influence.contributes & (coarse[light] == 0.0) & untraced
-                probabilities[light] = RETEST_PROBABILITY * influence.relative_bound * occluded
-        return np.array(list(probabilities), int), np.cumsum(list(probabilities.values()), dtype=np.float64)
+                probabilities[light] = (RETEST_PROBABILITY * influence.relative_bound * occluded).ravel()
+        in_order = np.concatenate([*probabilities.values(), RETEST_PROBABILITY * relative_bounds.ravel()])
+        return Candidates(np.array(list(probabilities), int), hidden, np.cumsum(in_order, dtype=np.float64))
 
     @staticmethod
     def pairs_to_retest(frame: Frame) -> np.ndarray:
         """Rows of TILE: pairs of a light and a tile, drawn by their probabilities (systematic sampling)."""
-        lights, sums = frame[RETEST_CANDIDATES]
-        if not len(lights):
+        candidates, (columns, rows) = frame[RETEST_CANDIDATES], frame.tiles
+        sums, of_tiles = candidates.sums, len(candidates.lights) * rows * columns
+        if not len(sums):
             return np.zeros(0, TILE)
-        start = float(draw(Dimension.RETEST, sample=frame.sample)[0])
-        picks = np.searchsorted(sums, np.arange(start, sums[-1]), side="right")
-        light, row, column = np.unravel_index(picks, (len(lights), *frame.tiles[::-1]))
+        points = np.arange(float(draw(Dimension.RETEST, sample=frame.sample)[0]), sums[-1])
+        picks = np.searchsorted(sums, points, side="right")
+        in_tiles = picks < of_tiles
+        light, row, column = np.unravel_index(picks[in_tiles], (len(candidates.lights), rows, columns))
+        block_columns, block_rows = blocks_of(frame.tiles)
+        in_blocks = picks[~in_tiles]
+        hidden, block_row, block_column = np.unravel_index(
+            in_blocks - of_tiles, (len(candidates.hidden), block_rows, block_columns)
+        )
+        # Which tile of the block: by the position of the point between two sums.
+        start = np.where(in_blocks > 0, sums[in_blocks - 1], 0.0)
+        part = (points[~in_tiles] - start) / np.maximum(sums[in_blocks] - start, 1e-30)
+        in_row, in_column = np.divmod(np.minimum(part * BLOCK_SIDE**2, BLOCK_SIDE**2 - 1).astype(int), BLOCK_SIDE)
         tiles = np.zeros(len(picks), TILE)
-        tiles["tile"] = np.stack([column, row], 1)
-        tiles["light"] = lights[light]
+        tiles["tile"][:, 0] = np.concatenate([column, np.minimum(BLOCK_SIDE * block_column + in_column, columns - 1)])
+        tiles["tile"][:, 1] = np.concatenate([row, np.minimum(BLOCK_SIDE * block_row + in_row, rows - 1)])
+        tiles["light"] = np.concatenate([candidates.lights[light], candidates.hidden[hidden]])
         return tiles
-
-    def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
-        """By light, the tiles (rows,columns) bool where any retest since the last doubling was unoccluded."""
-        self.device.wait()
-        visible: dict[int, np.ndarray] = {}
-        for retest in frame[RETESTS]:
-            pairs = retest.tiles[retest.any_visible()]
-            for light in np.unique(pairs["light"]).astype(int):
-                column, row = pairs["tile"][pairs["light"] == light].astype(int).T
-                visible.setdefault(int(light), np.zeros(frame.tiles[::-1], bool))[row, column] = True
-        return visible
-
-
-def columns_of(tiles: np.ndarray) -> int:
-    """Number of columns in which the blocks of these tiles are laid out, as a square."""
-    return math.isqrt(len(tiles) - 1) + 1

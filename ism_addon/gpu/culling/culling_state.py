@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is known of the lights after some samples, and how much each can contribute to each tile."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .hidden_lights import HiddenLights, of_tiles, over_blocks
+from .light_influence import LightInfluence
+from .surface_bounds import SurfaceBounds
+
+# How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
+
+#: The culled lights of a tile together contribute at most this fraction of its irradiance.
+MAX_CULLED_FRACTION = 1e-3
+
+#: For culling, a tile's irradiance counts as at least this fraction of the picture's mean.
+MIN_RELATIVE_IRRADIANCE = 0.1
+
+#: A light is faint in a tile if its bound is at most this fraction of the tile's irradiance. It has one prediction per
+#: tile.
+FAINT_FRACTION = 0.01
+
+#: Bounds are clamped to this multiple of the picture's mean irradiance.
+MAX_BOUND_OVER_MEAN = 100.0
+
+FLOAT32_TINY = float(np.finfo(np.float32).tiny)
+
+
+@dataclass
+class CullingState:
+    """Bounds and visibility of lights, from all samples so far. Irradiance is a luminance, W/m²."""
+
+    surfaces: SurfaceBounds  # of the visible surfaces of each tile
+    lights: np.ndarray  # (K,) indices of those that are bounded in each tile
+    bounds: np.ndarray  # (K,rows,columns) float32: upper bounds of their irradiance
+    hidden: HiddenLights
+    coarse_visibility: dict[int, np.ndarray]  # (rows,columns) by light, of those that are bounded anywhere
+    irradiance: np.ndarray  # (rows,columns): estimated sum over all lights
+
+    @cached_property
+    def exists(self) -> np.ndarray:
+        """(rows,columns) bool: whether there are surfaces."""
+        near_and_far = self.surfaces.exists.reshape(2, *self.irradiance.shape)
+        return near_and_far[0] | near_and_far[1]
+
+    @cached_property
+    def mean(self) -> float:
+        """Of the irradiance."""
+        return max(float(self.irradiance[self.exists].mean()) if self.exists.any() else 0.0, FLOAT32_TINY)
+
+    @cached_property
+    def hidden_bound(self) -> np.ndarray:
+        """(rows,columns): bounds of all hidden lights together, or the tile's irradiance or the mean, if that is more.
+
+        Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
+        """
+        rows, columns = self.irradiance.shape
+        bound = of_tiles(self.hidden.bounds.sum(0), (columns, rows))
+        for light, light_bound in zip(self.lights.tolist(), self.bounds, strict=True):
+            if light in self.coarse_visibility:
+                bound = bound + light_bound * (self.coarse_visibility[light] == 0.0)
+        return np.maximum(bound, np.maximum(self.irradiance, self.mean))
+
+    def relative_bounds(self, function: np.ufunc) -> np.ndarray:
+        """(H,R,C): bounds of hidden lights over those of all, reduced over the tiles of each block."""
+        relative: np.ndarray = self.hidden.bounds * over_blocks(function, self.exists / self.hidden_bound)
+        return relative
+
+
+def light_influences(state: CullingState) -> dict[int, LightInfluence]:
+    """By light, its influence on the tiles, for all lights that contribute to any tile."""
+    influences, mean, culled = {}, state.mean, np.zeros_like(state.irradiance)
+    local = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean)
+    bounds, tile_irradiance = with_edges(state.bounds, state.exists), np.maximum(state.irradiance, mean)
+    for row in np.argsort(np.tensordot(bounds, 1.0 / tile_irradiance)):  # faintest first
+        light, bound = int(state.lights[row]), bounds[row]
+        culled += bound
+        contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
+        if contributes.any():
+            visibility = state.coarse_visibility.get(light, np.zeros_like(bound))
+            influences[light] = LightInfluence(
+                contributes=contributes,
+                bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
+                relative_bound=np.minimum(
+                    bound / np.where(visibility == 0.0, state.hidden_bound, tile_irradiance), 1.0
+                ),
+                bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
+                coarse_visibility=visibility,
+            )
+    return influences
+
+
+def with_edges(bounds: np.ndarray, exists: np.ndarray) -> np.ndarray:
+    """Bounds (L,rows,columns); in tiles without surfaces, the greatest of their neighbours.
+
+    In a later sample the edge of a neighbour's surface may be in such a tile.
+    """
+    row, column = np.nonzero(neighbourhood(exists).any((2, 3)) & ~exists)
+    if not len(row):
+        return bounds
+    rows, columns = (
+        np.clip(index + np.arange(-1, 2)[:, None], 0, size - 1)
+        for index, size in zip((row, column), exists.shape, strict=True)
+    )
+    filled = bounds.copy()
+    filled[:, row, column] = np.max([bounds[:, y, x] for y in rows for x in columns], 0)
+    return filled
+
+
+def neighbourhood(values: np.ndarray) -> np.ndarray:
+    """(H,W,3,3): 3×3 neighbourhoods of (H,W). Values at the border are repeated beyond it."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, mode="edge"), (3, 3))
