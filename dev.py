@@ -62,8 +62,8 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
         if not default.has_processes:  # mypy would look for packages in the folder of Blender's own
             checks = {name: command for name, command in checks.items() if name != "mypy"}
         checking = {name: pool.submit(default.run, *command) for name, command in checks.items()}
-        results = run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
-        results |= {name: check.result() for name, check in checking.items()}
+        tested = run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
+        results = {name: check.result() for name, check in checking.items()} | tested
         for other in prepared if everything else ():
             results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
     if everything and not chosen:

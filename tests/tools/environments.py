@@ -108,7 +108,7 @@ def _set_up(folder: Path, *requirements: str) -> Path:
     checksum = hashlib.sha256("\n".join([str(folder), sys.version, *requirements]).encode()).hexdigest()
     if not stamp.exists() or stamp.read_text() != checksum:
         print(f"setting up {folder.relative_to(project.ROOT)}", flush=True)
-        venv.create(folder, clear=True, with_pip=True)
+        venv.create(folder, clear=True)
         pip.install_pinned(python)
         pip.install(python, *requirements)
         stamp.write_text(checksum)

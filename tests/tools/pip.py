@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs pip with short output: a line for each large download, with its progress if the output is a terminal."""
 
+import os
 import re
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 from . import project
@@ -14,11 +16,24 @@ PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 
 
 def install_pinned(python: Path) -> None:
-    """Install the pip for that interpreter whose output `run` can parse."""
-    command = [str(python), "-m", "pip", "--disable-pip-version-check", "install", f"pip=={project.PIP}"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    """Install the pip for that interpreter whose output `run` can parse. It needs no pip yet.
+
+    It is installed by the one that Python has for new environments, from its wheel: to unpack that first takes as long.
+    """
+    arguments = "--disable-pip-version-check", "install", "--no-compile", f"pip=={project.PIP}"
+    environment = {**os.environ, "PYTHONPATH": str(bundled_wheel())}
+    done = subprocess.run([python, "-m", "pip", *arguments], capture_output=True, text=True, env=environment)
     if done.returncode:
         sys.exit(f"pip {project.PIP} could not be installed:\n{done.stderr}")
+
+
+def bundled_wheel() -> Path:
+    """The wheel of the pip that Python has for new environments. Exits if there is none."""
+    import ensurepip  # Debian has it in a package of its own, which dev.py installs if it is missing
+
+    folders = [Path(ensurepip.__file__).with_name("_bundled"), Path(sysconfig.get_config_var("WHEEL_PKG_DIR") or ".")]
+    wheels = [wheel for folder in folders for wheel in folder.glob("pip-*.whl")]
+    return wheels[0] if wheels else sys.exit("Python's own pip is missing: its package ensurepip has no wheel of it.")
 
 
 def install(python: Path, *arguments: str) -> None:
