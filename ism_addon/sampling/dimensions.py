@@ -116,9 +116,14 @@ def increments_of(dimension: Dimension) -> dict[str, np.ndarray]:
     return {index: np.array(increments, np.float64) for index, increments in dimension.value.items()}
 
 
+def fixed_points(numbers: np.ndarray) -> np.ndarray:
+    """(…,) uint32: numbers (…,) in [0,1) in 32-bit fixed point. Sums wrap around as intended, and keep all digits."""
+    return (np.rint(numbers * 2.0**32) % 2.0**32).astype(np.uint32)
+
+
 def fixed_point(numbers: Iterable[float]) -> tuple[int, ...]:
-    """Numbers in [0,1) as 32-bit fixed point: sums wrap around as intended, and do not lose precision."""
-    return tuple(round(number * 2**32) % 2**32 for number in numbers)
+    """The same for a few numbers, as a uniform."""
+    return tuple(fixed_points(np.array([*numbers])).tolist())
 
 
 def fixed_increments(dimension: Dimension, index: str) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ ADDON = project.ROOT / "ism_addon"
 OTHERS = [path for path in sorted(ADDON.rglob("*.py")) if path.parent.name != "sampling"]
 SHADERS = [path for path in sorted(ADDON.rglob("*")) if path.suffix in {".frag", ".vert", ".glsl"}]
 #: All that the rest of the package may import for random numbers: they all come from a dimension.
-PUBLIC = {"Dimension", "draw", "fixed_increments", "fixed_point", "white_noise"}
+PUBLIC = {"Dimension", "draw", "fixed_increments", "fixed_point", "fixed_points", "white_noise"}
 
 #: (dimension, index, component) of each increment.
 INCREMENTS = {

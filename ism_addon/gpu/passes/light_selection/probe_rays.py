@@ -4,7 +4,7 @@
 Each texel of a target stands for a ray. Texels lie in blocks, and all rays of a block go to one light.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 
 from ....resources import LIGHT_BUFFERS, PROBE, TLAS
-from ....sampling.dimensions import fixed_point
+from ....sampling.dimensions import fixed_points
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
@@ -30,11 +30,11 @@ RECORDS = *LIGHT_RECORDS, CASTER, MEMBERSHIP, PROBE_BLOCK
 NO_LIGHT = -1
 
 
-def light_blocks(lights: Iterable[int], light_uvs: np.ndarray) -> np.ndarray:
+def light_blocks(lights: Sequence[int] | np.ndarray, light_uvs: np.ndarray) -> np.ndarray:
     """Rows of PROBE_BLOCK for lights (L,), with light_uvs (L,2) in [0,1). Blocks begin at the picture's first texel."""
     rows = np.zeros(len(light_uvs), PROBE_BLOCK.dtype)
-    rows["light"] = list(lights)
-    rows["light_uv"] = np.reshape([fixed_point(light_uv) for light_uv in light_uvs], (-1, 2))
+    rows["light"] = lights
+    rows["light_uv"] = fixed_points(light_uvs)
     return rows
 
 
