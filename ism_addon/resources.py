@@ -139,7 +139,7 @@ LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
 )
 HIDDEN_LIGHTS: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
     "hidden_lights",
-    "Lights (H,) that no ray has reached; (H,R,C) bounds over those of all, summed over the tiles of each block",
+    "Lights (H,) that no ray has reached; (H,R,C) bounds over those of all, summed over each coarse tile",
     _PICTURE,
 )
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .hidden_lights import HiddenLights, of_tiles, over_blocks
+from .hidden_lights import HiddenLights, of_tiles, over_coarse_tiles
 from .light_influence import LightInfluence
 from .surface_bounds import SurfaceBounds
 
@@ -64,8 +64,8 @@ class CullingState:
         return np.maximum(bound, np.maximum(self.irradiance, self.mean))
 
     def relative_bounds(self, function: np.ufunc) -> np.ndarray:
-        """(H,R,C): bounds of hidden lights over those of all, reduced over the tiles of each block."""
-        relative: np.ndarray = self.hidden.bounds * over_blocks(function, self.exists / self.hidden_bound)
+        """(H,R,C): bounds of hidden lights over those of all, reduced over each coarse tile."""
+        relative: np.ndarray = self.hidden.bounds * over_coarse_tiles(function, self.exists / self.hidden_bound)
         return relative
 
 

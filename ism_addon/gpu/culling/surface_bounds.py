@@ -52,8 +52,8 @@ class SurfaceBounds:
 
     def half_angle_around(self, other: Self) -> np.ndarray:
         """(N,) rad: half angles, up to pi, of cones around these axes that contain the other's cones."""
-        between = np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0))
-        return np.minimum(between + other.half_angle, np.float32(np.pi))
+        angle_between = np.arccos(np.clip((self.axis * other.axis).sum(0), -1.0, 1.0))
+        return np.minimum(angle_between + other.half_angle, np.float32(np.pi))
 
     def contains(self, other: Self) -> np.ndarray:
         """(N,) bool: whether these bounds contain the other's."""

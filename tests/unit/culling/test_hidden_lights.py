@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks of tiles: their bounds contain those of their tiles."""
+"""Coarse tiles: their bounds contain those of their tiles."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ism_addon.gpu.culling.hidden_lights import BLOCK_SIDE, blocks_of, of_tiles, over_blocks, surfaces_of_blocks
+from ism_addon.gpu.culling.hidden_lights import (
+    COARSE_SIDE,
+    coarse_tiles_of,
+    of_tiles,
+    over_coarse_tiles,
+    surfaces_of_coarse_tiles,
+)
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 
 TILES = [(1, 1), (4, 4), (9, 6), (5, 13)]
 
 
 @pytest.mark.parametrize("tiles", TILES, ids=str)
-def test_surfaces_of_blocks_contain_those_of_their_tiles(tiles):
+def test_surfaces_of_coarse_tiles_contain_those_of_their_tiles(tiles):
     columns, rows = tiles
     random, count = np.random.default_rng(columns), 2 * columns * rows
     low = random.normal(size=(3, count)).astype(np.float32)
@@ -25,23 +31,23 @@ def test_surfaces_of_blocks_contain_those_of_their_tiles(tiles):
         axis / np.linalg.norm(axis, axis=0),
         0.5 * random.random(count, np.float32),
     )
-    blocks = surfaces_of_blocks(surfaces, tiles)
-    block_columns, block_rows = blocks_of(tiles)
-    row, column = np.indices((rows, columns)) // BLOCK_SIDE
-    own = (row * block_columns + column).ravel()
-    own = np.concatenate([own, block_columns * block_rows + own])
-    assert len(blocks.exists) == 2 * block_columns * block_rows
-    wider = replace(blocks, half_angle=blocks.half_angle + np.float32(1e-3))  # the arccos of 1 - 1e-7 is 5e-4
+    coarse = surfaces_of_coarse_tiles(surfaces, tiles)
+    coarse_columns, coarse_rows = coarse_tiles_of(tiles)
+    row, column = np.indices((rows, columns)) // COARSE_SIDE
+    own = (row * coarse_columns + column).ravel()
+    own = np.concatenate([own, coarse_columns * coarse_rows + own])
+    assert len(coarse.exists) == 2 * coarse_columns * coarse_rows
+    wider = replace(coarse, half_angle=coarse.half_angle + np.float32(1e-3))  # the arccos of 1 - 1e-7 is 5e-4
     assert wider.select(own).contains(surfaces).all()
-    for block in range(len(blocks.exists)):
-        assert blocks.exists[block] == surfaces.exists[own == block].any()
+    for tile in range(len(coarse.exists)):
+        assert coarse.exists[tile] == surfaces.exists[own == tile].any()
 
 
 @pytest.mark.parametrize("tiles", TILES, ids=str)
-def test_values_of_blocks_and_of_their_tiles(tiles):
+def test_values_of_coarse_tiles_and_of_their_tiles(tiles):
     values = np.random.default_rng(0).random(tiles[::-1])
-    sums, greatest = over_blocks(np.add, values), over_blocks(np.maximum, values)
-    assert sums.shape == greatest.shape == blocks_of(tiles)[::-1]
+    sums, greatest = over_coarse_tiles(np.add, values), over_coarse_tiles(np.maximum, values)
+    assert sums.shape == greatest.shape == coarse_tiles_of(tiles)[::-1]
     assert sums.sum() == pytest.approx(values.sum())
     assert (of_tiles(greatest, tiles) >= values).all()
     assert greatest.max() == values.max()

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.gpu.culling import culling_state
-from ism_addon.gpu.culling.hidden_lights import BLOCK_SIDE
+from ism_addon.gpu.culling.hidden_lights import COARSE_SIDE
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.area import AreaLightBounds
 from ism_addon.gpu.passes.light_selection import cull_lights
@@ -105,7 +105,7 @@ def test_idle_lights_take_no_work_and_change_nothing(device, why):
         assert not any(each.coarse_visibility.any() for light, each in influences.items() if light >= 5)
 
 
-def test_many_lights_that_no_ray_reaches_are_bounded_in_blocks_only(device, monkeypatch):
+def test_many_lights_that_no_ray_reaches_are_bounded_in_coarse_tiles_only(device, monkeypatch):
     """They change nothing, but some of them are retested."""
     monkeypatch.setattr(cull_lights, "MANY_LIGHTS", 0)
     alone, drawn = drawn_rooms(device, {}), drawn_rooms(device, {"hidden": 40})
@@ -114,7 +114,7 @@ def test_many_lights_that_no_ray_reaches_are_bounded_in_blocks_only(device, monk
     influences, (hidden, relative_bounds) = (drawn.renderer.graph[name] for name in (LIGHT_INFLUENCE, HIDDEN_LIGHTS))
     assert set(range(5)) <= set(influences) and len(influences) < 15
     assert len(hidden) > 30 and not set(influences) & set(hidden)
-    assert 0.0 < relative_bounds.sum(0).max() <= BLOCK_SIDE**2 * (1.0 + ROUNDING), "together they count as one light"
+    assert 0.0 < relative_bounds.sum(0).max() <= COARSE_SIDE**2 * (1.0 + ROUNDING), "together they count as one light"
     assert drawn.profile.counts["retests"] > 0
 
 

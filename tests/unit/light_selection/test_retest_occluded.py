@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.culling.hidden_lights import BLOCK_SIDE, blocks_of
+from ism_addon.gpu.culling.hidden_lights import COARSE_SIDE, coarse_tiles_of
 from ism_addon.gpu.passes.light_selection.retest_occluded import RetestOccluded
 from ism_addon.gpu.passes.light_selection.retests import Candidates
 from ism_addon.resources import REDISCOVERED
@@ -57,12 +57,12 @@ def test_a_light_is_rediscovered_in_the_tiles_that_it_reaches(device, all_believ
     assert drawn.profile.counts["retests"] == 4 * tiles.size * 16, "in four samples, 16 rays a tile"
 
 
-def test_hidden_lights_are_retested_in_all_tiles_of_their_blocks(device, monkeypatch):
-    """Twenty-five blocks of up to sixteen tiles: a light that no ray can reach, and one that any ray reaches."""
+def test_hidden_lights_are_retested_in_all_of_their_coarse_tiles(device, monkeypatch):
+    """Twenty-five coarse tiles of up to sixteen tiles: a light that no ray can reach, and one that any ray reaches."""
 
     def candidates(frame) -> Candidates:
-        columns, rows = blocks_of(frame.tiles)
-        return Candidates(np.zeros(0, int), np.arange(2), np.cumsum(np.full(2 * columns * rows, BLOCK_SIDE**2)))
+        columns, rows = coarse_tiles_of(frame.tiles)
+        return Candidates(np.zeros(0, int), np.arange(2), np.cumsum(np.full(2 * columns * rows, COARSE_SIDE**2)))
 
     monkeypatch.setattr(RetestOccluded, "candidates", staticmethod(candidates))
     scene = make_scene([FLOOR, PLATE], join_lights(light(), light(position=(0, 0, 4))))

@@ -41,10 +41,10 @@ from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...culling.culling_state import CullingState, light_influences, neighbourhood
 from ...culling.hidden_lights import (
-    BLOCK_SIDE,
+    COARSE_SIDE,
     HiddenLights,
-    blocks_of,
-    surfaces_of_blocks,
+    coarse_tiles_of,
+    surfaces_of_coarse_tiles,
 )
 from ...culling.light_influence import STRONG_FRACTION, UNKNOWN_VISIBILITY, LightInfluence
 from ...culling.receiver_region import ReceiverRegion
@@ -62,7 +62,7 @@ from .retests import visible_tiles
 DEPTH_SPLIT_RATIO = 1.1
 
 #: Coarse shadow rays start in every FINE_TILE_SPACING-th tile, in x and in y. More than FEW_LIGHTS lights are first
-#: tested by a ray from each block of tiles, if there are at least MANY_LIGHTS blocks: in a small picture, so few rays
+#: tested by a ray from each coarse tile, if there are at least MANY_LIGHTS of these: in a small picture, so few rays
 #: would miss visible lights.
 FINE_TILE_SPACING = 2
 FEW_LIGHTS = 16
@@ -122,8 +122,8 @@ class CullLights(Pass):
         """The state after the first sample."""
         surfaces, lights = self.bound_tiles(frame), np.arange(len(frame.scene.lights.shape))
         hidden = HiddenLights.none(frame.tiles)
-        if len(lights) > FEW_LIGHTS and frame.traces_shadows and math.prod(blocks_of(frame.tiles)) >= MANY_LIGHTS:
-            lights, hidden = self.bound_in_blocks(frame, surfaces)
+        if len(lights) > FEW_LIGHTS and frame.traces_shadows and math.prod(coarse_tiles_of(frame.tiles)) >= MANY_LIGHTS:
+            lights, hidden = self.bound_coarsely(frame, surfaces)
         bounds, estimates = self.irradiance(frame, lights, surfaces, surfaces.exists)
         visibility = self.probe_coarsely(frame, lights, bounds)
         rows = np.flatnonzero(np.isin(lights, list(visibility)))
@@ -133,16 +133,16 @@ class CullLights(Pass):
         strong = state.relative_bounds(np.maximum) >= STRONG_FRACTION
         return self.bounded_in_tiles(frame, state, strong.any((1, 2)), {})
 
-    def bound_in_blocks(self, frame: Frame, surfaces: SurfaceBounds) -> tuple[np.ndarray, HiddenLights]:
-        """Lights (K,) that a ray from any block reaches, or that cast no shadows; and the hidden ones."""
-        blocks, narrow = surfaces_of_blocks(surfaces, frame.tiles), is_narrow(frame.scene.lights)
+    def bound_coarsely(self, frame: Frame, surfaces: SurfaceBounds) -> tuple[np.ndarray, HiddenLights]:
+        """Lights (K,) that a ray from any coarse tile reaches, or that cast no shadows; and the hidden ones."""
+        coarse, narrow = surfaces_of_coarse_tiles(surfaces, frame.tiles), is_narrow(frame.scene.lights)
         all_lights = np.arange(len(frame.scene.lights.shape))
-        bounds, _ = self.irradiance(frame, all_lights, blocks, blocks.exists, BLOCK_SIDE)
+        bounds, _ = self.irradiance(frame, all_lights, coarse, coarse.exists, COARSE_SIDE)
         bounded = np.flatnonzero(bounds.any((1, 2)))
         probed = bounded[frame.scene.lights.casts_shadow[bounded]]
         if len(probed) <= FEW_LIGHTS:
             return bounded, HiddenLights.none(frame.tiles)
-        rays = self.probe_rays(frame, probed, BLOCK_SIDE)
+        rays = self.probe_rays(frame, probed, COARSE_SIDE)
         hidden = [light for light in rays if not rays[light][..., 0].any() and (rays[light].any() or not narrow[light])]
         return np.setdiff1d(bounded, hidden), HiddenLights(np.array(hidden, int), bounds[hidden])
 
@@ -174,14 +174,14 @@ class CullLights(Pass):
         bounds = np.maximum(state.bounds, self.irradiance(frame, state.lights, surfaces, grown)[0])
         hidden = state.hidden
         if len(hidden.lights):
-            blocks, old_blocks = (surfaces_of_blocks(each, frame.tiles) for each in (surfaces, state.surfaces))
-            grown_bounds, _ = self.irradiance(frame, hidden.lights, blocks, ~old_blocks.contains(blocks), BLOCK_SIDE)
+            coarse, old = (surfaces_of_coarse_tiles(each, frame.tiles) for each in (surfaces, state.surfaces))
+            grown_bounds, _ = self.irradiance(frame, hidden.lights, coarse, ~old.contains(coarse), COARSE_SIDE)
             hidden = HiddenLights(hidden.lights, np.maximum(hidden.bounds, grown_bounds))
         state = CullingState(surfaces, state.lights, bounds, hidden, visibility, state.irradiance)
         state = self.bounded_in_tiles(frame, state, np.isin(hidden.lights, list(rediscovered)), rediscovered)
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
-            coarse = neighbourhood_visibility(rays, narrow[light])
-            state.coarse_visibility[light] = np.maximum(state.coarse_visibility[light], self.per_tile(frame, coarse))
+            found = self.per_tile(frame, neighbourhood_visibility(rays, narrow[light]))
+            state.coarse_visibility[light] = np.maximum(state.coarse_visibility[light], found)
         return state
 
     def irradiance(
@@ -189,7 +189,7 @@ class CullLights(Pass):
     ) -> list[np.ndarray]:
         """Bounds and estimates (K,rows,columns) of lights' (K,) irradiance on surfaces: see LightBounds.
 
-        0 where not chosen, bool. With another `side` than 1, of blocks of side×side tiles.
+        0 where not chosen, bool. With another `side` than 1, of coarse tiles of side×side tiles.
         """
         columns, rows = (-(-count // side) for count in frame.tiles)
         chosen_surfaces, count = surfaces.select(chosen), int(chosen.sum())
@@ -235,7 +235,7 @@ class CullLights(Pass):
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
         """By light, unoccluded and traced rays (H,W,2), one from every `spacing`-th tile in x and in y."""
         columns, rows = (-(-count // spacing) for count in frame.tiles)
-        probing, px = 0 if spacing == BLOCK_SIDE else frame.sample + 1, spacing * TILE_SIZE
+        probing, px = 0 if spacing == COARSE_SIDE else frame.sample + 1, spacing * TILE_SIZE
         blocks = light_blocks(lights, draw(Dimension.CULLING_POINT, light=lights, probing=probing))
         light_uv_steps = fixed_increments(Dimension.CULLING_POINT, "culling_tile")
         grid = ProbeGrid((columns, rows), px, (px // 2, px // 2), light_uv_steps)

@@ -21,7 +21,7 @@ from ....resources import (
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
-from ...culling.hidden_lights import BLOCK_SIDE, blocks_of
+from ...culling.hidden_lights import COARSE_SIDE, coarse_tiles_of
 from ...culling.light_influence import visibilities
 from ...frame import Frame, Pass, Schedule, outputs
 from ...surface_inputs import SURFACE
@@ -92,17 +92,17 @@ class RetestOccluded(Pass):
         picks = np.searchsorted(sums, points, side="right")
         in_tiles = picks < of_tiles
         light, row, column = np.unravel_index(picks[in_tiles], (len(candidates.lights), rows, columns))
-        block_columns, block_rows = blocks_of(frame.tiles)
-        in_blocks = picks[~in_tiles]
-        hidden, block_row, block_column = np.unravel_index(
-            in_blocks - of_tiles, (len(candidates.hidden), block_rows, block_columns)
+        coarse_columns, coarse_rows = coarse_tiles_of(frame.tiles)
+        of_coarse = picks[~in_tiles]
+        hidden, coarse_row, coarse_column = np.unravel_index(
+            of_coarse - of_tiles, (len(candidates.hidden), coarse_rows, coarse_columns)
         )
-        # Which tile of the block: by the position of the point between two sums.
-        start = np.where(in_blocks > 0, sums[in_blocks - 1], 0.0)
-        part = (points[~in_tiles] - start) / np.maximum(sums[in_blocks] - start, 1e-30)
-        in_row, in_column = np.divmod(np.minimum(part * BLOCK_SIDE**2, BLOCK_SIDE**2 - 1).astype(int), BLOCK_SIDE)
+        # Which tile of the coarse tile: by the position of the point between two sums.
+        start = np.where(of_coarse > 0, sums[of_coarse - 1], 0.0)
+        part = (points[~in_tiles] - start) / np.maximum(sums[of_coarse] - start, 1e-30)
+        in_row, in_column = np.divmod(np.minimum(part * COARSE_SIDE**2, COARSE_SIDE**2 - 1).astype(int), COARSE_SIDE)
         tiles = np.zeros(len(picks), TILE)
-        tiles["tile"][:, 0] = np.concatenate([column, np.minimum(BLOCK_SIDE * block_column + in_column, columns - 1)])
-        tiles["tile"][:, 1] = np.concatenate([row, np.minimum(BLOCK_SIDE * block_row + in_row, rows - 1)])
+        tiles["tile"][:, 0] = np.concatenate([column, np.minimum(COARSE_SIDE * coarse_column + in_column, columns - 1)])
+        tiles["tile"][:, 1] = np.concatenate([row, np.minimum(COARSE_SIDE * coarse_row + in_row, rows - 1)])
         tiles["light"] = np.concatenate([candidates.lights[light], candidates.hidden[hidden]])
         return tiles

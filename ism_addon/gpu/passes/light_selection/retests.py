@@ -32,8 +32,8 @@ class Candidates:
     """Lights that are assumed occluded, and the probabilities of their retests."""
 
     lights: np.ndarray  # (N,) int: in some tiles
-    hidden: np.ndarray  # (H,) int: in all tiles; these are retested somewhere in a block of R × C
-    sums: np.ndarray  # (N rows columns + H R C,): cumulative, of tiles and then of blocks
+    hidden: np.ndarray  # (H,) int: in all tiles; these are retested somewhere in one of R × C coarse tiles
+    sums: np.ndarray  # (N rows columns + H R C,): cumulative, of tiles and then of coarse tiles
 
 
 def visible_tiles(retests: Iterable[Retest], tiles: tuple[int, int]) -> dict[int, np.ndarray]:
