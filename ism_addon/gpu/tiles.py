@@ -39,3 +39,8 @@ def from_strips(texels: np.ndarray, tiles: tuple[int, int]) -> np.ndarray:
     """(rows,columns,N) from the texels (H,W,N) of a target in strips, for columns × rows tiles."""
     columns, rows = tiles
     return texels.reshape(-1, texels.shape[2])[: columns * rows].reshape(rows, columns, -1)
+
+
+def repeated(values: np.ndarray, side: int, tiles: tuple[int, int]) -> np.ndarray:
+    """(rows,columns): values (R,C) of squares of side×side tiles, for each of columns × rows tiles."""
+    return values.repeat(side, 0).repeat(side, 1)[: tiles[1], : tiles[0]]

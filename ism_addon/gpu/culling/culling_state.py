@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .hidden_lights import HiddenLights, of_tiles, over_coarse_tiles
+from ..tiles import repeated
+from .hidden_lights import COARSE_SIDE, HiddenLights, over_coarse_tiles
 from .light_influence import LightInfluence
 from .surface_bounds import SurfaceBounds
 
@@ -57,7 +58,7 @@ class CullingState:
         Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
         """
         rows, columns = self.irradiance.shape
-        bound = of_tiles(self.hidden.bounds.sum(0), (columns, rows))
+        bound = repeated(self.hidden.bounds.sum(0), COARSE_SIDE, (columns, rows))
         for light, light_bound in zip(self.lights.tolist(), self.bounds, strict=True):
             if light in self.coarse_visibility:
                 bound = bound + light_bound * (self.coarse_visibility[light] == 0.0)

@@ -31,11 +31,6 @@ def surfaces_of_coarse_tiles(surfaces: SurfaceBounds, tiles: tuple[int, int]) ->
     return coarse
 
 
-def of_tiles(values: np.ndarray, tiles: tuple[int, int]) -> np.ndarray:
-    """(rows,columns): the values (R,C) of the coarse tiles that columns × rows tiles lie in."""
-    return values.repeat(COARSE_SIDE, 0).repeat(COARSE_SIDE, 1)[: tiles[1], : tiles[0]]
-
-
 def over_coarse_tiles(function: np.ufunc, values: np.ndarray) -> np.ndarray:
     """(R,C): values (rows,columns) of tiles reduced over their coarse tiles, by np.add or np.maximum."""
     rows, columns = (range(0, count, COARSE_SIDE) for count in values.shape)

@@ -9,11 +9,11 @@ import pytest
 from ism_addon.gpu.culling.hidden_lights import (
     COARSE_SIDE,
     coarse_tiles_of,
-    of_tiles,
     over_coarse_tiles,
     surfaces_of_coarse_tiles,
 )
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
+from ism_addon.gpu.tiles import repeated
 
 TILES = [(1, 1), (4, 4), (9, 6), (5, 13)]
 
@@ -49,5 +49,5 @@ def test_values_of_coarse_tiles_and_of_their_tiles(tiles):
     sums, greatest = over_coarse_tiles(np.add, values), over_coarse_tiles(np.maximum, values)
     assert sums.shape == greatest.shape == coarse_tiles_of(tiles)[::-1]
     assert sums.sum() == pytest.approx(values.sum())
-    assert (of_tiles(greatest, tiles) >= values).all()
+    assert (repeated(greatest, COARSE_SIDE, tiles) >= values).all()
     assert greatest.max() == values.max()

@@ -54,7 +54,7 @@ from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import pixels
 from ...lights import LightBounds, bounds_with_falloff, by_type, is_narrow
 from ...surface_inputs import SURFACE
-from ...tiles import from_strips
+from ...tiles import from_strips, repeated
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 from .retests import visible_tiles
 
@@ -115,8 +115,10 @@ class CullLights(Pass):
 
     def rediscovered(self, frame: Frame) -> dict[int, np.ndarray]:
         """By light, the tiles (rows,columns) bool where any retest since the last doubling was unoccluded."""
-        self.device.wait()
-        return visible_tiles(frame.get(RETESTS) or (), frame.tiles)
+        retests = frame.get(RETESTS) or ()
+        if retests:
+            self.device.wait()
+        return visible_tiles(retests, frame.tiles)
 
     def first_state(self, frame: Frame) -> CullingState:
         """The state after the first sample."""
@@ -180,7 +182,7 @@ class CullLights(Pass):
         state = CullingState(surfaces, state.lights, bounds, hidden, visibility, state.irradiance)
         state = self.bounded_in_tiles(frame, state, np.isin(hidden.lights, list(rediscovered)), rediscovered)
         for light, rays in self.probe_rays(frame, np.array(list(rediscovered), int), FINE_TILE_SPACING).items():
-            found = self.per_tile(frame, neighbourhood_visibility(rays, narrow[light]))
+            found = repeated(neighbourhood_visibility(rays, narrow[light]), FINE_TILE_SPACING, frame.tiles)
             state.coarse_visibility[light] = np.maximum(state.coarse_visibility[light], found)
         return state
 
@@ -224,13 +226,8 @@ class CullLights(Pass):
         bounded = lights[bounds.any((1, 2))]
         rays = self.probe_rays(frame, bounded[casts_shadow[bounded]], FINE_TILE_SPACING)
         visible = {light: np.ones(frame.tiles[::-1], np.float32) for light in bounded[~casts_shadow[bounded]].tolist()}
-        return visible | {k: self.per_tile(frame, neighbourhood_visibility(rays[k], narrow[k])) for k in rays}
-
-    @staticmethod
-    def per_tile(frame: Frame, values: np.ndarray) -> np.ndarray:
-        """Values of every FINE_TILE_SPACING-th tile, repeated to all tiles (rows,columns)."""
-        columns, rows = frame.tiles
-        return values.repeat(FINE_TILE_SPACING, 0).repeat(FINE_TILE_SPACING, 1)[:rows, :columns]
+        coarse = {light: neighbourhood_visibility(rays[light], narrow[light]) for light in rays}
+        return visible | {k: repeated(coarse[k], FINE_TILE_SPACING, frame.tiles) for k in coarse}
 
     def probe_rays(self, frame: Frame, lights: np.ndarray, spacing: int) -> dict[int, np.ndarray]:
         """By light, unoccluded and traced rays (H,W,2), one from every `spacing`-th tile in x and in y."""

@@ -85,17 +85,17 @@ class RetestOccluded(Pass):
     def pairs_to_retest(frame: Frame) -> np.ndarray:
         """Rows of TILE: pairs of a light and a tile, drawn by their probabilities (systematic sampling)."""
         candidates, (columns, rows) = frame[RETEST_CANDIDATES], frame.tiles
-        sums, of_tiles = candidates.sums, len(candidates.lights) * rows * columns
+        sums, tile_sums = candidates.sums, len(candidates.lights) * rows * columns
         if not len(sums):
             return np.zeros(0, TILE)
         points = np.arange(float(draw(Dimension.RETEST, sample=frame.sample)[0]), sums[-1])
         picks = np.searchsorted(sums, points, side="right")
-        in_tiles = picks < of_tiles
+        in_tiles = picks < tile_sums
         light, row, column = np.unravel_index(picks[in_tiles], (len(candidates.lights), rows, columns))
         coarse_columns, coarse_rows = coarse_tiles_of(frame.tiles)
         of_coarse = picks[~in_tiles]
         hidden, coarse_row, coarse_column = np.unravel_index(
-            of_coarse - of_tiles, (len(candidates.hidden), coarse_rows, coarse_columns)
+            of_coarse - tile_sums, (len(candidates.hidden), coarse_rows, coarse_columns)
         )
         # Which tile of the coarse tile: by the position of the point between two sums.
         start = np.where(of_coarse > 0, sums[of_coarse - 1], 0.0)
