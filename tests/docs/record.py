@@ -44,7 +44,7 @@ def origin(name: str, opengl: str) -> dict[str, object]:
     """The date, the command, the commit, the machine and the versions."""
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": shlex.join(["python3", "dev.py", "bench", name, *without_output(sys.argv[1:])]),
+        "command": shlex.join(["python3", "dev.py", "bench", name, *arguments(sys.argv[1:])]),
         "commit": project.commit(),
         "machine": {
             "system": platform.system(),
@@ -62,12 +62,12 @@ def blender_version() -> dict[str, str]:
     return {"blender": sys.modules["bpy"].app.version_string} if "bpy" in sys.modules else {}
 
 
-def without_output(arguments: list[str]) -> list[str]:
-    """A benchmark's arguments without the folder of its record."""
-    if "--output" not in arguments:
-        return arguments
-    index = arguments.index("--output")
-    return arguments[:index] + arguments[index + 2 :]
+def arguments(given: list[str]) -> list[str]:
+    """A benchmark's arguments, files by their names alone, without the folder of its record."""
+    if "--output" in given:
+        index = given.index("--output")
+        given = given[:index] + given[index + 2 :]
+    return [Path(each).name if Path(each).is_file() else each for each in given]
 
 
 def processor() -> str:

@@ -2,6 +2,7 @@
 """Requests to the render thread, and functions that wait for their results."""
 
 import time
+from collections.abc import Callable
 
 from ism_addon.gpu.jobs.job import Job, Request
 from ism_addon.render_passes import RENDER_PASSES
@@ -22,6 +23,14 @@ def wait_for_end(job: Job, limit: float = 30.0) -> bool:
     while not job.finished and time.monotonic() < deadline:
         job.wait(0.5)
     return job.finished
+
+
+def wait_until(happened: Callable[[], bool], limit: float = 30.0) -> bool:
+    """Wait up to `limit` s. Returns whether it happened."""
+    deadline = time.monotonic() + limit
+    while not happened() and time.monotonic() < deadline:
+        time.sleep(0.001)
+    return happened()
 
 
 def wait_for_picture(job: Job) -> bool:

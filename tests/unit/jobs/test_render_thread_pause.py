@@ -9,7 +9,7 @@ import pytest
 
 from ism_addon.gpu.jobs.render_thread import JOIN_TIMEOUT
 from ism_addon.gpu.passes.film.shade import Shade
-from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture
+from tests.support.jobs import LONG, request, wait_for_end, wait_for_picture, wait_until
 from tests.tools.memory import resident
 
 pytestmark = pytest.mark.alone
@@ -19,16 +19,12 @@ def test_no_pass_begins_during_a_pause(worker):
     job = worker.start(request(LONG), "client")
     assert wait_for_picture(job)
     worker.pause(60.0)
-    until = time.monotonic() + 5.0
-    while not worker.is_idle and time.monotonic() < until:
-        time.sleep(0.001)
-    assert worker.is_idle
+    assert wait_until(lambda: worker.is_idle)
     done = job.samples_done
     time.sleep(0.1)
     assert job.samples_done == done
     worker.resume()
-    time.sleep(0.1)
-    assert job.samples_done > done
+    assert wait_until(lambda: job.samples_done > done)
     assert not job.finished
 
 
