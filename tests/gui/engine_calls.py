@@ -28,8 +28,15 @@ class EngineCalls:
     def __init__(self, engine_class: Any):
         self.calls: list[Call] = []
         self.patch_uv: tuple[float, float] | None = None  # the patch's middle in the region; None: no patch is read
-        for name in ("view_update", "view_draw"):
-            setattr(engine_class, name, self._recorded(name, getattr(engine_class, name)))
+        self._engine_class = engine_class
+        self._methods = {name: getattr(engine_class, name) for name in ("view_update", "view_draw")}
+        for name, method in self._methods.items():
+            setattr(engine_class, name, self._recorded(name, method))
+
+    def release(self) -> None:
+        """Record no further calls."""
+        for name, method in self._methods.items():
+            setattr(self._engine_class, name, method)
 
     def redraws(self, since: float) -> int:
         """How often the engine has drawn."""

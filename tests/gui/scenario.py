@@ -19,6 +19,7 @@ class Scenario:
     region: tuple[int, int] | None = None  # pixels of the 3D viewport, in Blender's factory layout; None: any
     timeout: int = 120  # s, for all of the scenario
     any_size: bool = True  # whether the region may be smaller with --any-pace
+    alone: bool = False  # whether it needs a Blender of its own: it measures memory, changes preferences or leaves jobs
 
 
 def scenario(**_fields: object) -> Callable[[Callable], Callable]:

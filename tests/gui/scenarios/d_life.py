@@ -38,7 +38,7 @@ def final_render(session: Session) -> Steps:
     assert session.pixels("viewport").std() > 0.05
 
 
-@scenario(timeout=180)
+@scenario(timeout=180, alone=True)
 def from_a_timer_and_to_the_end(session: Session) -> Steps:
     """A timer renders while the viewport renders; then Blender is closed during F12."""
     yield from _render_for_long(session)
@@ -68,7 +68,7 @@ def file_load(session: Session) -> Steps:
     session.record("loaded against saved, largest", 255 * abs(session.pixels("loaded") - first).max(), "/255", must=2)
 
 
-@scenario(timeout=180)
+@scenario(timeout=180, alone=True)
 def disabled_and_enabled(session: Session) -> Steps:
     """The extension is disabled and enabled again while the viewport renders, twice."""
     for time in ("first", "second"):
@@ -83,7 +83,7 @@ def disabled_and_enabled(session: Session) -> Steps:
         assert session.pixels(f"after the {time} time").std() > 0.05, "no picture after the extension has come back"
 
 
-@scenario(region=(240, 160), timeout=400)
+@scenario(region=(240, 160), timeout=400, alone=True)
 def long_day(session: Session) -> Steps:
     """300 random edits and 20 file loads: no errors, and memory does not grow."""
     scene_setup.build_studio()
@@ -114,7 +114,7 @@ def long_day(session: Session) -> Steps:
     assert session.pixels("at the end").std() > 0.05
 
 
-@scenario(region=(240, 160), timeout=240)
+@scenario(region=(240, 160), timeout=240, alone=True)
 def thousand_updates(session: Session) -> Steps:
     """A light and an object are moved a thousand times: memory and threads are as after the first 200."""
     scene_setup.build_studio()

@@ -209,7 +209,7 @@ def film(session: Session) -> Steps:
     session.record("the objects, RMSE", 255 * rmse(transparent[black], opaque[black]), "/255", must=1, aim=0)
 
 
-@scenario(region=(1000, 700))
+@scenario(region=(1000, 700), alone=True)
 def scale_of_the_window(session: Session) -> Steps:
     """The picture fills its region, with panels beside it or over it, and with twice the window's resolution scale."""
     scene_setup.build_silhouettes()

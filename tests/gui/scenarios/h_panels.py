@@ -40,7 +40,7 @@ def debug_views(session: Session) -> Steps:
     session.record("shaders anew, RMSE", 255 * rmse(first, session.pixels("shaders anew")), "/255", must=1, aim=0)
 
 
-@scenario(region=(600, 420))
+@scenario(region=(600, 420), alone=True)
 def saved_snapshot(session: Session) -> Steps:
     """A snapshot saved from the viewport and rendered without Blender is the viewport's picture, also in local view."""
     yield from _show_studio(session)
