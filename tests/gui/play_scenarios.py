@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Run by a Blender with a window: installs the extension from its zip and plays scenarios one after another.
 
-blender --python play_scenarios.py -- ZIP FOLDER MODULE.NAME … Prints a line before each, and writes NAME/result.json to the
-folder at its end, unless Blender crashes.
+blender --python play_scenarios.py -- ZIP FOLDER MODULE.NAME … Prints a line before each, and at its end writes
+NAME/result.json to the folder.
 """
 
 import importlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plays each scenario in a Blender of its own, or several in one where any pace will do; prints a table of the results."""
+"""Plays scenarios, each in a Blender of its own unless any pace will do; prints a table of the results."""
 
 import json
 import os
@@ -149,9 +149,7 @@ def _play_in_one(
     return _outcomes(group, output, (first / "blender.log").read_text("utf-8", "replace"), status, seconds)
 
 
-def _outcomes(
-    group: list[Scenario], output: Path, log: str, status: int | None, seconds: float
-) -> list[Outcome]:
+def _outcomes(group: list[Scenario], output: Path, log: str, status: int | None, seconds: float) -> list[Outcome]:
     """Of the scenarios that Blender has played, by its log, which has the name of each before its messages."""
     begun = [scenario for scenario in group if re.search(_heading(scenario), log)] or group[:1]
     outcomes = []
