@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks programs that tests compile by the Khronos reference compiler: drivers accept more than GLSL 4.10 allows."""
 
+import hashlib
 import inspect
 import re
 import shutil
@@ -9,13 +10,18 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
 import moderngl
 
+from tests.tools import project
+
 PROGRAM = "glslangValidator"
+#: Has an empty file for each program that was accepted, named by its digest: other processes need not check it again.
+ACCEPTED = project.ROOT / "build" / "reference_compiler"
 ADVICE = "it is in Debian's glslang-tools, in Homebrew's glslang and in the Vulkan SDK"
 #: moderngl's name of a stage to the suffix by which the compiler knows it, and its bit in the compiler's report.
 STAGES = {"vertex_shader": (".vert", 1), "fragment_shader": (".frag", 16)}
@@ -67,9 +73,25 @@ class ReferenceCompiler:
     def check(self) -> None:
         """Compile and link the waiting programs. Raises AssertionError with the error and its line."""
         assert not self.waiting or shutil.which(PROGRAM), f"there is no {PROGRAM}: {ADVICE}"
+        ACCEPTED.mkdir(parents=True, exist_ok=True)
         while self.waiting:
-            fault = find_fault(dict(self.waiting.pop()))
-            assert not fault, fault
+            texts = self.waiting.pop()
+            if not (accepted := ACCEPTED / digest(texts)).exists():
+                fault = find_fault(dict(texts))
+                assert not fault, fault
+                accepted.touch()
+
+
+@cache
+def compiler_digest() -> str:
+    """Of this file, and of the size and date of the compiler's."""
+    program = Path(shutil.which(PROGRAM) or "").stat()
+    return f"{hashlib.sha256(Path(__file__).read_bytes()).hexdigest()} {program.st_size} {program.st_mtime_ns}"
+
+
+def digest(texts: Texts) -> str:
+    """Of a program, and of what accepts it."""
+    return hashlib.sha256(repr((compiler_digest(), texts)).encode()).hexdigest()
 
 
 def find_fault(texts: dict[str, str]) -> str:
