@@ -65,25 +65,24 @@ def test(chosen: list[str], everything: bool, any_pace: bool) -> int:
         tested = run_tests(default, chosen, *(() if everything or chosen else WITHOUT_STRESS))
         results = {name: check.result() for name, check in checking.items()} | tested
         for other in prepared if everything else ():
-            results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", but="any_release")
+            results |= run_tests(other, chosen, "--override-ini=testpaths=tests/blender", first=False)
     if everything and not chosen:
         results["the window"] = gui_test([], None, BLENDER_ROOT, GUI_RECORD, any_pace)
     return report(results)
 
 
-def run_tests(environment: Environment, chosen: list[str], *which: str, but: str = "") -> dict[str, int]:
+def run_tests(environment: Environment, chosen: list[str], *which: str, first: bool = True) -> dict[str, int]:
     """Run pytest in an environment, in parallel where possible: names of the runs to their exit statuses.
 
-    Tests marked `but` are left out, unless they are chosen.
+    Tests marked alone or any_release are left to the `first` environment, unless they are chosen.
     """
     if chosen or not environment.has_processes:
         return {environment.name: environment.run("pytest", *which, *chosen)}
-    others = f" and not {but}" if but else ""
-    together = f"-m=not alone{others}", *SIDE_BY_SIDE
-    return {
-        environment.name: environment.run("pytest", *which, *together, **ONE_THREAD),
-        f"{environment.name}, one by one": environment.run("pytest", *which, f"-m=alone{others}"),
-    }
+    together = "-m=not alone" if first else "-m=not alone and not any_release"
+    results = {environment.name: environment.run("pytest", *which, together, *SIDE_BY_SIDE, **ONE_THREAD)}
+    if first:
+        results[f"{environment.name}, one by one"] = environment.run("pytest", *which, "-m=alone")
+    return results
 
 
 def report(results: dict[str, int]) -> int:

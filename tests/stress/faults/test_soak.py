@@ -23,10 +23,7 @@ from ism_addon.gpu.jobs.render_thread import shared
 from tests.tools.memory import resident
 from tests.tools.new_file import open_empty_file, open_factory_file
 
-pytestmark = [
-    pytest.mark.alone,
-    pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as on Linux"),
-]
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as on Linux")
 
 MEGABYTE = 1e6
 #: Repetitions until caches are full, such as the allocator's arenas.
