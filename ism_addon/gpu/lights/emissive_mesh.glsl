@@ -3,6 +3,7 @@
 // and a triangle is chosen by importance, from node to node.
 #include "lights/emissive_limits.glsl"
 #include "closed_forms/triangle.glsl"
+#include "sampling/discrete.glsl"
 #include "sampling/triangle.glsl"
 #ifndef MESHES_WITH_BVH
 #define MESHES_WITH_BVH 1
@@ -175,6 +176,12 @@ float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
     return sum;
 }
 
+// Descendants of a node, all of one depth, from which one is chosen: the bounds of larger nodes say little about what is
+// near the receiver.
+const int NODES_AT_ONCE = 8;
+
+int nodes_at_once(Light light, int node) { return min(NODES_AT_ONCE, light.leaves >> findMSB(node)); }
+
 // Triangles to choose from by irradiance, and the probability of these among all.
 struct TriangleRange { int first; int count; float probability; };
 
@@ -182,16 +189,15 @@ struct TriangleRange { int first; int count; float probability; };
 TriangleRange choose_leaf(Light light, vec3 p, vec3 n, bool enclosed, inout float choice) {
     if (!has_light_bvh(light)) return TriangleRange(light.first_triangle, light.triangle_count, 1.0);
     int node = 1;
-    float probability = 1.0;
+    float probability = 1.0, importances[MAX_EXACT_TRIANGLES];
     while (node < light.leaves) {
-        float left = light_node_importance(light.first_node + 2 * node, p, n, enclosed);
-        float right = light_node_importance(light.first_node + 2 * node + 1, p, n, enclosed);
-        float fraction = left + right > 0.0 ? left / (left + right) : 0.5;
-        bool is_left = choice < fraction;
-        choice = is_left ? choice / fraction : (choice - fraction) / (1.0 - fraction);
-        choice = clamp(choice, 0.0, 0.99999994);
-        probability *= is_left ? fraction : 1.0 - fraction;
-        node = 2 * node + (is_left ? 0 : 1);
+        int count = nodes_at_once(light, node);
+        node *= count;
+        for (int k = 0; k < count; ++k)
+            importances[k] = light_node_importance(light.first_node + node + k, p, n, enclosed);
+        DiscreteSample chosen = sample_discrete(importances, count, choice);
+        probability *= chosen.probability;
+        node += chosen.index;
     }
     int count = light.triangle_count / light.leaves;
     return TriangleRange(light.first_triangle + (node - light.leaves) * count, count, probability);
@@ -200,33 +206,22 @@ TriangleRange choose_leaf(Light light, vec3 p, vec3 n, bool enclosed, inout floa
 LightSample emissive_mesh_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     bool enclosed = emissive_mesh_encloses(light, p);
     TriangleRange range = choose_leaf(light, p, n, enclosed, uv.x);
-    float irradiances[MAX_EXACT_TRIANGLES], sum = 0.0;
-    for (int k = 0; k < range.count; ++k) {
+    float irradiances[MAX_EXACT_TRIANGLES];
+    for (int k = 0; k < range.count; ++k)
         irradiances[k] = emissive_triangle_irradiance(range.first + k, p, n, enclosed);
-        sum += irradiances[k];
-    }
-    // Contiguous parts of uv.x in the order of the triangles keep points even that have neighbouring uv.
-    float target = uv.x * sum, chosen_irradiance = 0.0;
-    int chosen = range.first;
-    for (int k = 0; k < range.count; ++k) {
-        bool takes = irradiances[k] > 0.0 && (target >= 0.0 || chosen_irradiance == 0.0);
-        chosen = takes ? range.first + k : chosen;
-        chosen_irradiance = takes ? irradiances[k] : chosen_irradiance;
-        uv.x = takes ? min(target / irradiances[k], 0.99999994) : uv.x;
-        target -= irradiances[k];
-    }
-    EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, chosen);
+    DiscreteSample chosen = sample_discrete(irradiances, range.count, uv.x);
+    EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, range.first + chosen.index);
     TriangleSample of_triangle = triangle_sample(triangle.corner - p, triangle.u, triangle.v, n, uv);
     vec3 to = of_triangle.point, normal_area = 0.5 * cross(triangle.u, triangle.v);
     float square = max(dot(to, to), 1e-30), distance = sqrt(square);
     float projected = of_triangle.fraction * abs(dot(normal_area, to)) / distance;
-    float pdf = range.probability * chosen_irradiance / max(sum, 1e-37) * square / max(projected, 1e-37);
+    float pdf = range.probability * chosen.probability * square / max(projected, 1e-37);
     vec3 point = p + to;
     // A shadow ray must not hit the triangle itself: it ends before it by the rounding errors.
     float area = length(normal_area), height = dot(normal_area, -to) / max(area, 1e-37);
     float offset = min(1e-6 * (dot(abs(point), vec3(1.0)) + dot(abs(p), vec3(1.0))), 0.5 * abs(height));
     point += normal_area * (sign(height) * offset / max(area, 1e-37));
-    bool emits = chosen_irradiance > 0.0 && projected > 0.0;
+    bool emits = chosen.probability > 0.0 && projected > 0.0;
     return LightSample(point, to / distance, emits ? 1.0 : 0.0, max(pdf, 1e-37));
 }
 
@@ -260,10 +255,14 @@ float emissive_mesh_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
         count /= light.leaves;
         int leaf = (hit.row - first) / count;
         first += leaf * count;
-        for (int node = light.leaves + leaf; node > 1; node /= 2) {
-            float own = light_node_importance(light.first_node + node, p, n, enclosed);
-            float other = light_node_importance(light.first_node + (node ^ 1), p, n, enclosed);
-            probability *= own + other > 0.0 ? own / (own + other) : 0.5;
+        for (int node = 1; node < light.leaves;) {
+            int nodes = nodes_at_once(light, node);
+            int next = (light.leaves + leaf) / (light.leaves >> findMSB(node * nodes));
+            float sum = 0.0;
+            for (int k = 0; k < nodes; ++k)
+                sum += light_node_importance(light.first_node + node * nodes + k, p, n, enclosed);
+            probability *= light_node_importance(light.first_node + next, p, n, enclosed) / max(sum, 1e-37);
+            node = next;
         }
     }
     float sum = emissive_triangles_irradiance(first, count, p, n, enclosed);

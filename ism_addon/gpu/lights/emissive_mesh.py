@@ -74,6 +74,7 @@ class EmissiveMesh(PointLight):
     name = "emissive_mesh"
     shapes: tuple[int, ...] = (EMISSIVE_MESH,)
     glsl = Path(__file__).with_suffix(".glsl")
+    max_rays = 16  # near many triangles, samples differ much: see lights/resampled_light_sample.glsl
 
     def records(self, lights: Any, anchor: np.ndarray) -> np.ndarray:
         table = light_records(lights, anchor, "radius", "triangle_count", "leaves")

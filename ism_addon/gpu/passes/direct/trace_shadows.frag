@@ -3,6 +3,7 @@
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
+#include "lights/resampled_light_sample.glsl"
 #include "trace/ray_scheduling.glsl"
 #include "trace/ray_correction.glsl"
 #include "surfaces/prediction_surface.glsl"
@@ -69,7 +70,7 @@ void main() {
     float count = tests ? 1.0 : scheduled.count;
     for (float k = 0.0; k < count; ++k) {
         vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(scheduled.first + k));
-        LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
+        LightSample from = resampled_light_sample(light, surface.position, surface.normal, light_uv, irradiance);
         bool is_lit_from = arrives(surface, from);
         if (EXACT == 1 && !is_lit_from) continue;
         float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;

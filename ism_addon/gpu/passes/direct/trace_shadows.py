@@ -130,7 +130,7 @@ class TraceShadows(Pass):
             constants = shader_constants(variant, 1, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, **constants)
             bind_light(program, **uniforms, ray_threshold=threshold)
-            draw_tiles(frame, self.framebuffer(frame, light), program, traced)
+            draw_tiles(frame, self.framebuffer(frame, light), program, traced, rays=variant["max_rays"])
         return used
 
     @staticmethod
