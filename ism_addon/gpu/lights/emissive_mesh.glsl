@@ -176,8 +176,7 @@ float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
     return sum;
 }
 
-// Descendants of a node, all of one depth, from which one is chosen: the bounds of larger nodes say little about what is
-// near the receiver.
+// Number of nodes, descendants of one node at the same depth, from which one is chosen by importance.
 const int NODES_AT_ONCE = 8;
 
 int nodes_at_once(Light light, int node) { return min(NODES_AT_ONCE, light.leaves >> findMSB(node)); }
@@ -221,7 +220,7 @@ LightSample emissive_mesh_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     float area = length(normal_area), height = dot(normal_area, -to) / max(area, 1e-37);
     float offset = min(1e-6 * (dot(abs(point), vec3(1.0)) + dot(abs(p), vec3(1.0))), 0.5 * abs(height));
     point += normal_area * (sign(height) * offset / max(area, 1e-37));
-    bool emits = chosen.probability > 0.0 && projected > 0.0;
+    bool emits = range.probability * chosen.probability > 0.0 && projected > 0.0;
     return LightSample(point, to / distance, emits ? 1.0 : 0.0, max(pdf, 1e-37));
 }
 

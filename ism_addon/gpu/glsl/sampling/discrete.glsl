@@ -3,8 +3,8 @@
 
 struct DiscreteSample { int index; float probability; };
 
-// `u` in [0,1): is replaced by another number. Contiguous parts of it in the order of the weights keep points even that
-// have neighbouring u.
+// `u` in [0,1): is replaced by another number. Weights have contiguous intervals of u, in their order, so that
+// stratified u stay stratified.
 DiscreteSample sample_discrete(float weights[MAX_EXACT_TRIANGLES], int count, inout float u) {
     float sum = 0.0, chosen_weight = 0.0;
     for (int k = 0; k < count; ++k) sum += weights[k];
