@@ -68,3 +68,4 @@ class DebugView(Choice):
     AMBIENT_OCCLUSION = _view(resources.AMBIENT_OCCLUSION)
     SAMPLE_RESIDUAL = _view(resources.SAMPLE_RESIDUAL)
     SAMPLE_HEADROOM = _view(resources.SAMPLE_HEADROOM)
+    SAMPLE_EMISSION = _view(resources.SAMPLE_EMISSION)

@@ -73,23 +73,14 @@ TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "Probabilit
 SAMPLES_PER_TILE: Resource[np.ndarray] = Resource("samples_per_tile", "(rows,columns): of its pixels", _PICTURE)
 TILE_SAMPLE_COUNTS = Target("tile_sample_counts", "The same as a texture", _PICTURE, format="r32f", divisor=TILE_SIZE)
 TILE_PROBABILITIES = Target(
-    "tile_probabilities",
-    "Probability that a tile takes part; the same, but 0 for a converged tile",
-    format="rg32f",
-    divisor=TILE_SIZE,
+    "tile_probabilities", "That a tile takes part; the same, 0 if it converged", format="rg32f", divisor=TILE_SIZE
 )
-TILE_VARIANCE = _of_tiles(
-    "tile_variance", "Variance of a tile's samples, in squares of luminance; their mean luminance", "rg32f"
-)
+TILE_VARIANCE = _of_tiles("tile_variance", "Variance of luminance of a tile's samples; mean luminance", "rg32f")
 MEAN_LUMINANCE: Resource[float] = Resource("mean_luminance", "Of all samples so far, W/(sr m²)", _PICTURE)
 
 # What the camera sees.
 VISIBILITY_BUFFER = Target(
-    "visibility_buffer",
-    "Triangle, counted from 1, and instance, in a grid finer than the pixels that several samples share",
-    _PICTURE,
-    format="rg32ui",
-    divisor=0,
+    "visibility_buffer", "primitive in a finer grid, which several samples share", _PICTURE, format="rg32ui", divisor=0
 )
 VISIBILITY_DEPTH = Target("visibility_depth", "Depth buffer of visibility_buffer", format="depth32f", divisor=0)
 PRIMITIVE = Target(
@@ -138,9 +129,7 @@ LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
     "light_influence", "Of each light that contributes anywhere, bounds of its irradiance in each tile", _PICTURE
 )
 HIDDEN_LIGHTS: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
-    "hidden_lights",
-    "Lights (H,) that no ray has reached; (H,R,C) bounds over those of all, summed over each coarse tile",
-    _PICTURE,
+    "hidden_lights", "Lights (H,) no ray has reached; (H,R,C) bounds over all, summed over coarse tiles", _PICTURE
 )
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
     "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
@@ -187,9 +176,7 @@ ALL_PROBES: Resource[dict[int, moderngl.Texture]] = Resource(
     "all_probes", "probes, and PROBE textures without rays for rediscovered lights", _PICTURE
 )
 TILE_VISIBILITY: Resource[dict[int, np.ndarray]] = Resource(
-    "tile_visibility",
-    "By light, (rows,columns,2) bool: whether any ray in a tile's neighbourhood was unoccluded; was occluded",
-    _PICTURE,
+    "tile_visibility", "By light, (rows,columns,2) bool: any ray around a tile unoccluded; any occluded", _PICTURE
 )
 PROBE_PREDICTION = Target(
     "probe_prediction",
@@ -257,6 +244,17 @@ HALF_BLURRED_OCCLUSION = _occlusion(
 )
 AMBIENT_OCCLUSION = _occlusion(
     "ambient_occlusion", "Ambient occlusion of the render: white is open", "Ambient Occlusion"
+)
+
+# Emission that the camera sees, W/(sr m²).
+SAMPLE_EMISSION = Target(
+    "sample_emission", "Emission of surfaces and lights, as the camera sees it", neutral=(0.0,) * 4, label="Emission"
+)
+EMISSION_CONTRAST = _of_tiles("emission_contrast", "Luminance of its differences around a tile's pixels", "r32f")
+EMISSION_EDGES: Resource[np.ndarray] = Resource("emission_edges", "(rows,columns): maxima of that so far", _PICTURE)
+SUBSAMPLE_EMISSION = Target("subsample_emission", "As sample_emission, at one of several positions in a sample")
+FILTERED_EMISSION = Target(
+    "filtered_emission", "Sums around edges, weighted by the pixel filter; in alpha the weights", neutral=(0.0,) * 4
 )
 
 # A sample, and the sums of all samples.

@@ -50,7 +50,6 @@ def draw_tiles(
 
 def draw_per_tile(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.VertexArray, **uniforms: Any) -> None:
     """Draw a target with a texel for each tile, in strips, by a shader that includes tile_index.glsl."""
-    frame.device.overwrite()
     bind(shader.program, columns=frame.tiles[0], strip=target.viewport[2], **uniforms)
     draw_pixels(frame, target, shader, 2 * TILE_SIZE**2 / TEXELS_PER_RAY)  # about the time to fetch from two images
 

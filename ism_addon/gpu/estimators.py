@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimators of components of the light: direct light by one of two methods, and the world's light.
+"""Estimators of components of the light: direct light by one of two methods, the world's, and emission that is seen.
 
 An estimator says which passes a sample needs. Estimators of the same component write the same targets.
 """
@@ -8,11 +8,15 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from ..resources import ATLAS_BATCH, VIRTUAL_LIGHT_COUNTS
+from ..scene import Scene
 from ..settings import Method, Settings
 from .frame import Frame, Pass
 from .passes.direct.predict_visibility import PredictVisibility
 from .passes.direct.select_faint_lights import SelectFaintLights
 from .passes.direct.trace_shadows import TraceShadows
+from .passes.emission.filter_emission import FilterEmission
+from .passes.emission.find_emission_edges import FindEmissionEdges
+from .passes.emission.shade_emission import ShadeEmission
 from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
 from .passes.light_selection.probe_visibility import ProbeVisibility
@@ -83,13 +87,26 @@ class WorldLight:
         yield from self.pass_types
 
 
+class SeenEmission:
+    """Emission that the camera sees."""
+
+    traces_rays, adaptive = False, True
+    pass_types: tuple[type[Pass], ...] = (ShadeEmission, FindEmissionEdges, FilterEmission)
+
+    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
+        """Emission at the samples' positions, then through the pixel filter where it has edges."""
+        yield from self.pass_types
+
+
 DIRECT: dict[Method, Estimator] = {
     Method.RAY_TRACED: RayTracedDirect(),
     Method.SHADOW_MAPS: ShadowMappedDirect(),
 }
 WORLD_LIGHT: Estimator = WorldLight()
+EMISSION: Estimator = SeenEmission()
 
 
-def estimators(settings: Settings) -> tuple[Estimator, ...]:
-    """The estimators of a picture with these settings."""
-    return DIRECT[settings.shadow.method], WORLD_LIGHT
+def estimators(scene: Scene, settings: Settings) -> tuple[Estimator, ...]:
+    """The estimators of a scene's picture with these settings."""
+    has_emission = scene.materials.emission.any() or scene.lights.visible_camera.any()
+    return DIRECT[settings.shadow.method], WORLD_LIGHT, *((EMISSION,) if has_emission else ())

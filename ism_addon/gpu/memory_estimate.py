@@ -9,8 +9,9 @@ import moderngl
 
 from ..resource_types import Target
 from ..resources import SHADOW_MAP_SPLATS, SHADOW_MAPS, VISIBILITY_BUFFER, VISIBILITY_DEPTH
+from ..sampling.pixel_grid import has_wide_filter
 from ..scene import View
-from .passes.film.accumulate import ROWS, SAMPLES, WIDE_MARGIN, filter_margin
+from .passes.film.accumulate import ROWS, SAMPLES
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
 #: Bytes per pixel: of the targets of one light, with an irradiance cache, and of images on the CPU while they are read
@@ -29,7 +30,7 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
 
     `fine_pixels`: of the visibility buffer. `lights`: that rays are traced to. `map_texels`: of the shadow map atlas.
     """
-    wide = filter_margin(view.filter_width) >= WIDE_MARGIN
+    wide = has_wide_filter(view.filter_width)
     texels = {VISIBILITY_BUFFER: fine_pixels, VISIBILITY_DEPTH: fine_pixels, SHADOW_MAP_SPLATS: map_texels}
     texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}

@@ -15,20 +15,20 @@ import numpy as np
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
 from ..resources import CONVERGENCE
-from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, narrow_pixel_grid, pixel_grid
+from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Lights, Scene, View, World
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
 from .emission.emitters import EmissiveMeshes
-from .estimators import DIRECT, WORLD_LIGHT, Estimator, estimators
+from .estimators import DIRECT, EMISSION, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
 from .lights.world import with_world
 from .memory_estimate import check, needed
-from .passes.film.accumulate import Accumulate, filter_margin
+from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
 from .passes.film.resolve import Resolve
@@ -58,7 +58,7 @@ FILM = Shade, DebugImage, Accumulate
 
 #: Passes of every image.
 COMMON = *UPLOAD, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
-ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT
+ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT, EMISSION
 PASSES: tuple[type[Pass], ...] = (
     *COMMON,
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
@@ -130,7 +130,7 @@ class Renderer:
             raise ValueError(
                 f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
             )
-        chosen = estimators(settings)
+        chosen = estimators(scene, settings)
         scene = self.with_all_lights(scene, settings, chosen)
         if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
             anchor = anchor_of(camera_position(view.view_from_world), scene.extent)

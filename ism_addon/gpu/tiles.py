@@ -44,3 +44,14 @@ def from_strips(texels: np.ndarray, tiles: tuple[int, int]) -> np.ndarray:
 def repeated(values: np.ndarray, side: int, tiles: tuple[int, int]) -> np.ndarray:
     """(rows,columns): values (R,C) of squares of side×side tiles, for each of columns × rows tiles."""
     return values.repeat(side, 0).repeat(side, 1)[: tiles[1], : tiles[0]]
+
+
+def neighbourhood_max(values: np.ndarray) -> np.ndarray:
+    """(H,W): the maximum of each 3×3 neighbourhood."""
+    rows = values.copy()
+    np.maximum(rows[1:], values[:-1], out=rows[1:])
+    np.maximum(rows[:-1], values[1:], out=rows[:-1])
+    maxima = rows.copy()
+    np.maximum(maxima[:, 1:], rows[:, :-1], out=maxima[:, 1:])
+    np.maximum(maxima[:, :-1], rows[:, 1:], out=maxima[:, :-1])
+    return maxima

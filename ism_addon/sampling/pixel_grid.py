@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Subpixel offsets of samples: on a grid that several samples share, or distributed like a narrow filter."""
 
+import math
 from dataclasses import dataclass
 from functools import cache, lru_cache
 
@@ -38,6 +39,9 @@ class PixelGrid:
         return self.fine_from_pixel * size / fine[:, None], 2.0 * shift / fine - 1.0
 
 
+#: A filter is wide from this margin on, in pixels.
+WIDE_MARGIN = 5
+
 #: Subpixel offsets are a rank-1 lattice of this generator, in van der Corput's order, so that the first 2, 4, 8, … are
 #: a lattice as well (Hickernell et al. 2000). All x and all y differ, because edges in pictures are often parallel to
 #: the pixels' sides. Of all generators it has the largest minimum distance in its lattices of up to 4,096 points.
@@ -53,14 +57,31 @@ def van_der_corput(indices: np.ndarray) -> np.ndarray:
     return digits @ 0.5 ** np.arange(32.0, 0.0, -1.0)
 
 
+def lattice(indices: np.ndarray) -> np.ndarray:
+    """(N,2): points of the lattice in [0,1), the first in the middle."""
+    return np.mod(van_der_corput(indices)[:, None] * (1, LATTICE_GENERATOR) + 0.5, 1.0)
+
+
 @lru_cache(maxsize=64)
 def pixel_grid(index: int, count: int) -> PixelGrid:
     """The grid of samples index * count … (index + 1) * count - 1. Sample 0 is at the pixel's centre."""
     fine_from_pixel = np.array(PIXEL_GRIDS[count])
-    lattice = van_der_corput(np.arange(index * count, (index + 1) * count))[:, None] * (1, LATTICE_GENERATOR)
-    offsets = np.mod(lattice + 0.5, 1.0) - 0.5
+    offsets = lattice(np.arange(index * count, (index + 1) * count)) - 0.5
     texels = np.rint((offsets - offsets[0]) @ fine_from_pixel.T).astype(int)
     return PixelGrid(fine_from_pixel, offsets[0], texels, offsets)
+
+
+def filter_margin(radius: float) -> int:
+    """Maximum distance in pixels at which samples have weight. They lie up to half a pixel from their pixel's centre.
+
+    If it is 0, the samples are distributed according to the filter, and have equal weights.
+    """
+    return max(math.ceil(radius - 0.5), 0)
+
+
+def has_wide_filter(radius: float) -> bool:
+    """Whether a pixel filter of this radius, px, is so wide that it is applied along rows, then along columns."""
+    return filter_margin(radius) >= WIDE_MARGIN
 
 
 @cache
@@ -72,8 +93,17 @@ def cumulative_filter() -> tuple[np.ndarray, np.ndarray]:
     return (np.cumsum(weight) - 0.5 * weight) / weight.sum(), position
 
 
+def filtered(uniform: np.ndarray, radius: float) -> np.ndarray:
+    """Offsets, px, distributed like the Blackman-Harris filter of this radius, from numbers in [0,1)."""
+    return radius * np.interp(uniform, *cumulative_filter())
+
+
+def subpixel_offsets(indices: np.ndarray, radius: float) -> np.ndarray:
+    """(N,2) px: offsets of samples that share no grid. See filter_margin for how a filter's radius distributes them."""
+    return lattice(indices) - 0.5 if filter_margin(radius) else filtered(lattice(indices), radius)
+
+
 def narrow_pixel_grid(sample: int, width: float) -> PixelGrid:
     """The grid of one sample, distributed like the Blackman-Harris filter of radius `width` ≤ 0.5 px."""
-    uniform = draw(Dimension.PIXEL, sample=sample - 1)  # of the first sample, the centre
-    offset = width * np.interp(uniform, *cumulative_filter())
+    offset = filtered(draw(Dimension.PIXEL, sample=sample - 1), width)  # of the first sample, the centre
     return PixelGrid(np.eye(2, dtype=int), offset, np.zeros((1, 2), int), offset[None])

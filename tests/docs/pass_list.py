@@ -8,7 +8,7 @@ from ism_addon.gpu import renderer  # noqa: F401 (it imports all passes)
 from ism_addon.gpu.frame import Pass
 
 #: Folders of ism_addon/gpu/passes, in the order of a sample.
-STAGES = ("upload", "surfaces", "light_selection", "direct", "shadow_maps", "environment", "film")
+STAGES = ("upload", "surfaces", "light_selection", "direct", "shadow_maps", "environment", "emission", "film")
 
 
 def table() -> str:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadow rays: traced by the shader through the BVHs, and tested in float64 against every triangle."""
+"""Shadow rays and camera rays: traced by the shader through the BVHs, and tested in float64 against every triangle."""
 
 from dataclasses import replace
 
 import moderngl
 import numpy as np
 
-from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
+from ism_addon.gpu.gl.shader_compiler import FOLDER, UNIFORM, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
@@ -25,9 +25,11 @@ out float result;
 void main() {
     vec2 owner = texelFetch(owners, gl_VertexID).xy;
     vec3 from = texelFetch(starts, gl_VertexID).xyz, to = texelFetch(ends, gl_VertexID).xyz;
-    result = any_hit(from, to, int(owner.x), int(owner.y), -1) ? 1.0 : 0.0;
+    result = RESULT;
 }
 """
+ANY_HIT = "any_hit(from, to, int(owner.x), int(owner.y), -1) ? 1.0 : 0.0"
+DISTANCE = "nearest_hit(from, to).distance"
 
 
 def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:
@@ -35,20 +37,35 @@ def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.nda
 
     `owners` (N,2): the triangle and instance that each ray starts on, which cannot occlude it.
     """
+    return traced(device, scene, ANY_HIT, starts, ends, owners) > 0.5
+
+
+def distances(device, scene, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """(N,) float32: distances from starts (N,3) to the nearest visible triangles, as fractions of those to the ends."""
+    return traced(device, scene, DISTANCE, starts, ends)
+
+
+def traced(
+    device, scene, result: str, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None
+) -> np.ndarray:
+    """(N,) float32: a GLSL expression for each ray."""
     renderer, view = Renderer(device), look_at(np.abs(starts).max() * np.array([1.0, -1.0, 1.0]))
     frame = renderer.frame(scene, view, replace(SMALL_SETTINGS, shortcuts=False), 0, Profile())
     for pass_type in (CullMeshes, BuildBLAS, UploadMeshes, UploadInstances, UploadBLAS, BuildTLAS):
         renderer.graph.step(pass_type, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
-    shader = "\n".join([head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", [], {}), SHADER])
+    shader = "\n".join(
+        [head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", [], {}), SHADER.replace("RESULT", result)]
+    )
     program = device.gl.program(vertex_shader=shader, varyings=["result"])
+    program.extra = frozenset(UNIFORM.findall(shader))
     rays = {"starts": starts - frame.anchor, "ends": ends - frame.anchor, "owners": owners}
     padded = {name: np.pad(rows, ((0, 0), (0, 4 - rows.shape[1]))).astype(np.float32) for name, rows in rays.items()}
     bind(program, **{name: device.buffer_from(rows) for name, rows in padded.items()}, **frame[TLAS])
     device.gl.simple_framebuffer((1, 1)).use()
     buffer = device.gl.buffer(reserve=4 * len(starts))
     device.gl.vertex_array(program, []).transform(buffer, moderngl.POINTS, vertices=len(starts))
-    return np.frombuffer(buffer.read(), "f4") > 0.5
+    return np.frombuffer(buffer.read(), "f4")
 
 
 def reference_occlusion(
@@ -58,8 +75,18 @@ def reference_occlusion(
 
     It is uncertain if the ray passes close to an edge, or a triangle is close to an end of the ray.
     """
-    triangles = reference.world_triangles(scene, scene.instances.casts_shadow)
-    is_occluded, is_certain = np.zeros(len(starts), bool), np.zeros(len(starts), bool)
+    margin, _ = reference_hits(scene, scene.instances.casts_shadow, starts, ends)
+    return margin > 0.0, np.abs(margin) > min_margin
+
+
+def reference_hits(scene, is_hit: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) each, for the triangles of instances (I,) bool: margins and distances.
+
+    A margin is the largest distance, in barycentric coordinates or in fractions of the ray, by which the ray hits a
+    triangle, or minus the smallest one by which it misses all. A distance is that to the nearest triangle, or 1.
+    """
+    triangles = reference.world_triangles(scene, is_hit)
+    margin, distance = np.full(len(starts), -1.0), np.ones(len(starts))
     a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     step = max(reference.PAIRS_AT_A_TIME // max(len(triangles), 1), 1)
     for first in range(0, len(starts), step):
@@ -69,10 +96,10 @@ def reference_occlusion(
         with np.errstate(all="ignore"):
             scale = 1.0 / (u * p).sum(2)
             s, t, along = (offset * p).sum(2) * scale, (q * ray).sum(2) * scale, (v * q).sum(2) * scale
-            margins = np.minimum.reduce([s, t, 1.0 - s - t, along, 1.0 - along])
-        margin = np.nan_to_num(margins, nan=-1.0).max(1)
-        is_occluded[rows], is_certain[rows] = margin > 0.0, np.abs(margin) > min_margin
-    return is_occluded, is_certain
+            margins = np.nan_to_num(np.minimum.reduce([s, t, 1.0 - s - t, along, 1.0 - along]), nan=-1.0)
+        margin[rows] = margins.max(1)
+        distance[rows] = np.where(margins > 0.0, along, 1.0).min(1)
+    return margin, distance
 
 
 def assert_agree(device, scene, starts: np.ndarray, ends: np.ndarray, max_uncertain: float = 0.02) -> None:

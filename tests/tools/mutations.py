@@ -80,8 +80,8 @@ MUTATIONS = (
     ),
     Mutation(
         "another world leaves the picture as it was",
-        "MESH_BUFFERS, Change.WORLD, Change.VIEW),",
-        "MESH_BUFFERS, Change.VIEW),",
+        "*(Change.WORLD, Change.VIEW),",
+        "*(Change.VIEW,),",
         ("test_edits", "test_reuse"),
     ),
     Mutation(
@@ -165,7 +165,7 @@ MUTATIONS = (
     ),
     Mutation(
         "what lies behind a light throws a shadow",
-        " && abs(height) < abs(slope)",
+        " && abs(height) < end * abs(slope)",
         "",
         ("test_build_bvh", "test_trace_shadows"),
     ),

@@ -125,6 +125,8 @@ def test_every_resource_is_written_and_read():
         *("tile_min", "tile_max", "tile_normal_cone", "far_tile_min", "far_tile_max", "far_tile_normal_cone"),
         *("all_probes", "lights_used", "neighbour_mean", "signal_and_noise", "half_samples_image"),
         "doubling_difference",
+        "emission_contrast",
+        "subsample_emission",
     }
 
 

@@ -55,6 +55,15 @@ def planes(clip_from_view: np.ndarray) -> tuple[float, float] | None:
     return near, max(over_far, 1.0 / (INFINITE_FAR * near))
 
 
+def depth_range(clip_from_view: np.ndarray) -> tuple[float, float]:
+    """Distances of the near and of the far plane."""
+    near_and_far = planes(clip_from_view)
+    if near_and_far is not None:
+        return float(near_and_far[0]), float(1.0 / near_and_far[1])
+    a, b = clip_from_view[2, 2:]
+    return float((b + 1.0) / a), float((b - 1.0) / a)
+
+
 def nearness(clip_from_view: np.ndarray) -> tuple[float, float]:
     """(x, y) so that x / w + y is 1 at the near plane and 0 at the far one, w being clip space's.
 

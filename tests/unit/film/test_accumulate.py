@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.film.accumulate import RELATIVE_VARIANCE, WIDE_MARGIN, filter_margin
+from ism_addon.gpu.passes.film.accumulate import RELATIVE_VARIANCE
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.resources import TILE_PROBABILITIES, TILE_SIZE, TILES
+from ism_addon.sampling.pixel_grid import has_wide_filter
 from ism_addon.setting_limits import WIDEST_FILTER
 from tests.scenes.small import box_over_plane
 from tests.support import reference
@@ -55,7 +56,7 @@ def filtered(values: np.ndarray, drawn, filter_radius: float, power: int = 1) ->
     subpixel_offsets[row, column] = tiles["subpixel_offset"]
     height, width = values.shape[:2]
     offsets = subpixel_offsets.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[:height, :width]
-    if filter_margin(filter_radius) >= WIDE_MARGIN:
+    if has_wide_filter(filter_radius):
         # All samples count as at the pixels' centres, and the filter is narrower by a pixel.
         offsets, filter_radius = np.zeros_like(offsets), math.sqrt(filter_radius**2 - RELATIVE_VARIANCE)
     is_drawn = drawn.drawn_tiles.repeat(TILE_SIZE, 0).repeat(TILE_SIZE, 1)[..., None]

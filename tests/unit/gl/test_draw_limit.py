@@ -13,13 +13,14 @@ from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.draw_limit import portions, rectangles
 from ism_addon.gpu.graph import Graph
-from ism_addon.gpu.passes.film.accumulate import filter_margin, rays_for
+from ism_addon.gpu.passes.film.accumulate import rays_for
 from ism_addon.gpu.passes.shadow_maps.gather import VIRTUAL_LIGHTS_PER_RAY
 from ism_addon.gpu.passes.shadow_maps.splat import MAP_TEXELS_PER_RAY, RAYS_PER_DISC
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.gpu.submission import Submission
 from ism_addon.resources import MAP_POINTS, NO_OCCLUDER, TILE_SIZE
+from ism_addon.sampling.pixel_grid import filter_margin
 from ism_addon.scene import World
 from ism_addon.settings import SSAO
 from tests.scenes.small import box_over_plane, sphere_in_corner

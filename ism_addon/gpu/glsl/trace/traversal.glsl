@@ -30,16 +30,17 @@ vec3 avoid_zero(vec3 v) { return mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20
 
 vec4 unpack_bytes(uint word) { return vec4(uvec4(word) >> uvec4(0, 8, 16, 24) & 255u); }
 
-// Goes to the first of the node's four grandchildren that the ray hits, or else to the next node to visit. Boxes are
-// enlarged by BOX_SLACK for rounding errors.
-TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState state, vec3 origin, vec3 inverse_ray) {
+// Goes to the first of the node's four grandchildren that the ray hits, or to the nearest of them, or else to the next
+// node to visit. Boxes are enlarged by BOX_SLACK for rounding errors. The ray ends at the fraction `end` of its length.
+TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState state, vec3 origin, vec3 inverse_ray,
+                         float end, bool nearest_first) {
     int at = 2 * (first_node + state.node);
     uvec4 one = texelFetch(nodes, at), other = texelFetch(nodes, at + 1);
     vec3 begin = vec3(ivec3(uvec3(one.x << 16, one.x, one.y << 16) & 0xffff0000u) >> 7);
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
     vec3 first = (begin - origin) * inverse_ray, step = unit * inverse_ray;
     uvec3 low = uvec3(one.zw, other.x), high = other.yzw;
-    vec4 enter = vec4(0.0), leave = vec4(1.0);
+    vec4 enter = vec4(0.0), leave = vec4(end);
     for (int k = 0; k < 3; ++k) {
         bool back = inverse_ray[k] < 0.0;
         enter = max(enter, unpack_bytes(back ? high[k] : low[k]) * step[k] + first[k]);
@@ -47,8 +48,14 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
     }
     uvec4 bits = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
     uint hits = bits.x | bits.y | bits.z | bits.w;
-    uvec2 trail = uvec2(state.trail.x << 4 | (hits & (hits - 1u)), state.trail.y << 4 | state.trail.x >> 28);
-    return hits > 0u ? TraversalState(4 * state.node + findLSB(hits), trail) : pop(state);
+    int next = findLSB(hits);
+    if (nearest_first) {
+        vec4 distances = mix(vec4(2.0), enter, notEqual(bits, uvec4(0u)));
+        vec2 low = min(distances.xz, distances.yw);
+        next = low.x <= low.y ? int(distances.y < distances.x) : 2 + int(distances.w < distances.z);
+    }
+    uvec2 trail = uvec2(state.trail.x << 4 | (hits & ~(1u << next)), state.trail.y << 4 | state.trail.x >> 28);
+    return hits > 0u ? TraversalState(4 * state.node + next, trail) : pop(state);
 }
 
 // The side of a ray from the origin on which it passes the edge from a to b. The same edge of a neighbour, from b to a,
@@ -59,7 +66,8 @@ float edge_side(vec3 ray, vec3 a_plus_b, vec3 edge) {
     return side;
 }
 
-bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
+// Fraction of the ray's length at which it hits the triangle; `end` if that is not less.
+float triangle_distance(int triangle, vec3 origin, vec3 ray, float end) {
     TriangleVertices corners = fetch_triangle(triangle);
     vec3 a = corners.first - origin, b = corners.first + corners.u - origin, c = corners.first + corners.v - origin;
     vec3 side = vec3(edge_side(ray, a + b, corners.u), edge_side(ray, b + c, corners.v - corners.u),
@@ -67,35 +75,53 @@ bool hits_triangle(int triangle, vec3 origin, vec3 ray) {
     vec3 normal = cross(corners.u, corners.v);
     float height = dot(normal, a), slope = dot(normal, ray); // it meets the plane at height / slope of its length
     bool inside = min(side.x, min(side.y, side.z)) >= 0.0 || max(side.x, max(side.y, side.z)) <= 0.0;
-    return inside && height * slope > 0.0 && abs(height) < abs(slope);
+    return inside && height * slope > 0.0 && abs(height) < end * abs(slope) ? height / slope : end;
 }
 
-// Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
-bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
+struct Intersection { float distance; int triangle; }; // a fraction of the ray's length, 1 if there is none
+
+// The nearest intersection of the segment with the instances of the group `blockers`; if `any_is_enough`, one of them.
+// The triangle of the instance where it starts is ignored. Camera rays do not see instances that are invisible.
+Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blockers, bool any_is_enough) {
     vec3 anchor_ray = avoid_zero(to - from), tlas_inverse_ray = 1.0 / (anchor_ray * tlas_scale);
     vec3 tlas_origin = (from - tlas_centre) * tlas_scale;
     TraversalState outer = TraversalState(1, uvec2(0u));
-    bool hit = false;
+    Intersection nearest = Intersection(1.0, -1);
     while (outer.node > 0) {
+        float end = any_is_enough ? 1.0 : nearest.distance;
         while (outer.node > 0 && outer.node < tlas_leaves)
-            outer = next_leaf(tlas_nodes, 0, outer, tlas_origin, tlas_inverse_ray);
+            outer = next_leaf(tlas_nodes, 0, outer, tlas_origin, tlas_inverse_ray, end, !any_is_enough);
         if (outer.node == 0) break;
         Caster caster = fetch_Caster(casters, outer.node - tlas_leaves);
         mat4x3 blas_from_anchor = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = blas_from_anchor * vec4(from, 1.0);
         vec3 ray = avoid_zero(blas_from_anchor * vec4(anchor_ray, 0.0)), inverse_ray = 1.0 / ray;
         int ignored = caster.instance == instance ? triangle : -1;
-        TraversalState state = TraversalState(is_linked(caster.link_groups, blockers) ? 1 : 0, uvec2(0u));
+        bool is_seen = is_linked(caster.link_groups, blockers) && (any_is_enough || caster.instance >= 0);
+        TraversalState state = TraversalState(is_seen ? 1 : 0, uvec2(0u));
         while (state.node > 0) {
             while (state.node > 0 && state.node < caster.leaves)
-                state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray);
+                state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray, end, !any_is_enough);
             int start = caster.first_leaf + state.node - caster.leaves;
             int first = caster.first_triangle + int(texelFetch(blas_leaf_starts, start).x);
             int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
-            for (int k = first; k < last; ++k) hit = hit || (hits_triangle(k, origin, ray) && k != ignored);
-            state = hit ? TraversalState(0, uvec2(0u)) : pop(state);
+            for (int k = first; k < last; ++k) {
+                if (any_is_enough && nearest.triangle >= 0) break;
+                float distance = triangle_distance(k, origin, ray, end);
+                if (distance < end && k != ignored) nearest = Intersection(distance, k);
+                end = any_is_enough ? 1.0 : nearest.distance;
+            }
+            state = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(state);
         }
-        outer = hit ? TraversalState(0, uvec2(0u)) : pop(outer);
+        outer = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(outer);
     }
-    return hit;
+    return nearest;
 }
+
+// Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
+bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
+    return traverse(from, to, triangle, instance, blockers, true).triangle >= 0;
+}
+
+// The nearest intersection with what the camera sees.
+Intersection nearest_hit(vec3 from, vec3 to) { return traverse(from, to, -1, -1, -1, false); }

@@ -107,6 +107,7 @@ class PredictVisibility(Pass):
         """(rows,columns,2) bool by light: any ray in or near a tile unoccluded; any occluded."""
         gl = self.device.gl
         textures = {light: create(gl, RAYS_OF_TILES, size_of(RAYS_OF_TILES, *frame.size)) for light in rays}
+        self.device.overwrite()
         for light, texture in textures.items():
             draw_per_tile(frame, gl.framebuffer([texture]), self.tile_shader, rays=rays[light], spacing=spacing)
         self.device.wait()

@@ -1,20 +1,22 @@
 // Adds the samples of one tile, by blending, to all pixels whose filters cover them.
-#include "maths/blackman_harris.glsl"
 #include "maths/luminance.glsl"
+#include "textures/pixel_filter.glsl"
 uniform sampler2D sample_color;
 uniform sampler2D sample_residual;
+#if EMISSION
+uniform sampler2D sample_emission;
+#endif
+#if FILTERED
+uniform sampler2D filtered_emission; // in alpha its weight, 0 where it does not replace sample_emission
+#endif
 uniform sampler2D sample_headroom; // see shade.frag
 uniform sampler2D tile_probabilities; // that a tile takes part; the same, but 0 for a converged tile
-uniform float filter_radius;        // px
 flat in vec2 tile;
 flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sum_color;
 layout(location = 1) out vec4 sum_residual; // in alpha, squares of weighted luminances
 layout(location = 2) out vec4 sum_weights;  // of squared luminances, samples, absolute residuals, uncertain luminances
 layout(location = 3) out float sum_headroom;
-
-// Without a margin the samples are distributed according to the filter.
-float weight_at(float x) { return MARGIN == 0 ? 1.0 : blackman_harris(x, filter_radius); }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), first = ivec2(tile) * TILE_SIZE, last = min(first + TILE_SIZE - 1, last_pixel());
@@ -27,8 +29,12 @@ void main() {
     sum_headroom = 0.0;
     vec2 texel = texel_size(sample_color), filters[2 * MARGIN + 1];
     for (int k = -MARGIN; k <= MARGIN; ++k)
-        filters[k + MARGIN] = vec2(weight_at(float(k) + visibility_texel_and_offset.z),
-                                   tile_weight * weight_at(float(k) + visibility_texel_and_offset.w));
+        filters[k + MARGIN] = vec2(filter_weight(float(k) + visibility_texel_and_offset.z),
+                                   tile_weight * filter_weight(float(k) + visibility_texel_and_offset.w));
+#if FILTERED
+    vec4 filtered = fetch(filtered_emission, at);
+    filtered.rgb /= max(filtered.a, 1e-30);
+#endif
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         for (int x = -MARGIN; x <= MARGIN; ++x) {
             ivec2 from = at + ivec2(x, y);
@@ -36,6 +42,11 @@ void main() {
             float weight = is_inside ? filters[x + MARGIN].x * filters[y + MARGIN].y : 0.0;
             from = clamp(from, first, last);
             vec4 color = fetch(sample_color, from, texel);
+#if FILTERED
+            color.rgb += filtered.a > 0.0 ? filtered.rgb : fetch(sample_emission, from, texel).rgb;
+#elif EMISSION
+            color.rgb += fetch(sample_emission, from, texel).rgb;
+#endif
             vec4 residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, from, texel) : vec4(0.0);
             float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
             sum_color += weight * color;

@@ -11,11 +11,14 @@ That widens the filter by a pixel, so its radius is reduced accordingly.
 
 import math
 from dataclasses import replace
+from typing import Any
 
 from ....resource_types import Lifetime, Target
 from ....resources import (
     DEBUG_IMAGE,
+    FILTERED_EMISSION,
     SAMPLE_COLOR,
+    SAMPLE_EMISSION,
     SAMPLE_HEADROOM,
     SAMPLE_RESIDUAL,
     SUM_COLOR,
@@ -26,14 +29,12 @@ from ....resources import (
     TILE_SIZE,
     TILES,
 )
+from ....sampling.pixel_grid import filter_margin, has_wide_filter
 from ....scene import Change
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.draw_limit import TEXELS_PER_RAY
 from ...gl.shader_compiler import bind
-
-#: A filter is wide from this margin on, in pixels.
-WIDE_MARGIN = 5
 
 #: Samples that are fetched and weighted in the time of one blend operation.
 SAMPLES_PER_BLEND = 4
@@ -56,14 +57,6 @@ SAMPLES = _wide_filter_targets("sample", "What a sample adds to its own pixels")
 ROWS = _wide_filter_targets("row", "The same, filtered in rows")
 
 
-def filter_margin(radius: float) -> int:
-    """Maximum distance in pixels at which samples have weight. They lie up to half a pixel from their pixel's centre.
-
-    If it is 0, the samples are distributed according to the filter, and have equal weights.
-    """
-    return max(math.ceil(radius - 0.5), 0)
-
-
 def rays_for(samples: int) -> float:
     """Time to add this many samples to a pixel's sums, in units of the time of a ray."""
     return len(SUMS) * (samples + SAMPLES_PER_BLEND) / TEXELS_PER_RAY
@@ -74,7 +67,7 @@ class Accumulate(Pass):
 
     inputs = (
         *(TILES, TILE_PROBABILITIES, SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM, DEBUG_IMAGE),
-        *(Change.SAMPLE, "debug_view"),
+        *(SAMPLE_EMISSION, FILTERED_EMISSION, Change.SAMPLE, "debug_view"),
     )
     outputs = outputs(*SUMS, *SAMPLES, *ROWS)
 
@@ -83,20 +76,21 @@ class Accumulate(Pass):
         margin = filter_margin(frame.view.filter_width)
         begin_sums = self.device.overwrite if is_first else self.device.add
         has_residual = int(is_render and not is_first)  # the first sample has only predictions
-        samples = {
+        emission = int(is_render and not frame.is_neutral(SAMPLE_EMISSION))
+        constants: dict[str, Any] = {"has_residual": has_residual, "emission": emission}
+        samples: dict[str, Any] = {
             "sample_color": frame[SAMPLE_COLOR if is_render else DEBUG_IMAGE],
             "sample_residual": frame[SAMPLE_RESIDUAL],
             "sample_headroom": frame[SAMPLE_HEADROOM],
+            "tile_probabilities": frame[TILE_PROBABILITIES],
+            **({"sample_emission": frame[SAMPLE_EMISSION]} if emission else {}),
         }
-        if margin < WIDE_MARGIN:
+        if not has_wide_filter(frame.view.filter_width):
+            filtered = int(emission and not frame.is_neutral(FILTERED_EMISSION))
+            samples |= {"filtered_emission": frame[FILTERED_EMISSION]} if filtered else {}
             begin_sums()
-            program = self.tile_program(margin=margin, has_residual=has_residual, first_sample=int(is_first))
-            bind(
-                program,
-                **samples,
-                tile_probabilities=frame[TILE_PROBABILITIES],
-                filter_radius=frame.view.filter_width,
-            )
+            program = self.tile_program(margin=margin, first_sample=int(is_first), filtered=filtered, **constants)
+            bind(program, **samples, filter_radius=frame.view.filter_width)
             rays = rays_for((2 * margin + 1) ** 2)
             draw_tiles(frame, frame.framebuffer(*SUMS), program, margin=0 if is_first else margin, rays=rays)
             return
@@ -105,8 +99,8 @@ class Accumulate(Pass):
             frame.allocate(target, frame.size)
         sample_framebuffer = frame.framebuffer(*SAMPLES)
         sample_framebuffer.clear()
-        program = self.tile_program(suffix="taken", has_residual=has_residual)
-        bind(program, **samples, tile_probabilities=frame[TILE_PROBABILITIES])
+        program = self.tile_program(suffix="taken", **constants)
+        bind(program, **samples)
         draw_tiles(frame, sample_framebuffer, program, rays=rays_for(1))
         self.draw_lines(frame, SAMPLES, ROWS)
         begin_sums()

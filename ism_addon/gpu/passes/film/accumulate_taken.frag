@@ -2,6 +2,9 @@
 #include "maths/luminance.glsl"
 uniform sampler2D sample_color;
 uniform sampler2D sample_residual;
+#if EMISSION
+uniform sampler2D sample_emission;
+#endif
 uniform sampler2D sample_headroom;
 uniform sampler2D tile_probabilities;
 flat in vec2 tile;
@@ -14,6 +17,9 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     float weight = 1.0 / fetch(tile_probabilities, ivec2(tile)).x;
     vec4 color = fetch(sample_color, at), residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, at) : vec4(0.0);
+#if EMISSION
+    color.rgb += fetch(sample_emission, at).rgb;
+#endif
     float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
     sum_color = weight * color;
     sum_residual = vec4(weight * residual.rgb, weighted * weighted);

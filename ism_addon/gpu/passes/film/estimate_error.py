@@ -66,6 +66,7 @@ class EstimateError(Pass):
     def squared_difference(self, frame: Frame) -> np.ndarray:
         """(rows,columns): mean squared differences of tiles, divided by the square of the image's mean luminance."""
         images = {"image": frame[IMAGE], "half_samples_image": frame[HALF_SAMPLES_IMAGE]}
+        self.device.overwrite()
         draw_per_tile(frame, frame.framebuffer(DOUBLING_DIFFERENCE), self.tile_shader, **images)
         self.device.wait()
         texels = from_strips(frame.read(DOUBLING_DIFFERENCE), frame.tiles)

@@ -1,16 +1,5 @@
 // Composition in linear light.
 #include "textures/bilateral_upsample.glsl"
-#if SEEN_LIGHTS
-#include "surfaces/camera_ray.glsl"
-#include "lights/light.glsl"
-uniform usamplerBuffer seen_lights;
-uniform int seen_count;
-flat in vec4 visibility_texel_and_offset;
-#endif
-#if EMISSIVE
-#include "trace/triangle_fetch.glsl"
-uniform usamplerBuffer materials;
-#endif
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
@@ -36,33 +25,6 @@ float ambient_visibility(ivec2 at, Surface surface) {
 #endif
 }
 
-// Radiance of the lights before the surface, through which the camera sees, as in Cycles.
-vec3 seen_radiance(Surface surface) {
-    vec3 sum = vec3(0.0);
-#if SEEN_LIGHTS
-    Ray ray = view_ray(gl_FragCoord.xy + visibility_texel_and_offset.zw);
-    vec3 wi = normalize(ray.direction);
-    float farthest = surface.exists ? dot(surface.position - ray.origin, wi) : 1e30;
-    for (int k = 0; k < seen_count; ++k) {
-        Light light = fetch_Light(seen_lights, k);
-        float emitted = light_emitted(light, ray.origin, wi);
-        if (emitted <= 0.0) continue;
-        float distance = light_hit_distance(light, ray.origin, wi);
-        vec3 point = ray.origin + distance * wi;
-        if (distance < farthest) sum += emitted * light.emission * light_color(light, ray.origin, point);
-    }
-#endif
-    return sum;
-}
-
-vec3 emitted_radiance(Surface surface) {
-#if EMISSIVE
-    return fetch_Material(materials, fetch_triangle(surface.triangle).material).emission;
-#else
-    return vec3(0.0);
-#endif
-}
-
 // Fetches a target that is a few neutral texels if no pass draws it.
 vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
 
@@ -72,13 +34,12 @@ void main() {
     sample_residual = vec4(0.0);
     sample_headroom = 0.0;
     if (!surface.exists) {
-        sample_color = background * vec4(world, 1.0) + vec4(seen_radiance(surface), 0.0);
+        sample_color = background * vec4(world, 1.0);
         return;
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
     // A Lambertian surface reflects the fraction base_color of a world of constant radiance.
     sample_color = vec4(direct.rgb + surface.material.base_color * ambient * ambient_visibility(at, surface), 1.0);
-    sample_color.rgb += emitted_radiance(surface) + seen_radiance(surface);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;
 }

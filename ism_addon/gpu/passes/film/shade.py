@@ -2,13 +2,9 @@
 """The radiance of a pixel towards the camera, in linear light.
 
 It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
-background it is the world's. Emissive surfaces and lights that the camera sees add theirs. Occlusion is upsampled to
+background it is the world's. Accumulate adds what surfaces and lights emit. Occlusion is upsampled to
 full resolution from the half-resolution pixels that show the same surface.
 """
-
-from typing import Any
-
-import numpy as np
 
 from ....resources import (
     AMBIENT_OCCLUSION,
@@ -16,24 +12,17 @@ from ....resources import (
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
-    LIGHT_BUFFERS,
-    MATERIAL_BUFFERS,
-    MESH_BUFFERS,
     NORMAL,
     POSITION,
-    PRIMITIVE,
     SAMPLE_COLOR,
     SAMPLE_HEADROOM,
     SAMPLE_RESIDUAL,
-    SEEN_LIGHTS,
     TILES,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import LIGHT_RECORDS, MATERIAL
-from ...lights import mixed_variant
 from ...lights.world import has_world
 
 
@@ -42,29 +31,13 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(SEEN_LIGHTS, LIGHT_BUFFERS, PRIMITIVE, MATERIAL_BUFFERS, MESH_BUFFERS, Change.WORLD, Change.VIEW),
+        *(Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
-        seen, occluded = frame.get(SEEN_LIGHTS), int(not frame.is_neutral(AMBIENT_OCCLUSION))
-        emissive = frame[MATERIAL_BUFFERS].emissive
-        records = *(LIGHT_RECORDS if seen is not None else ()), *((MATERIAL,) if emissive else ())
-        visible = np.flatnonzero(frame.scene.lights.visible_camera).tolist()
-        seen_variant: dict[str, Any] = mixed_variant(frame.scene.lights, visible) if seen is not None else {}
-        program = self.tile_program(
-            *records,
-            occluded=occluded,
-            seen_lights=int(seen is not None),
-            emissive=int(emissive),
-            **seen_variant,
-        )
-        if emissive:
-            materials, corners = frame[MATERIAL_BUFFERS].table, frame[MESH_BUFFERS].samplers["corners"]
-            bind(program, primitive=frame[PRIMITIVE], materials=materials, corners=corners)
-        if seen is not None:
-            bind(program, **frame[LIGHT_BUFFERS], seen_lights=seen, seen_count=len(visible))
+        program = self.tile_program(occluded=int(not frame.is_neutral(AMBIENT_OCCLUSION)))
         bind(
             program,
             position=frame[POSITION],

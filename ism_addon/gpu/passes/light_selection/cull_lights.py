@@ -214,6 +214,7 @@ class CullLights(Pass):
         """Bounds of the near and of the far surfaces of each tile."""
         targets = *NEAR_BOUNDS, *FAR_BOUNDS
         samplers = {"position": frame[POSITION], "depth": frame[DEPTH]}
+        self.device.overwrite()
         draw_per_tile(frame, frame.framebuffer(*targets), self.surface_bounds, **samplers)
         self.device.wait()
         texels = [from_strips(frame.read(target), frame.tiles) for target in targets]

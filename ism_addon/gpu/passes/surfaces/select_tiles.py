@@ -30,7 +30,7 @@ from ....sampling.dimensions import Dimension, draw
 from ....scene import Change
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
-from ...tiles import from_strips, tiles_where
+from ...tiles import from_strips, neighbourhood_max, tiles_where
 
 #: Samples in which every tile takes part. See `dev.py bench constants` in docs/benchmarks.md.
 UNIFORM_SAMPLES = 2
@@ -122,6 +122,7 @@ class SelectTiles(Pass):
     def tile_statistics(self, frame: Frame) -> tuple[np.ndarray, float]:
         """Standard deviation (rows,columns) of the luminance of each tile's samples; the image's mean luminance."""
         sums = {"sum_color": frame[SUM_COLOR], "sum_residual": frame[SUM_RESIDUAL], "sum_weights": frame[SUM_WEIGHTS]}
+        self.device.overwrite()
         draw_per_tile(frame, frame.framebuffer(TILE_VARIANCE), self.variance, **sums)
         self.device.wait()
         texels = from_strips(frame.read(TILE_VARIANCE), frame.tiles)
@@ -137,14 +138,3 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarr
     probability = np.where(unconverged, deviation / reference_deviation, 0.0) ** ALLOCATION_EXPONENT
     probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
     return np.clip(probability, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
-
-
-def neighbourhood_max(values: np.ndarray) -> np.ndarray:
-    """(H,W): the maximum of each 3×3 neighbourhood."""
-    rows = values.copy()
-    np.maximum(rows[1:], values[:-1], out=rows[1:])
-    np.maximum(rows[:-1], values[1:], out=rows[:-1])
-    maxima = rows.copy()
-    np.maximum(maxima[:, 1:], rows[:, :-1], out=maxima[:, 1:])
-    np.maximum(maxima[:, :-1], rows[:, 1:], out=maxima[:, :-1])
-    return maxima

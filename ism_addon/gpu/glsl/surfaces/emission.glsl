@@ -1,0 +1,37 @@
+// Emission that the camera sees along a ray.
+#include "surfaces/camera_ray.glsl"
+#if SEEN_LIGHTS
+#include "lights/light.glsl"
+uniform usamplerBuffer seen_lights;
+uniform int seen_count;
+#endif
+#if EMISSIVE
+#include "trace/triangle_fetch.glsl"
+uniform usamplerBuffer materials;
+#endif
+
+// Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles.
+vec3 seen_radiance(Ray ray, float farthest) {
+    vec3 sum = vec3(0.0);
+#if SEEN_LIGHTS
+    vec3 wi = normalize(ray.direction);
+    for (int k = 0; k < seen_count; ++k) {
+        Light light = fetch_Light(seen_lights, k);
+        float emitted = light_emitted(light, ray.origin, wi);
+        if (emitted <= 0.0) continue;
+        float distance = light_hit_distance(light, ray.origin, wi);
+        vec3 point = ray.origin + distance * wi;
+        if (distance < farthest) sum += emitted * light.emission * light_color(light, ray.origin, point);
+    }
+#endif
+    return sum;
+}
+
+// Of the surface at a depth along the view's axis, and of the lights before it. Triangle -1: there is no surface.
+vec3 emission_along(Ray ray, float depth, int triangle) {
+    vec3 sum = seen_radiance(ray, triangle < 0 ? 1e30 : depth * length(ray.direction));
+#if EMISSIVE
+    if (triangle >= 0) sum += fetch_Material(materials, fetch_triangle(triangle).material).emission;
+#endif
+    return sum;
+}

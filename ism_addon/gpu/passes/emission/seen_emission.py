@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shaders need that include surfaces/emission.glsl."""
+
+from typing import Any
+
+import numpy as np
+
+from ....resources import LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS, SEEN_LIGHTS
+from ...frame import Frame
+from ...gl.shader_records import LIGHT_RECORDS, MATERIAL, Record
+from ...lights import mixed_variant
+
+#: Must be among the inputs of their passes.
+EMISSION = SEEN_LIGHTS, LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS
+
+
+def emission_records(frame: Frame) -> tuple[Record, ...]:
+    """Records of shaders that include surfaces/emission.glsl."""
+    return *(LIGHT_RECORDS if frame.get(SEEN_LIGHTS) is not None else ()), MATERIAL
+
+
+def emission_constants(frame: Frame) -> dict[str, Any]:
+    """Their constants."""
+    is_seen = frame.get(SEEN_LIGHTS) is not None
+    variant = mixed_variant(frame.scene.lights, seen_rows(frame)) if is_seen else {}
+    return {"seen_lights": int(is_seen), "emissive": int(frame[MATERIAL_BUFFERS].emissive), **variant}
+
+
+def emission_uniforms(frame: Frame) -> dict[str, Any]:
+    """Their uniforms."""
+    seen, uniforms = frame.get(SEEN_LIGHTS), dict[str, Any]()
+    if frame[MATERIAL_BUFFERS].emissive:
+        uniforms |= {"materials": frame[MATERIAL_BUFFERS].table, "corners": frame[MESH_BUFFERS].samplers["corners"]}
+    if seen is not None:
+        uniforms |= {**frame[LIGHT_BUFFERS], "seen_lights": seen, "seen_count": len(seen_rows(frame))}
+    return uniforms
+
+
+def seen_rows(frame: Frame) -> list[int]:
+    """Indices of the lights that the camera sees."""
+    rows: list[int] = np.flatnonzero(frame.scene.lights.visible_camera).tolist()
+    return rows

@@ -1,0 +1,12 @@
+// Emission that the camera sees at the position of a pixel's sample.
+#include "surfaces/emission.glsl"
+uniform usampler2D primitive;
+uniform sampler2D depth;
+flat in vec4 visibility_texel_and_offset;
+layout(location = 0) out vec4 sample_emission;
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    Ray ray = view_ray(gl_FragCoord.xy + visibility_texel_and_offset.zw);
+    sample_emission = vec4(emission_along(ray, fetch(depth, at).x, int(fetch(primitive, at).x) - 1), 0.0);
+}
