@@ -21,6 +21,9 @@ MAX_PER_LEAF = 4
 #: Subtrees that are built in parallel.
 SUBTREES = 8
 
+#: Minimum number of points by which a node's extents are judged.
+MIN_EXTENT_POINTS = 32
+
 #: Key of slots without a point, which are sorted to the end.
 LAST_KEY = np.int16(32767)
 
@@ -53,84 +56,115 @@ class LightBVH:
     def over(cls, corners: np.ndarray) -> "LightBVH":
         """The BVH over triangles (N,3,3)."""
         origin = corners.mean((0, 1))
-        exact = with_empty_row(corners - origin)  # moments of positions need its digits: they nearly cancel
-        local = exact.astype(np.float32)
-        normals, middles = normal_areas(local), local.mean(1)
-        low, high = middles.min(0), middles.max(0)
-        places = (middles - low) / max((high - low).max() / 2.0, MIN_DIVISOR)
-        directions = normals / np.maximum(np.linalg.norm(normals, axis=1), MIN_DIVISOR)[:, None]
-        leaves = median_leaves(np.concatenate([places, directions], 1)[:-1], MAX_PER_LEAF, MIN_LEAVES)
-        sums = tree_sums(moments_of_normals(normals), leaves) | tree_sums(moments_of_positions(exact, normals), leaves)
-        area, normal, position = sums["area"], sums["normal"], sums["position"]
-        offset = position / np.maximum(area, MIN_DIVISOR)[:, None]
-        low, high = triangle_boxes(local)
-        low[-1], high[-1] = np.inf, -np.inf
-        low = tree_of(reduce(np.minimum, (low[column] for column in leaves.T)), np.minimum)
-        high = tree_of(reduce(np.maximum, (high[column] for column in leaves.T)), np.maximum)
-        extent = np.where(low <= high, np.maximum(high - offset, offset - low), np.float32(0.0))
+        # Axes first: numpy is slow along short axes. The last triangle is empty, for leaves that are not full.
+        local = np.zeros((3, 3, len(corners) + 1))  # corner, axis, triangle
+        np.subtract(corners.transpose(1, 2, 0), origin[:, None], out=local[..., :-1])
+        normals, middles = normals_of(local).astype(np.float32), local.sum(0, dtype=np.float32)[:, :-1]
+        directions = normals / np.maximum(length(normals), MIN_DIVISOR)
+        low, high = middles.min(1), middles.max(1)
+        places = (middles - low[:, None]) / max((high - low).max() / 2.0, MIN_DIVISOR)
+        leaves = median_leaves(np.concatenate([places, directions[:, :-1]]).T, MAX_PER_LEAF, MIN_LEAVES)
+        sums, low, high = (np.empty((rows, len(leaves))) for rows in (MOMENTS, 3, 3))
+
+        def fill(first: int) -> None:
+            chunk = slice(first, first + LEAVES_AT_A_TIME)
+            rows = leaves[chunk].T
+            boxed, is_empty = local[..., rows], rows == len(corners)
+            sums[:, chunk] = moments(boxed).sum(1)
+            low[:, chunk] = np.where(is_empty, np.inf, boxed.min(0)).min(1)
+            high[:, chunk] = np.where(is_empty, -np.inf, boxed.max(0)).max(1)
+
+        parallel_map(fill, range(0, len(leaves), LEAVES_AT_A_TIME), len(corners))
+        sums, low, high = tree_of(sums, np.add), tree_of(low, np.minimum), tree_of(high, np.maximum)
+        area, normal, normal_normal, position, second, mixed = np.split(sums, np.cumsum([1, 3, 6, 3, 6]))
+        offset = position / np.maximum(area, MIN_DIVISOR)
+        extent = np.where(low <= high, np.maximum(high - offset, offset - low), 0.0)
         return cls(
             triangles=leaves.ravel(),
             leaves=len(leaves),
-            centre=offset + origin,
-            radius=np.linalg.norm(extent, axis=1),
-            area=area,
-            normal=normal,
-            normal_sine=normal_sines(normal, directions[leaves.ravel()]),
-            normal_normal=sums["normal_normal"],
-            position_position=sums["position_position"] - outer(position, offset),
-            normal_position=sums["normal_position"] - outer(normal, offset),
+            centre=np.ascontiguousarray(offset.T) + origin,
+            radius=length(extent),
+            area=area[0],
+            normal=np.ascontiguousarray(normal.T),
+            normal_sine=normal_sines(normal.astype(np.float32), directions[:, leaves.ravel()]),
+            normal_normal=matrices(normal_normal[SYMMETRIC]),
+            position_position=matrices((second - position[ELEMENT_AXES[0]] * offset[ELEMENT_AXES[1]])[SYMMETRIC]),
+            normal_position=matrices(mixed - outer(normal, offset)),
         )
 
 
-def with_empty_row(rows: np.ndarray) -> np.ndarray:
-    """(N + 1,…): rows (N,…) and one of zeros."""
-    result = np.zeros((len(rows) + 1, *rows.shape[1:]), rows.dtype)
-    result[:-1] = rows
+#: Number of moments of a triangle.
+MOMENTS = 28
+
+#: Leaves whose moments are summed at a time.
+LEAVES_AT_A_TIME = 1 << 12
+
+#: Axes of the six elements of a symmetric matrix, and the element at each of its nine places.
+ELEMENT_AXES = np.array([[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
+SYMMETRIC = np.array([0, 3, 4, 3, 1, 5, 4, 5, 2])
+
+
+def moments(corners: np.ndarray) -> np.ndarray:
+    """(MOMENTS,…): the moments about 0 of triangles (3,3,…), corner and axis first.
+
+    Areas, normals (3), products of normals (6), positions (3), products of positions (6), and of normals and positions
+    (9). Symmetric ones are in the order of ELEMENT_AXES.
+    """
+    one, other = ELEMENT_AXES
+    normals, middles = normals_of(corners), corners.sum(0) / 3.0
+    areas = length(normals)
+    weighted, inner = middles * areas, corners - middles
+    within = (inner[:, one] * inner[:, other]).sum(0) * (areas / 12.0)
+    return np.concatenate(
+        [
+            areas[None],
+            normals,
+            normals[one] * (normals / np.maximum(areas, MIN_DIVISOR))[other],
+            weighted,
+            middles[one] * weighted[other] + within,
+            outer(normals, middles),
+        ]
+    )
+
+
+def outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(9,…): outer products of vectors (3,…), row by row."""
+    return (a[:, None] * b[None]).reshape(9, *a.shape[1:])
+
+
+def matrices(elements: np.ndarray) -> np.ndarray:
+    """(N,3,3) from their elements (9,N)."""
+    return elements.T.reshape(-1, 3, 3)
+
+
+def length(vectors: np.ndarray) -> np.ndarray:
+    """(…): of vectors (3,…)."""
+    result: np.ndarray = np.sqrt(vectors[0] ** 2 + vectors[1] ** 2 + vectors[2] ** 2)
     return result
 
 
+def normals_of(corners: np.ndarray) -> np.ndarray:
+    """(3,…) m²: normals times areas of triangles (3,3,…), corner and axis first."""
+    (ux, uy, uz), (vx, vy, vz) = corners[1] - corners[0], corners[2] - corners[0]
+    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx]) / 2.0
+
+
 def normal_sines(means: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(2 L,): LightBVH.normal_sine, from mean normals (2 L,3) and the triangles' normals (T,3), 0 without triangle."""
-    axes = means / np.maximum(np.linalg.norm(means, axis=1), MIN_DIVISOR)[:, None]
-    sines, missing = np.zeros(len(means), np.float32), ~normals.any(1)
+    """(2 L,): LightBVH.normal_sine, from mean normals (3,2 L) and the triangles' normals (3,T), 0 without triangle."""
+    axes = means / np.maximum(length(means), MIN_DIVISOR)
+    count, missing = normals.shape[1], ~normals.any(0)
+    sines = np.zeros(means.shape[1], np.float32)
 
     def fill(first: int) -> None:
-        level, each = slice(first, 2 * first), len(normals) // first
-        cosines = np.einsum("nti,ni->nt", normals.reshape(first, each, 3), axes[level])
+        level, each = slice(first, 2 * first), count // first
+        cosines = sum(normals[axis].reshape(first, each) * axes[axis, level, None] for axis in range(3))
         cosines[missing.reshape(first, each)] = 1.0
         cosine = cosines.min(1) if each > SHORT_ROW else reduce(np.minimum, cosines.T)
         sines[level] = np.where(cosine > 0.0, np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0)), 2.0)
 
-    levels = len(means).bit_length() - 1
-    parallel_map(fill, (1 << level for level in range(levels)), len(normals))
+    levels = means.shape[1].bit_length() - 1
+    parallel_map(fill, (1 << level for level in range(levels)), count)
     return sines
-
-
-def moments_of_normals(normals: np.ndarray) -> dict[str, np.ndarray]:
-    """The moments of LightBVH without positions, of triangles with normals times areas (N,3)."""
-    areas = np.linalg.norm(normals, axis=1)
-    return {
-        "area": areas,
-        "normal": normals,
-        "normal_normal": outer(normals, normals / np.maximum(areas, MIN_DIVISOR)[:, None]),
-    }
-
-
-def moments_of_positions(corners: np.ndarray, normals: np.ndarray) -> dict[str, np.ndarray]:
-    """Those with positions, about 0, of triangles (N,3,3)."""
-    areas, middles = np.linalg.norm(normals, axis=1)[:, None], corners.mean(1)
-    inner = corners - middles[:, None]
-    within = np.einsum("nci,ncj->nij", inner, inner) * (areas / 12.0)[..., None]
-    return {
-        "position": middles * areas,
-        "position_position": outer(middles, middles * areas) + within,
-        "normal_position": outer(normals, middles),
-    }
-
-
-def outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(N,3,3): outer products of vectors (N,3)."""
-    return a[:, :, None] * b[:, None, :]
 
 
 def triangle_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -161,7 +195,8 @@ def split(rows: np.ndarray, keys: np.ndarray, leaves: int) -> np.ndarray:
     """(leaves,…): rows (R,T) of points, halved until there are so many; `keys` (K,N + 1): the points' coordinates."""
     count = keys.shape[1] - 1
     while len(rows) < leaves:
-        present = np.where(rows == count, rows[:, :1], rows)  # slots without a point do not count
+        some = rows[:, :: max(rows.shape[1] // MIN_EXTENT_POINTS, 1)]
+        present = np.where(some == count, rows[:, :1], some)  # slots without a point do not count
         values = keys[:, present.T]  # numpy is slow along short rows
         extents = values.max(1).astype(np.int32) - values.min(1)
         order = ascending(keys[extents.argmax(0)[:, None], rows])  # slots without a point are last
@@ -169,18 +204,17 @@ def split(rows: np.ndarray, keys: np.ndarray, leaves: int) -> np.ndarray:
     return rows
 
 
-def tree_sums(values: dict[str, np.ndarray], leaves: np.ndarray) -> dict[str, np.ndarray]:
-    """Sums over a complete tree's nodes, (2 L,…) each, of values (N,…) of its triangles by leaf (L,T)."""
-    widths = [int(np.prod(each.shape[1:])) for each in values.values()]
-    table = np.concatenate([each.reshape(len(each), -1) for each in values.values()], 1)
-    sums = tree_of(sum(table[column] for column in leaves.T), np.add)
-    parts = np.split(sums, np.cumsum(widths)[:-1], 1)
-    return {name: part.reshape(-1, *each.shape[1:]) for part, (name, each) in zip(parts, values.items(), strict=True)}
-
-
 def tree_of(leaves: np.ndarray, join: np.ufunc) -> np.ndarray:
-    """(2 L,…): values of a complete tree's nodes, from those of its leaves (L,…). Row 0 is a copy of the root."""
-    levels = [leaves]
-    while len(levels[-1]) > 1:
-        levels.append(join(levels[-1][::2], levels[-1][1::2]))
-    return np.concatenate([levels[-1], *reversed(levels)])
+    """(…,2 L): values of a complete tree's nodes, from those of its leaves (…,L). The first is a copy of the root's."""
+    count = leaves.shape[-1]
+    nodes = np.empty((*leaves.shape[:-1], 2 * count), leaves.dtype)
+    nodes[..., count:] = leaves
+    while count > 1:
+        count //= 2
+        join(
+            nodes[..., 2 * count : 4 * count : 2],
+            nodes[..., 2 * count + 1 : 4 * count : 2],
+            out=nodes[..., count : 2 * count],
+        )
+    nodes[..., 0] = nodes[..., 1]
+    return nodes

@@ -51,7 +51,10 @@ def find_parts(corners: np.ndarray, triangles: np.ndarray) -> MeshParts:
     low, high = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
     a, b, c = np.moveaxis(corners - ((low + high) / 2.0)[part][:, None], 1, 0)
     volume = np.bincount(part, np.einsum("ti,ti->t", a, np.cross(b, c)), count)
-    is_open = np.bincount(part, ~has_all_neighbours(triangles), count) > 0
+    part_of_vertex = np.empty(triangles.max() + 1, int)
+    part_of_vertex[triangles] = part[:, None]
+    is_open = np.zeros(count, bool)
+    is_open[part_of_vertex[at_open_edges(triangles)]] = True
     return MeshParts(part, np.where(is_open, 0.0, np.sign(volume)), np.stack([low, high], 1))
 
 
@@ -74,15 +77,15 @@ def connected(triangles: np.ndarray) -> np.ndarray:
             labels = followed
 
 
-def has_all_neighbours(triangles: np.ndarray) -> np.ndarray:
-    """(T,) bool: whether each edge has exactly one other triangle, with the same orientation."""
-    start, end = triangles, np.roll(triangles, -1, 1)
-    vertices = triangles.max() + 1
-    edges, opposite = (start * vertices + end).ravel(), (end * vertices + start).ravel()
-    ascending = np.sort(edges)
-    if (ascending[1:] > ascending[:-1]).all() and np.array_equal(ascending, np.sort(opposite)):
-        return np.ones(len(triangles), bool)  # to search each edge takes several times as long
-    once = np.searchsorted(ascending, edges, "right") - np.searchsorted(ascending, edges) == 1
-    matched = np.searchsorted(ascending, opposite, "right") - np.searchsorted(ascending, opposite) == 1
-    # Welding may have left triangles without area: their edges are matched by each other.
-    return (once & matched | (start == end).ravel()).reshape(-1, 3).all(1)
+def at_open_edges(triangles: np.ndarray) -> np.ndarray:
+    """(K,) int: a vertex of each edge that does not have exactly two triangles (T,3) of the same orientation."""
+    start, end, vertices = triangles.ravel(), np.roll(triangles, -1, 1).ravel(), int(triangles.max()) + 1
+    # Pairs of vertices, and the direction in the last bit: the two triangles of an edge have consecutive numbers.
+    keys = (np.minimum(start, end) * vertices + np.maximum(start, end)) << 1 | (start > end)
+    # Welding may have left triangles without area, and edges without length.
+    keys = np.sort(keys[start != end] if (start == end).any() else keys)
+    edges = keys >> 1
+    first = np.flatnonzero(np.append(True, edges[1:] != edges[:-1])) if len(keys) else np.zeros(0, int)
+    pairs = np.diff(first, append=len(keys)) == 2
+    pairs[pairs] = keys[first[pairs] + 1] == keys[first[pairs]] + 1
+    return edges[first[~pairs]] // vertices
