@@ -137,9 +137,9 @@ CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
 RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
     "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True
 )
-#: Pixels from one texel of the irradiance cache to the next, in x and in y, and its largest ratio.
+#: Pixels from one texel of the irradiance cache to the next, in x and in y; its largest ratio; a shader variant.
 CACHE_SPACING, MAX_COARSE_RATIO = 4, 4.0
-CACHE_CONSTANTS = {"cache_spacing": CACHE_SPACING, "max_coarse_ratio": MAX_COARSE_RATIO}
+CACHE_CONSTANTS = {"cache_spacing": CACHE_SPACING, "max_coarse_ratio": MAX_COARSE_RATIO, "fine_cache": 2}
 IRRADIANCE_RATIO = Target(
     "irradiance_ratio", "Of one light: unshadowed irradiance over its estimate", format="r16f", divisor=CACHE_SPACING
 )

@@ -21,9 +21,6 @@ MAX_PER_LEAF = 4
 #: Subtrees that are built in parallel.
 SUBTREES = 8
 
-#: Minimum number of points by which a node's extents are judged.
-MIN_EXTENT_POINTS = 32
-
 #: Key of slots without a point, which are sorted to the end.
 LAST_KEY = np.int16(32767)
 
@@ -184,22 +181,21 @@ def median_leaves(points: np.ndarray, max_per_leaf: int, min_leaves: int = 1) ->
     leaves = max(1 << int(np.ceil(np.log2(max(count / max_per_leaf, 1.0)))), min_leaves)
     rows = np.minimum(np.arange(leaves * -(-count // leaves)), count)[None]
     scale = 65534.0 / max((high - low).max(), 1e-30)
-    keys = np.full((points.shape[1], count + 1), LAST_KEY)
-    keys[:, :count] = np.rint((points - low) * scale - 32767.0).T
+    keys = np.full((count + 1, points.shape[1]), LAST_KEY)  # all of a point together: they are fetched at once
+    keys[:count] = np.rint((points - low) * scale - 32767.0)
     first = split(rows, keys, min(leaves, SUBTREES))
     parts = parallel_map(lambda row: split(row[None], keys, leaves // len(first)), first, count)
     return np.concatenate(parts)
 
 
 def split(rows: np.ndarray, keys: np.ndarray, leaves: int) -> np.ndarray:
-    """(leaves,…): rows (R,T) of points, halved until there are so many; `keys` (K,N + 1): the points' coordinates."""
-    count = keys.shape[1] - 1
+    """(leaves,…): rows (R,T) of points, halved until there are so many; `keys` (N + 1,K): the points' coordinates."""
+    count = len(keys) - 1
     while len(rows) < leaves:
-        some = rows[:, :: max(rows.shape[1] // MIN_EXTENT_POINTS, 1)]
-        present = np.where(some == count, rows[:, :1], some)  # slots without a point do not count
-        values = keys[:, present.T]  # numpy is slow along short rows
-        extents = values.max(1).astype(np.int32) - values.min(1)
-        order = ascending(keys[extents.argmax(0)[:, None], rows])  # slots without a point are last
+        present = np.where(rows == count, rows[:, :1], rows)  # slots without a point do not count
+        values = keys[present.T]  # numpy is slow along short rows
+        extents = values.max(0).astype(np.int32) - values.min(0)
+        order = ascending(keys[rows, extents.argmax(1)[:, None]])  # slots without a point are last
         rows = np.take_along_axis(rows, order, 1).reshape(2 * len(rows), -1)
     return rows
 

@@ -3,7 +3,7 @@
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 uniform sampler2D irradiance_ratio;
-uniform int fine_width; // of the part with a texel for each pixel, beside which the coarse one is; 0: there is none
+uniform int fine_width; // of the part with a texel for each pixel, beside which the coarse one is
 
 // `predicted`: the pixel that had this surface when visibility was predicted; negative if there is none.
 float cached_irradiance(Surface surface, Light light, ivec2 at, ivec2 predicted) {
@@ -21,14 +21,14 @@ float cached_irradiance(Surface surface, Light light, ivec2 at, ivec2 predicted)
     }
     bool similar = weights > 1e-3;
     float ratio = similar ? sum / weights : 1.0;
-    if (fine_width > 0) { // a light of few triangles, of which the fine part has the surroundings
-        if (fetch(irradiance_ratio, at).x >= 0.0) {
-            ratio = predicted.x < 0 ? -1.0 : fetch(irradiance_ratio, predicted).x;
-            similar = ratio >= 0.0;
-        } else {
-            similar = similar && largest < MAX_COARSE_RATIO;
-        }
-        if (!similar) return emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
+#if CACHED == FINE_CACHE // a light of few triangles, of which the fine part has the surroundings
+    if (fetch(irradiance_ratio, at).x >= 0.0) {
+        ratio = predicted.x < 0 ? -1.0 : fetch(irradiance_ratio, predicted).x;
+        similar = ratio >= 0.0;
+    } else {
+        similar = similar && largest < MAX_COARSE_RATIO;
     }
+    if (!similar) return emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
+#endif
     return ratio * estimate_light_bvh(light, surface.position, surface.normal, similar ? 1 : MAX_NODES);
 }

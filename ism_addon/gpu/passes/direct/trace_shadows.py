@@ -139,8 +139,8 @@ class TraceShadows(Pass):
         lights = frame.scene.lights
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
-        cached = int(light in (frame.get(IRRADIANCE_CACHE) or {}))
-        return variant | {"hard": int(hard), "cached": cached} | CACHE_CONSTANTS
+        cache = (frame.get(IRRADIANCE_CACHE) or {}).get(light)
+        return variant | {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
 
     @staticmethod
     def shared_uniforms(frame: Frame) -> dict[str, Any]:

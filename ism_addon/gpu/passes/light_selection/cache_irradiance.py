@@ -13,6 +13,7 @@ import moderngl
 import numpy as np
 
 from ....resources import (
+    CACHE_CONSTANTS,
     CACHE_SPACING,
     CULLING_STATE,
     IRRADIANCE_CACHE,
@@ -60,6 +61,11 @@ class CachedIrradiance:
     texture: moderngl.Texture  # IRRADIANCE_RATIO: a part with a texel for each pixel, and beside it the coarse one
     fine_width: int  # of the former; 0: there is none
     near: np.ndarray  # rows of TILE: the fine part's tiles
+
+    @property
+    def variant(self) -> int:
+        """Constant of shaders that include irradiance_cache.glsl: some drivers execute branches that no pixel takes."""
+        return int(CACHE_CONSTANTS["fine_cache"]) if self.fine_width else 1
 
     @property
     def uniforms(self) -> dict[str, Any]:

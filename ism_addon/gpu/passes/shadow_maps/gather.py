@@ -61,14 +61,14 @@ class GatherLight(Pass):
         """By the constants of the lights it is for, and whether they are in the irradiance cache."""
         return {}
 
-    def shader(self, lights: Lights, drawn: Sequence[int], cached: bool) -> moderngl.VertexArray:
-        """The shader for the types of these lights."""
+    def shader(self, lights: Lights, drawn: Sequence[int], cached: int) -> moderngl.VertexArray:
+        """The shader for the types of these lights. `cached`: the variant of their irradiance cache, or 0."""
         variant = mixed_variant(lights, drawn)
         key = cached, *variant.items()
         if key not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
             parallel = any(type_of(lights, light).parallel for light in drawn)
-            constants: dict[str, Any] = {**variant, "parallel": int(parallel), "cached": int(cached)}
+            constants: dict[str, Any] = {**variant, "parallel": int(parallel), "cached": cached}
             if cached:
                 constants |= CACHE_CONSTANTS
             self.shaders[key] = self.full_screen_program(*records, empty=NO_OCCLUDER, **constants)
@@ -107,7 +107,7 @@ class GatherLight(Pass):
         # Each light of the cache is drawn alone, with its ratios; the others between them are drawn together.
         for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
             indices, drawn = zip(*group, strict=True)
-            shader = self.shader(frame.scene.lights, drawn, cached is not None)
+            shader = self.shader(frame.scene.lights, drawn, 0 if cached is None else cache[cached].variant)
             ratio = {} if cached is None else {"depth": frame[DEPTH], **cache[cached].uniforms}
             bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
             virtual_lights = sum(counts[light] for light in drawn)
