@@ -165,9 +165,15 @@ MUTATIONS = (
     ),
     Mutation(
         "what lies behind a light throws a shadow",
-        " && abs(height) < end * abs(slope)",
-        "",
+        "if (distance < end && k != ignored)",
+        "if (distance < 2.0 && k != ignored)",
         ("test_build_bvh", "test_trace_shadows"),
+    ),
+    Mutation(
+        "edges of lamps are filtered to the wrong side",
+        "vec2 offset = vec2(x, y) + visibility_texel_and_offset.zw",
+        "vec2 offset = vec2(x, y) - visibility_texel_and_offset.zw",
+        ("test_filter_emission",),
     ),
     Mutation(
         "a faint light's turns are rarer than they count",

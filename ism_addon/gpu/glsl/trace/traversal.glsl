@@ -66,8 +66,8 @@ float edge_side(vec3 ray, vec3 a_plus_b, vec3 edge) {
     return side;
 }
 
-// Fraction of the ray's length at which it hits the triangle; `end` if that is not less.
-float triangle_distance(int triangle, vec3 origin, vec3 ray, float end) {
+// Fraction of the ray's length at which it hits the triangle, or more than 1.
+float triangle_distance(int triangle, vec3 origin, vec3 ray) {
     TriangleVertices corners = fetch_triangle(triangle);
     vec3 a = corners.first - origin, b = corners.first + corners.u - origin, c = corners.first + corners.v - origin;
     vec3 side = vec3(edge_side(ray, a + b, corners.u), edge_side(ray, b + c, corners.v - corners.u),
@@ -75,7 +75,7 @@ float triangle_distance(int triangle, vec3 origin, vec3 ray, float end) {
     vec3 normal = cross(corners.u, corners.v);
     float height = dot(normal, a), slope = dot(normal, ray); // it meets the plane at height / slope of its length
     bool inside = min(side.x, min(side.y, side.z)) >= 0.0 || max(side.x, max(side.y, side.z)) <= 0.0;
-    return inside && height * slope > 0.0 && abs(height) < end * abs(slope) ? height / slope : end;
+    return inside && height * slope > 0.0 ? height / slope : 2.0;
 }
 
 struct Intersection { float distance; int triangle; }; // a fraction of the ray's length, 1 if there is none
@@ -107,7 +107,7 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
             int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
             for (int k = first; k < last; ++k) {
                 if (any_is_enough && nearest.triangle >= 0) break;
-                float distance = triangle_distance(k, origin, ray, end);
+                float distance = triangle_distance(k, origin, ray);
                 if (distance < end && k != ignored) nearest = Intersection(distance, k);
                 end = any_is_enough ? 1.0 : nearest.distance;
             }
