@@ -12,7 +12,16 @@ from ism_addon.resources import EMISSION_CONTRAST, FILTERED_EMISSION, SAMPLE_EMI
 from ism_addon.sampling.pixel_grid import filtered
 from ism_addon.scene import LightShape
 from tests.scenes.parts.tables import instances_of, materials_of
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, make_scene, quad, view_from_above, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    light,
+    look_at,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 SIZE = 64
 VIEW = view_from_above(2.0, (SIZE, SIZE), filter_width=1.5)
@@ -125,6 +134,25 @@ def test_invisible_casters_do_not_hide_emission(device):
     hidden = draw(device, lamp_scene(plate, visible=[True, True, False]), VIEW)
     assert hidden.profile.rows["FilterEmission"].drawn == 1
     assert hidden.color == pytest.approx(plain, abs=1e-3)
+
+
+@pytest.mark.parametrize("position", [(0.3, -3.0, 2.5), (0.0, -40.0, 30.0)], ids=["near", "far"])
+def test_a_perspective_camera_sees_the_same(device, monkeypatch, position):
+    """Half of the lamp is behind a plate. Another one is nearer than the near plane, and hides nothing."""
+    distance = np.linalg.norm(position)
+    view = look_at(position, (0.0, 0.2, 0.5), (48, 36), 2.5 / distance, filter_width=1.5)
+    towards = -np.array(position) / distance
+    plate, cut = (
+        quad((-0.2, -1.0, 0.8), (1.5, 0, 0), (0, 2.0, 0)),
+        quad(position + 0.05 * towards, (1, 0, 0), (0, 0, 1)),
+    )
+    settings = with_quality(SMALL_SETTINGS, samples=16)
+    ours = draw(device, lamp_scene(plate, cut), view, settings)
+    without_camera_rays(monkeypatch)
+    theirs = draw(device, lamp_scene(plate, cut), view, with_quality(settings, samples=256)).color[..., 0]
+    edges = ours.target("filtered_emission")[..., 3] > 0.0
+    assert edges.any() and theirs.max() > 0.9 * RADIANCE
+    assert np.sqrt(np.mean((ours.color[..., 0] - theirs)[edges] ** 2)) < 0.005 * RADIANCE
 
 
 def test_positions_of_all_samples_differ(device):
