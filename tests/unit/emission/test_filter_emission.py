@@ -142,10 +142,8 @@ def test_a_perspective_camera_sees_the_same(device, monkeypatch, position):
     distance = np.linalg.norm(position)
     view = look_at(position, (0.0, 0.2, 0.5), (48, 36), 2.5 / distance, filter_width=1.5)
     towards = -np.array(position) / distance
-    plate, cut = (
-        quad((-0.2, -1.0, 0.8), (1.5, 0, 0), (0, 2.0, 0)),
-        quad(position + 0.05 * towards, (1, 0, 0), (0, 0, 1)),
-    )
+    plate = quad((-0.2, -1.0, 0.8), (1.5, 0, 0), (0, 2.0, 0))
+    cut = quad(position + 0.05 * towards - (0.5, 0.0, 0.5), (1, 0, 0), (0, 0, 1))
     settings = with_quality(SMALL_SETTINGS, samples=16)
     ours = draw(device, lamp_scene(plate, cut), view, settings)
     without_camera_rays(monkeypatch)
