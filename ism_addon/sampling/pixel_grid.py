@@ -100,7 +100,8 @@ def filtered(uniform: np.ndarray, radius: float) -> np.ndarray:
 
 def subpixel_offsets(indices: np.ndarray, radius: float) -> np.ndarray:
     """(N,2) px: offsets of samples that share no grid. See filter_margin for how a filter's radius distributes them."""
-    return lattice(indices) - 0.5 if filter_margin(radius) else filtered(lattice(indices), radius)
+    positions = np.mod(lattice(indices) + 0.5 / len(indices), 1.0)  # so that those of a sample are about its middle
+    return positions - 0.5 if filter_margin(radius) else filtered(positions, radius)
 
 
 def narrow_pixel_grid(sample: int, width: float) -> PixelGrid:
