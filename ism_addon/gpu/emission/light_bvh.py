@@ -66,10 +66,10 @@ class LightBVH:
         def fill(first: int) -> None:
             chunk = slice(first, first + LEAVES_AT_A_TIME)
             rows = leaves[chunk].T
-            boxed, is_empty = local[..., rows], rows == len(corners)
-            sums[:, chunk] = moments(boxed).sum(1)
-            low[:, chunk] = np.where(is_empty, np.inf, boxed.min(0)).min(1)
-            high[:, chunk] = np.where(is_empty, -np.inf, boxed.max(0)).max(1)
+            triangles, is_empty = local[..., rows], rows == len(corners)
+            sums[:, chunk] = moments(triangles).sum(1)
+            low[:, chunk] = np.where(is_empty, np.inf, triangles.min(0)).min(1)
+            high[:, chunk] = np.where(is_empty, -np.inf, triangles.max(0)).max(1)
 
         parallel_map(fill, range(0, len(leaves), LEAVES_AT_A_TIME), len(corners))
         sums, low, high = tree_of(sums, np.add), tree_of(low, np.minimum), tree_of(high, np.maximum)
@@ -172,7 +172,7 @@ def triangle_boxes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def normal_areas(corners: np.ndarray) -> np.ndarray:
     """(N,3) m²: normals of triangles (N,3,3) times their areas."""
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+    return normals_of(np.moveaxis(corners, 0, -1)).T
 
 
 def median_leaves(points: np.ndarray, max_per_leaf: int, min_leaves: int = 1) -> np.ndarray:

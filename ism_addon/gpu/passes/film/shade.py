@@ -2,8 +2,8 @@
 """The radiance of a pixel towards the camera, in linear light.
 
 It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
-background it is the world's. Accumulate adds what surfaces and lights emit. Occlusion is upsampled to
-full resolution from the half-resolution pixels that show the same surface.
+background it is the world's. Accumulate adds what surfaces and lights emit. Occlusion is upsampled to full resolution
+from the half-resolution pixels that show the same surface.
 """
 
 from ....resources import (
