@@ -13,9 +13,9 @@ float residual_weight(ivec2 at, float weight, vec2 texel) {
     return max(weight * (count - 1.0) / count, 1e-30);
 }
 
-// Similarity of two luminances: 1 if they are equal, small if one is twice the other.
+// Similarity of two luminances: 1 if they are equal, small if one is twice the other. Lights can be negative.
 float luminance_similarity(float a, float b) {
-    float difference = (a - b) / max(a + b, 1e-37), square = 1.0 + SIMILARITY_SHARPNESS * difference * difference;
+    float difference = (a - b) / max(abs(a) + abs(b), 1e-37), square = 1.0 + SIMILARITY_SHARPNESS * difference * difference;
     return 1.0 / (square * square);
 }
 
