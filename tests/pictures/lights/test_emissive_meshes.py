@@ -15,6 +15,7 @@ from tests.support.small_scenes import (
     SMALL_SETTINGS,
     draw,
     light,
+    look_at,
     make_scene,
     no_lights,
     quad,
@@ -174,6 +175,27 @@ def test_pixels_near_a_light_bvh_are_as_bright_as_near_the_same_light_in_closed_
     error = np.abs(few - many)[..., :3] / few[..., :3].mean()
     assert error.mean() < 0.02
     assert np.percentile(error, 99) < 0.15
+
+
+def ridges(count: int, height: float):
+    """A folded sheet, 1 m wide."""
+    x = np.linspace(-0.5, 0.5, 2 * count + 1)
+    fold = np.stack([x, np.full_like(x, -0.5), height * (np.arange(len(x)) % 2)], 1)
+    a = np.arange(len(x) - 1)
+    b, d = a + 1, a + len(x)
+    return mesh(np.concatenate([fold, fold + (0.0, 1.0, 0.0)]), np.stack([a, b, d + 1, a, d + 1, d], 1).reshape(-1, 3))
+
+
+def test_light_on_what_is_smaller_than_a_pixel_is_that_of_a_finer_picture(device):
+    """Ridges close to a panel that the camera does not see: the panel's light differs on both sides of each."""
+    low = replace(panel(6), positions=panel(6).positions * (1, 1, 0) + (0, 0, 0.12))
+    scene = lit_by(low, ridges(20, 0.08), visible=[True, True, False])
+    means = {}
+    for side, samples in ((1, 64), (8, 2)):
+        view = look_at((0.9, -1.2, 1.1), size=(32 * side, 24 * side), filter_width=1.5)
+        settings = with_quality(SETTINGS[Method.RAY_TRACED], samples=samples)
+        means[side] = draw(device, scene, view, settings).color[..., :3].mean()
+    assert np.isclose(means[1], means[8], rtol=0.01)
 
 
 def counts(device, scene: Scene, samples: int = 1):

@@ -37,9 +37,12 @@ void main() {
     PredictedPixel pixel = PredictedPixel(at, true);
 #endif
 #if CACHED
-    float irradiance = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
+    CachedIrradiance cached = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
+    float irradiance = cached.value;
+    bool exact = EXACT == 1 && (TRACE == 0 || cached.exact);
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
+    const bool exact = EXACT == 1;
 #endif
     vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light, irradiance) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
@@ -47,8 +50,12 @@ void main() {
     if (!pixel.similar) predicted.y = 1.0;
 #endif
     float amount = luminance(unshadowed);
-    bool uncertain = EXACT == 0 || predicted.y > 0.0;
+    bool uncertain = !exact || predicted.y > 0.0;
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
+#if CACHED
+    float most = luminance(bsdf_unshadowed(surface, light, 1.0 / INVERSE_PI)); // from all directions
+    if (!exact) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
+#endif
 #if HARD
     if (uncertain && amount != 0.0) { // one ray decides: nothing is left to correct
         LightSample from = light_sample(light, surface.position, surface.normal, vec2(0.5));
@@ -66,19 +73,19 @@ void main() {
     bool tests = tile_probability > 0.0;
     float rate = tests ? tile_probability : ray_rate(amount, predicted.x, uncertain);
     ScheduledRays scheduled = schedule_rays(at, light_uv_shift.z, rate);
-    if (!is_lit || (EXACT == 1 && unshadowed == vec3(0.0))) return;
+    if (!is_lit || (exact && unshadowed == vec3(0.0))) return;
     float count = tests ? 1.0 : scheduled.count;
     for (float k = 0.0; k < count; ++k) {
         vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(scheduled.first + k));
         LightSample from = resampled_light_sample(light, surface.position, surface.normal, light_uv, irradiance);
         bool is_lit_from = arrives(surface, from);
-        if (EXACT == 1 && !is_lit_from) continue;
+        if (exact && !is_lit_from) continue;
         float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
         rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
         if (tests) continue;
         vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
         vec3 correction =
-            ray_correction(estimate, visible, unshadowed, predicted.x, light, surface.position, from.point);
+            ray_correction(estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, exact);
         direct_residual.rgb += correction / rate;
     }
 #endif

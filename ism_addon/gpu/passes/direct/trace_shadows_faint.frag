@@ -39,7 +39,8 @@ void main() {
     if (EXACT == 1 && !is_lit_from) return;
     float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
     vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) / tile_probability : vec3(0.0);
-    vec3 correction = ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point);
+    vec3 correction =
+        ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point, true);
     direct_residual.rgb = correction / rate;
 #endif
 }

@@ -66,7 +66,7 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
 #if CACHED
-    float irradiance = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy), ivec2(-1));
+    float irradiance = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy), ivec2(-1)).value;
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
 #endif
