@@ -87,6 +87,10 @@ void main() {
         vec3 correction =
             ray_correction(estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, exact);
         direct_residual.rgb += correction / rate;
+        if (uncertain) continue;
+        float change = luminance(correction) / rate; // what contradicts a certain prediction is uncertain
+        direct_residual.a += abs(change);
+        direct_prediction.a += max(change, 0.0);
     }
 #endif
 }
