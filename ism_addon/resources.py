@@ -252,7 +252,9 @@ SAMPLE_EMISSION = Target(
 )
 EMISSION_CONTRAST = _of_tiles("emission_contrast", "Luminance of its differences around a tile's pixels", "r32f")
 EMISSION_EDGES: Resource[np.ndarray] = Resource("emission_edges", "(rows,columns): maxima of that so far", _PICTURE)
-SUBSAMPLE_EMISSION = Target("subsample_emission", "As sample_emission, at one of several positions in a sample")
+SUBSAMPLE_EMISSION = Target(
+    "subsample_emission", "As sample_emission at another position, and with a border", divisor=0
+)
 FILTERED_EMISSION = Target(
     "filtered_emission", "Sums around edges, weighted by the pixel filter; in alpha the weights", neutral=(0.0,) * 4
 )

@@ -129,7 +129,9 @@ def _from_json(type_: Any, encoded: Any, path: str, arrays: dict[str, np.ndarray
         return tuple(_from_json(item, each, f"{path}/{index}", arrays) for index, each in enumerate(encoded))
     if issubclass(type_, StrEnum):
         if encoded not in list(type_):
-            raise SnapshotError(f"The snapshot's {path} is {shortened(repr(encoded))}, none of {shortened(', '.join(type_))}.")
+            raise SnapshotError(
+                f"The snapshot's {path} is {shortened(repr(encoded))}, none of {shortened(', '.join(type_))}."
+            )
         return type_(encoded)
     if type_ is float and type(encoded) is int and abs(encoded) < MAX_DISTANCE:
         encoded = float(encoded)

@@ -22,16 +22,22 @@ def draw_tiles(
     margin: int = 0,
     side: int = TILE_SIZE,
     rays: float = 1.0,
+    border: int = 0,
 ) -> None:
     """Draw `tiles`, rows of TILE, or all tiles that take part in this sample, with `margin` px around each.
 
-    In this target, a tile has `side`×`side` pixels. A pixel takes the time of `rays` rays, see draw_limit.
+    In this target, a tile has `side`×`side` pixels, and around the picture are `border` px, at most a tile. A pixel
+    takes the time of `rays` rays, see draw_limit.
     """
     tiles = frame[TILES] if tiles is None else tiles
     if not len(tiles):
         return
     columns, rows = frame.tiles
-    tile_viewport = 0, 0, columns * side, rows * side
+    corner = 0
+    if border:  # a viewport with one more tile on each side: drivers may clip points to it
+        columns, rows, corner, tiles = columns + 2, rows + 2, border - side, tiles.copy()
+        tiles["tile"] += 1
+    tile_viewport = corner, corner, columns * side, rows * side
     draw_into(target)
     viewport = target.viewport
     if viewport != tile_viewport:

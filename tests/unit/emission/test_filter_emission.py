@@ -73,6 +73,19 @@ def test_edges_are_nearer_to_the_filtered_ones(device, monkeypatch, width, max_e
     assert error < 0.4 * edge_error(draw(device, scene, view, settings).color, expected)
 
 
+def test_filters_cover_what_is_beside_the_picture(device):
+    """The lamp ends six tenths of a pixel before the picture's border."""
+    end = 1.0 - 0.6 * 2.0 / SIZE
+    lamp = replace(quad((-end, -end, 0.5), (2 * end, 0, 0), (0, 2 * end, 0)), materials=LAMP.materials)
+    scene = lamp_scene()
+    scene = replace(scene, meshes=(FLOOR, lamp))
+    color = draw(device, scene, VIEW, with_quality(SMALL_SETTINGS, samples=16)).color[..., 0] / RADIANCE
+    seen = float((np.abs(filtered((np.arange(4096) + 0.5) / 4096, 1.5)) >= 0.1).mean()) / 2.0
+    assert color[2:-2, 2:-2].min() > 1.0 - 1e-4
+    for border in (color[0], color[-1], color[:, 0], color[:, -1]):
+        assert border[1:-1] == pytest.approx(seen, abs=0.03)
+
+
 def test_the_first_sample_has_filtered_edges(device):
     assert edge_error(draw(device, lamp_scene(), VIEW).color, coverage(VIEW)) < 0.04
 

@@ -39,11 +39,12 @@ void main() {
 #if CACHED
     CachedIrradiance cached = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
     float irradiance = cached.value;
-    bool exact = EXACT == 1 && (TRACE == 0 || cached.exact);
+    bool is_reliable = TRACE == 0 || cached.exact;
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
-    const bool exact = EXACT == 1;
+    const bool is_reliable = true;
 #endif
+    bool exact = EXACT == 1 && is_reliable;
     vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light, irradiance) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
 #if TRACE
@@ -54,7 +55,7 @@ void main() {
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if CACHED
     float most = luminance(bsdf_unshadowed(surface, light, 1.0 / INVERSE_PI)); // from all directions
-    if (!exact) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
+    if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif
 #if HARD
     if (uncertain && amount != 0.0) { // one ray decides: nothing is left to correct
@@ -84,13 +85,14 @@ void main() {
         rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
         if (tests) continue;
         vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
-        vec3 correction =
-            ray_correction(estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, exact);
+        vec3 correction = ray_correction(
+            estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, is_reliable);
         direct_residual.rgb += correction / rate;
-        if (uncertain) continue;
-        float change = luminance(correction) / rate; // what contradicts a certain prediction is uncertain
-        direct_residual.a += abs(change);
-        direct_prediction.a += max(change, 0.0);
+    }
+    if (!uncertain) { // what contradicts a certain prediction is uncertain
+        float change = luminance(direct_residual.rgb);
+        direct_residual.a = abs(change);
+        direct_prediction.a = clamp(change, 0.0, headroom(amount, predicted.x));
     }
 #endif
 }

@@ -1,4 +1,5 @@
-// Emission that the camera sees at a position of each pixel, by a camera ray.
+// Emission that the camera sees at a position of each pixel, by a camera ray. Filters also cover pixels around the
+// picture.
 #include "trace/traversal.glsl"
 #include "surfaces/emission.glsl"
 uniform vec2 depths; // at which camera rays start and end, m
@@ -6,7 +7,7 @@ flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 subsample_emission;
 
 void main() {
-    Ray ray = view_ray(gl_FragCoord.xy + visibility_texel_and_offset.zw);
+    Ray ray = view_ray(gl_FragCoord.xy - float(BORDER) + visibility_texel_and_offset.zw);
     Intersection hit = nearest_hit(ray.origin + depths.x * ray.direction, ray.origin + depths.y * ray.direction);
     subsample_emission = vec4(emission_along(ray, mix(depths.x, depths.y, hit.distance), hit.triangle), 0.0);
 }

@@ -49,7 +49,8 @@ class FilterEmission(Pass):
     def execute(self, frame: Frame) -> None:
         tiles, width = self.tiles(frame), frame.view.filter_width
         margin = filter_margin(width)
-        trace = self.tile_program(CASTER, *emission_records(frame), **emission_constants(frame))
+        frame.allocate(SUBSAMPLE_EMISSION, (frame.size[0] + 2 * margin, frame.size[1] + 2 * margin))
+        trace = self.tile_program(CASTER, *emission_records(frame), **emission_constants(frame), border=margin)
         bind(trace, depths=self.depths(frame), **frame[TLAS] | emission_uniforms(frame))
         add = self.tile_program(suffix="add", margin=margin)
         bind(add, subsample_emission=frame[SUBSAMPLE_EMISSION], filter_radius=width)
@@ -59,7 +60,7 @@ class FilterEmission(Pass):
         for offset in subpixel_offsets(np.arange(first, first + CAMERA_RAYS), width):
             tiles["subpixel_offset"] = offset
             self.device.overwrite()
-            draw_tiles(frame, frame.framebuffer(SUBSAMPLE_EMISSION), trace, tiles, margin)
+            draw_tiles(frame, frame.framebuffer(SUBSAMPLE_EMISSION), trace, tiles, margin, border=margin)
             self.device.add()
             draw_tiles(frame, sums, add, tiles)
 

@@ -10,10 +10,9 @@ void main() {
     filtered_emission = vec4(0.0);
     for (int y = -MARGIN; y <= MARGIN; ++y) {
         for (int x = -MARGIN; x <= MARGIN; ++x) {
-            ivec2 from = at + ivec2(x, y), inside = clamp(from, ivec2(0), last_pixel());
             vec2 offset = vec2(x, y) + visibility_texel_and_offset.zw;
-            float weight = from == inside ? filter_weight(offset.x) * filter_weight(offset.y) : 0.0;
-            filtered_emission += weight * vec4(fetch(subsample_emission, inside, texel).rgb, 1.0);
+            float weight = filter_weight(offset.x) * filter_weight(offset.y);
+            filtered_emission += weight * vec4(fetch(subsample_emission, at + ivec2(x, y) + MARGIN, texel).rgb, 1.0);
         }
     }
 }

@@ -14,6 +14,7 @@ import numpy as np
 
 from ....resources import (
     CONVERGENCE,
+    LIGHT_INFLUENCE,
     MEAN_LUMINANCE,
     SAMPLES_PER_TILE,
     SUM_COLOR,
@@ -39,6 +40,10 @@ UNIFORM_SAMPLES = 2
 #: `dev.py bench constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
+
+#: Lights of a tile, on average, beyond which that fraction is smaller in proportion: the time of a sample then hardly
+#: grows with the number of lights. With 25, as in the benchmark's scene street, this is a sixth sooner to an error.
+MANY_LIGHTS = 8.0
 
 #: The variance of the mean of n samples is proportional to this power of 1 / n: samples are stratified, and most of
 #: the variance is at edges (Mitchell 1996).
@@ -69,7 +74,7 @@ class SelectTiles(Pass):
     """The tiles that take part in this sample, and in how many samples each took part so far."""
 
     inputs = Change.VIEW, Change.SAMPLE, "shadow.method", "shortcuts"
-    feedback = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, CONVERGENCE
+    feedback = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, CONVERGENCE, LIGHT_INFLUENCE
     outputs = outputs(
         *(TILES, TILE_SELECTION, SAMPLES_PER_TILE, TILE_SAMPLE_COUNTS, TILE_PROBABILITIES, TILE_VARIANCE),
         MEAN_LUMINANCE,
@@ -89,7 +94,8 @@ class SelectTiles(Pass):
             deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
             adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
             if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
-                selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged)
+                always = ALWAYS_SAMPLED_FRACTION * MANY_LIGHTS / max(lights_per_tile(frame), MANY_LIGHTS)
+                selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged, always)
         random = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
         takes_part = random.reshape(rows, columns) < selection.probabilities
         takes_part &= neighbourhood_max(~converged)
@@ -130,10 +136,21 @@ class SelectTiles(Pass):
         return np.sqrt(variance), float(luminance.mean())
 
 
-def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray) -> np.ndarray:
-    """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods."""
+def lights_per_tile(frame: Frame) -> float:
+    """How many lights have a prediction at each pixel of a tile, on average."""
+    influences = (frame.get(LIGHT_INFLUENCE) or {}).values()
+    return sum(
+        float((each.contributes & ~each.is_faint & (each.coarse_visibility > 0.0)).mean()) for each in influences
+    )
+
+
+def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray, always: float) -> np.ndarray:
+    """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods.
+
+    The fraction `always` of the unconverged tiles has probability 1.
+    """
     rounding = SUM_ROUNDING * mean_luminance / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
-    quantile = float(np.quantile(deviation[unconverged], 1.0 - ALWAYS_SAMPLED_FRACTION))
+    quantile = float(np.quantile(deviation[unconverged], 1.0 - always))
     reference_deviation = max(quantile, rounding, FLOAT32_TINY)  # of tiles with probability 1
     probability = np.where(unconverged, deviation / reference_deviation, 0.0) ** ALLOCATION_EXPONENT
     probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
