@@ -6,9 +6,9 @@
 uniform sampler2D irradiance_ratio;
 uniform int fine_width; // of the part with a texel for each pixel, beside which the coarse one is
 
-struct CachedIrradiance { float value; bool exact; };
+struct CachedIrradiance { float value; bool is_reliable; };
 
-// Texels whose ratios differ by more than this factor are too far from each other to interpolate between them exactly.
+// Texels whose ratios differ by more than this factor are too far from each other to interpolate between them reliably.
 // Of 1.04 to 2.5, it leaves the least error in the scene lanterns of `bench error`.
 const float MAX_RATIO_CHANGE = 1.1;
 
@@ -27,7 +27,7 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
         smallest = min(smallest, weight > 0.0 ? ratio : 1e30);
         largest = max(largest, weight > 0.0 ? ratio : 0.0);
     }
-    bool similar = weights > 1e-3, exact = similar && largest <= MAX_RATIO_CHANGE * smallest;
+    bool similar = weights > 1e-3, is_reliable = similar && largest <= MAX_RATIO_CHANGE * smallest;
     float ratio = similar ? sum / weights : 1.0;
 #if CACHED == FINE_CACHE // a light of few triangles, of which the fine part has the surroundings
     if (fetch(irradiance_ratio, at).x >= 0.0) {
@@ -39,7 +39,7 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
             smallest = min(smallest, next < 0.0 ? smallest : next);
             largest = max(largest, next);
         }
-        similar = exact = ratio >= 0.0 && largest <= MAX_RATIO_CHANGE * smallest;
+        similar = is_reliable = ratio >= 0.0 && largest <= MAX_RATIO_CHANGE * smallest;
     } else {
         similar = similar && largest < MAX_COARSE_RATIO;
     }
@@ -47,5 +47,5 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
         return CachedIrradiance(emissive_mesh_accurate_irradiance(light, surface.position, surface.normal), true);
 #endif
     float estimate = estimate_light_bvh(light, surface.position, surface.normal, similar ? 1 : MAX_NODES);
-    return CachedIrradiance(ratio * estimate, exact);
+    return CachedIrradiance(ratio * estimate, is_reliable);
 }

@@ -39,7 +39,7 @@ void main() {
 #if CACHED
     CachedIrradiance cached = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
     float irradiance = cached.value;
-    bool is_reliable = TRACE == 0 || cached.exact;
+    bool is_reliable = TRACE == 0 || cached.is_reliable; // without rays, nothing better corrects it
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     const bool is_reliable = true;
@@ -53,7 +53,7 @@ void main() {
     float amount = luminance(unshadowed);
     bool uncertain = !exact || predicted.y > 0.0;
     direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
-#if CACHED
+#if CACHED && TRACE
     float most = luminance(bsdf_unshadowed(surface, light, 1.0 / INVERSE_PI)); // from all directions
     if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif

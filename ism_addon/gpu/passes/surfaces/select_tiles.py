@@ -41,11 +41,11 @@ UNIFORM_SAMPLES = 2
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
 
-#: Lights of a tile, on average, beyond which that fraction falls, with this power of their number: so a sample's time
-#: hardly grows with it. In the benchmark's scene street, which has 25, the same error takes .85 of the time. A power of
-#: 1 is as good, but 16 samples take a tenth longer.
+#: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
+#: falls with a power of their number, so that a sample's time hardly grows. The benchmark's scene street has 25: it has
+#: the same error in .85 of the time. With a power of 1, 16 samples of it take a tenth longer.
+FULL_RATE_LIGHTS = 8.0
 FEWER_TILES_EXPONENT = 1.5
-MANY_LIGHTS = 8.0
 
 #: The variance of the mean of n samples is proportional to this power of 1 / n: samples are stratified, and most of
 #: the variance is at edges (Mitchell 1996).
@@ -96,8 +96,8 @@ class SelectTiles(Pass):
             deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
             adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
             if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
-                many = max(lights_per_tile(frame) / MANY_LIGHTS, 1.0)
-                always = ALWAYS_SAMPLED_FRACTION / many**FEWER_TILES_EXPONENT
+                excess = max(lights_per_tile(frame) / FULL_RATE_LIGHTS, 1.0)
+                always = ALWAYS_SAMPLED_FRACTION / excess**FEWER_TILES_EXPONENT
                 selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged, always)
         random = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
         takes_part = random.reshape(rows, columns) < selection.probabilities
@@ -142,9 +142,8 @@ class SelectTiles(Pass):
 def lights_per_tile(frame: Frame) -> float:
     """How many lights have a prediction at each pixel of a tile, on average."""
     influences = (frame.get(LIGHT_INFLUENCE) or {}).values()
-    return sum(
-        float((each.contributes & ~each.is_faint & (each.coarse_visibility > 0.0)).mean()) for each in influences
-    )
+    drawn = (each.contributes & ~each.is_faint & (each.coarse_visibility > 0.0) for each in influences)
+    return sum(float(tiles.mean()) for tiles in drawn)
 
 
 def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray, always: float) -> np.ndarray:
