@@ -149,6 +149,11 @@ class Frame:
         """Whether shadow rays are traced that can hit anything."""
         return self.casts_shadows and any(estimator.traces_rays for estimator in self.estimators)
 
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether tiles with less noise have fewer samples."""
+        return self.settings.shortcuts and all(estimator.adaptive for estimator in self.estimators)
+
     def shared_resource(self, make: Callable[..., T], *arguments: Any) -> T:
         """`make(device, *arguments)`, shared by all renderers that use it with the same components of the scene."""
         key = make, *arguments

@@ -220,6 +220,11 @@ class Renderer:
         """Convergence of the image so far."""
         return self.graph[CONVERGENCE]
 
+    @property
+    def is_adaptive(self) -> bool:
+        """See Frame.is_adaptive."""
+        return self.last[0].is_adaptive
+
     @staticmethod
     def pixel_pass_seconds(profile: Profile) -> float:
         """Time of the passes that draw targets: it grows with the number of pixels."""

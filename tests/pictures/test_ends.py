@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.jobs.job import Job, Request
+from ism_addon.gpu.jobs.refinement import MAX_REFINEMENT, SUFFICIENT_ERROR
 from ism_addon.gpu.jobs.render_loop import draw_job
 from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.gpu.profile import table
@@ -23,9 +24,11 @@ def drawn(device):
     """drawn(settings, **quality): draws a picture to its end; the job, and its successive status texts."""
     renderers = Renderer(device), Renderer(device)
 
-    def drawn(settings=SMALL_SETTINGS, preview_pixel_size: int = 1, **quality: float) -> tuple[Job, list[str]]:
+    def drawn(
+        settings=SMALL_SETTINGS, preview_pixel_size: int = 1, size=(48, 32), **quality: float
+    ) -> tuple[Job, list[str]]:
         job = Job(
-            Request(*pillar_field(48, 32), with_quality(settings, **quality), preview_pixel_size=preview_pixel_size),
+            Request(*pillar_field(*size), with_quality(settings, **quality), preview_pixel_size=preview_pixel_size),
             threading.Condition(),
         )
         statuses = [""]
@@ -61,6 +64,39 @@ def test_a_lower_threshold_gives_less_error(drawn):
     jobs = [drawn(samples=4096, error_threshold=threshold)[0] for threshold in (0.3, 0.1)]
     assert jobs[0].samples_done < jobs[1].samples_done
     assert jobs[0].statistics["error"] > jobs[1].statistics["error"]
+
+
+def test_a_picture_that_is_noisy_after_its_samples_has_more(drawn):
+    job, statuses = drawn(samples=16)
+    assert 16 < job.samples_done <= 16 * MAX_REFINEMENT
+    assert job.statistics["error"] <= SUFFICIENT_ERROR or job.samples_done == 16 * MAX_REFINEMENT
+    assert job.statistics["stopped_by"] in ("samples", "error")
+    assert statuses[3].startswith("Sample 3/16")
+    assert any(status.startswith(f"Sample 12/{16 * MAX_REFINEMENT}, error") for status in statuses)
+
+
+def test_tiles_with_little_noise_have_no_more(drawn):
+    refined, _ = drawn(samples=16, size=(96, 64))
+    requested, _ = drawn(samples=refined.samples_done, size=(96, 64))
+    assert 16 < refined.samples_done == requested.samples_done
+    assert refined.statistics["pixels_drawn"] < 0.95 * requested.statistics["pixels_drawn"]
+    assert refined.statistics["error"] < 1.1 * requested.statistics["error"]
+
+
+@pytest.mark.parametrize(
+    "settings, quality",
+    [
+        pytest.param(SMALL_SETTINGS, {"samples": 15}, id="few samples"),
+        pytest.param(SMALL_SETTINGS, {"samples": 1024}, id="little noise"),
+        pytest.param(replace(SMALL_SETTINGS, shortcuts=False), {"samples": 16}, id="without shortcuts"),
+        pytest.param(
+            replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS)), {"samples": 16}, id="shadow maps"
+        ),
+    ],
+)
+def test_other_pictures_have_the_requested_samples(drawn, settings, quality):
+    job, _ = drawn(settings, **quality)
+    assert job.samples_done == job.samples == quality["samples"]
 
 
 @pytest.mark.parametrize("preview_pixel_size", [1, 4])

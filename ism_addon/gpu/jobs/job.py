@@ -48,7 +48,7 @@ class Job:
     def __init__(self, request: Request, changed: threading.Condition):
         view, settings = view_within_limits(request.view), within_limits(request.settings)
         self.request = replace(request, view=view, settings=settings)
-        self.samples = self.request.settings.quality.samples  # upper limit
+        self.samples = self.request.settings.quality.samples  # upper limit; it grows where they leave much noise
         self.samples_done = 0
         self.first_seconds = 0.0  # of the passes that drew the first picture's pixels; 0 before it is done
         self.finished = False

@@ -9,13 +9,13 @@ from itertools import chain
 import numpy as np
 
 from ...render_passes import COMBINED
-from ...settings import Quality
 from ..convergence import Convergence
 from ..gl.context import Device
 from ..gl.errors import Cancelled, ContextLost, GraphicsError
 from ..profile import Profile
 from ..renderer import Renderer
 from .job import Job, Picture
+from .refinement import SUFFICIENT_ERROR, sample_limit
 
 log = logging.getLogger(__name__)
 
@@ -105,6 +105,7 @@ class RenderLoop:
 def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Generator[None, None, None]:
     """Draw all samples of a job, one pass per step, and store intermediate pictures."""
     request, profile, start = job.request, Profile(), time.perf_counter()
+    quality = request.settings.quality
 
     def cancelled() -> bool:
         return job.cancelled
@@ -137,7 +138,11 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
         if job.samples_done == 0:
             first_sample_images = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
-        stopped_by = stop_reason(request.settings.quality, job.samples_done, now - start, renderer.error)
+        if renderer.is_adaptive:
+            job.samples = sample_limit(quality, job.samples_done, renderer.error)
+            if quality.samples <= job.samples_done < job.samples:
+                renderer.error.stop_below(SUFFICIENT_ERROR)
+        stopped_by = stop_reason(job, now - start, renderer.error)
         if stopped_by:
             renderer.submission.finish()
         job.first_seconds = job.first_seconds or renderer.pixel_pass_seconds(profile)
@@ -154,10 +159,10 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
         yield
 
 
-def stop_reason(quality: Quality, samples: int, seconds: float, error: Convergence) -> str:
-    """Why sampling stops after `samples` samples and `seconds` s: "samples", "error" or "time"; "" if it goes on."""
-    if samples >= quality.samples:
+def stop_reason(job: Job, seconds: float, error: Convergence) -> str:
+    """Why a job stops after `seconds` s: "samples", "error" or "time"; "" if it goes on."""
+    if job.samples_done >= job.samples:
         return "samples"
     if error.converged.all():
         return "error"
-    return "time" if 0.0 < quality.time_limit <= seconds else ""
+    return "time" if 0.0 < job.request.settings.quality.time_limit <= seconds else ""

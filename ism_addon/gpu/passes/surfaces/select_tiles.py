@@ -94,8 +94,7 @@ class SelectTiles(Pass):
         converged = np.zeros((rows, columns), bool) if frame.sample == 0 else frame[CONVERGENCE].converged
         if has_doubled(frame.sample):
             deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
-            adaptive = frame.settings.shortcuts and all(estimator.adaptive for estimator in frame.estimators)
-            if adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
+            if frame.is_adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 excess = max(lights_per_tile(frame) / FULL_RATE_LIGHTS, 1.0)
                 always = ALWAYS_SAMPLED_FRACTION / excess**FEWER_TILES_EXPONENT
                 selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged, always)
