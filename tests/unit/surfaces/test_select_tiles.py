@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which tiles a sample draws: all at first, then mostly those that have a high variance."""
 
+import functools
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.surfaces.select_tiles import MIN_NEIGHBOUR_RATIO, MIN_TILE_PROBABILITY, UNIFORM_SAMPLES
+from ism_addon.gpu.passes.surfaces.select_tiles import (
+    FULL_RATE_LIGHTS,
+    MIN_NEIGHBOUR_RATIO,
+    MIN_TILE_PROBABILITY,
+    UNIFORM_SAMPLES,
+)
 from ism_addon.resources import TILE_SAMPLE_COUNTS, TILE_SIZE
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import (
     SMALL_SETTINGS,
     SMALL_SHADOW_MAPS,
     draw,
+    join_lights,
     light,
     make_scene,
     quad,
@@ -18,6 +27,9 @@ from tests.support.small_scenes import (
     view_from_above,
     with_quality,
 )
+
+#: Lights with which tiles are drawn at full rate, and with which they are not.
+FEW, MANY = int(FULL_RATE_LIGHTS) // 2, 5 * int(FULL_RATE_LIGHTS)
 
 FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
@@ -58,6 +70,35 @@ def test_a_picture_without_variance_draws_few_tiles(device):
     expected = UNIFORM_SAMPLES + MIN_TILE_PROBABILITY * (64 - UNIFORM_SAMPLES)
     assert sample_counts(drawn) == pytest.approx(expected, abs=3.0)
     assert sample_counts(drawn).mean() == pytest.approx(expected, abs=0.5)
+
+
+def under_lights(device, count: int, last: int):
+    """A box below lights in a ring, together as bright whatever their number, drawn up to a sample of 16."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    lights = (
+        light(
+            position=(2.0 * np.cos(angle), 2.0 * np.sin(angle), 3.0),
+            axis_u=(0.3, 0.0, 0.0),
+            axis_v=(0.0, -0.3, 0.0),
+            radiance=10.0 / count,
+        )
+        for angle in angles
+    )
+    scene, view = box_over_plane(128, 96)
+    scene = make_scene(scene.meshes, functools.reduce(join_lights, lights))
+    return draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=16), last=last)
+
+
+def test_with_many_lights_fewer_tiles_are_drawn(device):
+    few, many = (sample_counts(under_lights(device, count, last=15)).mean() for count in (FEW, MANY))
+    assert many < 0.8 * few
+
+
+def test_the_visibility_of_many_lights_is_not_predicted_for_few_draws(device):
+    """It is predicted for the surfaces of a sample: of the fifth and the ninth, or of the ninth only."""
+    for count, samples in ((FEW, [True, True]), (MANY, [False, True])):
+        surfaces = [under_lights(device, count, last).target("prediction_surface") for last in (3, 4, 8)]
+        assert [not np.array_equal(*pair) for pair in pairwise(surfaces)] == samples
 
 
 def test_tiles_with_variance_are_drawn_most(device):

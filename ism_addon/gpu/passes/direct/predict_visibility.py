@@ -27,6 +27,7 @@ from ....resources import (
     PROBES,
     RAY_COUNTS,
     REDISCOVERED,
+    TILE_SELECTION,
     TILE_SIZE,
     TILE_VISIBILITY,
 )
@@ -47,7 +48,7 @@ class PredictVisibility(Pass):
     """For each light that casts shadows, the predicted visibility at each pixel."""
 
     schedule = Schedule.DOUBLING
-    inputs = PROBES, REDISCOVERED, LIGHT_INFLUENCE, POSITION, NORMAL, DEPTH, Change.SAMPLE
+    inputs = PROBES, REDISCOVERED, LIGHT_INFLUENCE, POSITION, NORMAL, DEPTH, TILE_SELECTION, Change.SAMPLE
     feedback = (RAY_COUNTS,)
     outputs = outputs(PROBE_PREDICTION, PREDICTION_SURFACE, PREDICTED_VISIBILITY, TILE_VISIBILITY, ALL_PROBES)
 
@@ -68,17 +69,19 @@ class PredictVisibility(Pass):
 
     def execute(self, frame: Frame) -> None:
         probes: dict[int, moderngl.Texture]
+        all_lights, added = frame[TILE_SELECTION].is_worth_predicting(frame.sample), set[int]()
         if frame.sample == 0:
             visibility, probes, counts = self.first_visibility(frame), dict(frame[PROBES]), {}
         else:
             visibility, probes, counts = dict(frame[TILE_VISIBILITY]), dict(frame[ALL_PROBES]), frame[RAY_COUNTS]
-            for light, tiles in self.rays_of_tiles(frame, counts, 1).items():
+            for light, tiles in self.rays_of_tiles(frame, counts, 1).items() if all_lights else ():
                 visibility[light] = visibility[light] | tiles
-            self.add_rediscovered(frame, visibility, probes)
-        frame.copy_target(PREDICTION_SURFACE, POSITION)
+            added = self.add_rediscovered(frame, visibility, probes)
+        if all_lights:
+            frame.copy_target(PREDICTION_SURFACE, POSITION)
         predictions = textures_per_light(frame, PREDICTED_VISIBILITY, PREDICTION, visibility)
-        for light, prediction in predictions.items():
-            self.predict(frame, visibility[light], probes[light], counts.get(light), prediction)
+        for light in visibility if all_lights else added:
+            self.predict(frame, visibility[light], probes[light], counts.get(light), predictions[light])
         frame[PREDICTED_VISIBILITY], frame[TILE_VISIBILITY], frame[ALL_PROBES] = predictions, visibility, probes
 
     def first_visibility(self, frame: Frame) -> dict[int, np.ndarray]:
@@ -93,8 +96,9 @@ class PredictVisibility(Pass):
 
     def add_rediscovered(
         self, frame: Frame, visibility: dict[int, np.ndarray], probes: dict[int, moderngl.Texture]
-    ) -> None:
-        """Add the lights that became visible by retests: their tiles, and probes without rays."""
+    ) -> set[int]:
+        """Add the lights that became visible by retests, and return them: their tiles, and probes without rays."""
+        added = set()
         for light, tiles in frame[REDISCOVERED].items():
             influence = frame[LIGHT_INFLUENCE].get(light)
             if light in visibility or influence is None or not (tiles & ~influence.is_faint).any():
@@ -102,6 +106,8 @@ class PredictVisibility(Pass):
             visibility[light] = np.stack([tiles, np.ones_like(tiles)], 2)
             probes[light] = create(self.device.gl, PROBE, size_of(PROBE, *frame.size))
             self.device.gl.framebuffer([probes[light]]).clear()
+            added.add(light)
+        return added
 
     def rays_of_tiles(self, frame: Frame, rays: Mapping[int, moderngl.Texture], spacing: int) -> dict[int, np.ndarray]:
         """(rows,columns,2) bool by light: any ray in or near a tile unoccluded; any occluded."""

@@ -23,6 +23,7 @@ from ....resources import (
     MAX_COARSE_RATIO,
     NORMAL,
     POSITION,
+    TILE_SELECTION,
     TILE_SIZE,
 )
 from ....scene import Change
@@ -77,7 +78,10 @@ class CacheIrradiance(Pass):
     """For each light with a light BVH that is visible, the ratio of its irradiance to the estimate."""
 
     schedule = Schedule.DOUBLING  # for lights that were believed occluded, and for the surfaces of PREDICTION_SURFACE
-    inputs = POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, CULLING_STATE, Change.LIGHTS, Change.SAMPLE, "shortcuts"
+    inputs = (
+        *(POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, CULLING_STATE, TILE_SELECTION),
+        *(Change.LIGHTS, Change.SAMPLE, "shortcuts"),
+    )
     outputs = outputs(IRRADIANCE_CACHE)
 
     def needed(self, frame: Frame) -> bool:
@@ -87,14 +91,14 @@ class CacheIrradiance(Pass):
         lights = frame.scene.lights
         caches: dict[int, CachedIrradiance] = {} if frame.sample == 0 else dict(frame[IRRADIANCE_CACHE])
         self.device.overwrite()
-        has_bvh = has_light_bvh(lights)
+        has_bvh, draws_fine = has_light_bvh(lights), frame[TILE_SELECTION].is_worth_predicting(frame.sample)
         for light, influence in frame[LIGHT_INFLUENCE].items():
             tiles = influence.contributes & ~influence.is_faint
             visible = tiles & (influence.coarse_visibility > 0.0)
             if light not in caches and has_bvh[light] and visible.any():
                 near = tiles & near_light(frame, light)
                 caches[light] = self.coarse(frame, light, tiles, tiles_where(near))
-            if light in caches and len(caches[light].near):
+            if light in caches and len(caches[light].near) and draws_fine:
                 self.draw_fine(frame, light, caches[light])
         frame[IRRADIANCE_CACHE] = caches
 
