@@ -42,8 +42,9 @@ MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
-#: falls with a power of their number, so that a sample's time hardly grows. The benchmark's scene street has 25: it has
-#: the same error in .85 of the time. With a power of 1, 16 samples of it take a tenth longer.
+#: falls with a power of their number, so that a sample's time hardly grows, and the minimum falls in proportion to it.
+#: The benchmark's scene street has 25: it has the same error in .8 of the time. With a power of 1, 16 samples of it take
+#: a tenth longer.
 FULL_RATE_LIGHTS = 8.0
 FEWER_TILES_EXPONENT = 1.5
 
@@ -105,8 +106,9 @@ class SelectTiles(Pass):
             deviation, frame[MEAN_LUMINANCE] = self.tile_statistics(frame)
             if frame.is_adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 selection.excess_lights = max(lights_per_tile(frame) / FULL_RATE_LIGHTS, 1.0)
-                always = ALWAYS_SAMPLED_FRACTION / selection.excess_lights**FEWER_TILES_EXPONENT
-                selection.probabilities = allocate(deviation, frame[MEAN_LUMINANCE], ~converged, always)
+                selection.probabilities = allocate(
+                    deviation, frame[MEAN_LUMINANCE], ~converged, selection.excess_lights
+                )
         random = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
         takes_part = random.reshape(rows, columns) < selection.probabilities
         takes_part &= neighbourhood_max(~converged)
@@ -154,14 +156,13 @@ def lights_per_tile(frame: Frame) -> float:
     return sum(float(tiles.mean()) for tiles in drawn)
 
 
-def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray, always: float) -> np.ndarray:
-    """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods.
-
-    The fraction `always` of the unconverged tiles has probability 1.
-    """
-    rounding = SUM_ROUNDING * mean_luminance / MIN_TILE_PROBABILITY ** (1.0 / ALLOCATION_EXPONENT)
+def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray, excess_lights: float) -> np.ndarray:
+    """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods."""
+    always = ALWAYS_SAMPLED_FRACTION / excess_lights**FEWER_TILES_EXPONENT
+    minimum = MIN_TILE_PROBABILITY / excess_lights
+    rounding = SUM_ROUNDING * mean_luminance / minimum ** (1.0 / ALLOCATION_EXPONENT)
     quantile = float(np.quantile(deviation[unconverged], 1.0 - always))
     reference_deviation = max(quantile, rounding, FLOAT32_TINY)  # of tiles with probability 1
     probability = np.where(unconverged, deviation / reference_deviation, 0.0) ** ALLOCATION_EXPONENT
     probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
-    return np.clip(probability, MIN_TILE_PROBABILITY, 1.0).astype(np.float32)
+    return np.clip(probability, minimum, 1.0).astype(np.float32)
