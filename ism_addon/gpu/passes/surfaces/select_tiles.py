@@ -43,8 +43,8 @@ ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
 #: falls with a power of their number, so that a sample's time hardly grows, and the minimum falls in proportion to it.
-#: The benchmark's scene street has 25: it has the same error in .8 of the time. With a power of 1, 16 samples of it take
-#: a tenth longer.
+#: The benchmark's scene street has 25: it has the same error in .8 of the time. With a power of 1, 16 samples of it
+#: take a tenth longer.
 FULL_RATE_LIGHTS = 8.0
 FEWER_TILES_EXPONENT = 1.5
 
