@@ -5,6 +5,7 @@ Materials emit light from both sides. The inner side of a closed part is hidden 
 count as one-sided there: otherwise half of the light would be unshadowed light that its other half occludes.
 """
 
+from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -97,8 +98,8 @@ def emitters_of(
 ) -> Emitters:
     """The emitters of the chosen triangles of a mesh in these instances. `emission_of` (M,): equal for equal ones."""
     parts, materials = parts_of(mesh), mesh.materials[chosen]
-    pairs = np.stack([parts.part[chosen], emission_of[materials]], 1)
-    _, example, own = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    pairs = parts.part[chosen] * len(emission_of) + emission_of[materials]
+    _, example, own = np.unique(pairs, return_index=True, return_inverse=True)
     own, part, count = own.ravel(), parts.part[chosen[example]], len(instances)
     matrices = scene.instances.world_from_object[instances]
     linear, offset = matrices[:, :3, :3], matrices[:, :3, 3]
@@ -106,7 +107,7 @@ def emitters_of(
     corners = np.einsum("kij,tcj->ktci", linear, vertices) + offset[:, None, None]
     hidden = hides_its_back(scene.instances, instances)
     side = parts.side[part][own] * (np.sign(np.linalg.det(linear)) * hidden)[:, None]
-    corners = np.where((side < 0.0)[..., None, None], corners[:, :, ::-1], corners)
+    corners[side < 0.0] = corners[side < 0.0][:, ::-1]
     middle, half = parts.boxes[part].sum(1) / 2.0, (parts.boxes[part, 1] - parts.boxes[part, 0]) / 2.0
     middle = np.einsum("kij,pj->kpi", linear, middle) + offset[:, None]
     half = np.einsum("kij,pj->kpi", np.abs(linear), half)
@@ -142,6 +143,8 @@ def concatenated(all_emitters: list[Emitters]) -> Emitters:
 def with_area(emitters: Emitters) -> Emitters:
     """Without triangles that have no area, and lights that have no others."""
     has_area = np.linalg.norm(normal_areas(emitters.corners), axis=1).astype(np.float32) > 0.0
+    if has_area.all():
+        return emitters
     lights, light = np.unique(emitters.light[has_area], return_inverse=True)
     return Emitters(
         emitters.corners[has_area],
@@ -179,11 +182,13 @@ def lights_of_emitters(emitters: Emitters) -> EmissiveLights:
     """A table of the lights of emissive triangles."""
     count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
     bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
+    copies = Counter(np.diff(bounds).tolist())  # lights of each number of triangles
     shapes: dict[bytes, tuple[LightBVH, np.ndarray]] = {}
     triangles, bvhs = [], []
     for first, end in pairwise(bounds):
-        has_bvh = end - first > MAX_EXACT_TRIANGLES
-        bvh = shared_bvh(emitters.corners[order[first:end]], shapes) if has_bvh else None
+        corners, has_bvh = emitters.corners[order[first:end]], end - first > MAX_EXACT_TRIANGLES
+        may_share = copies[end - first] > 1
+        bvh = (shared_bvh(corners, shapes) if may_share else LightBVH.over(corners)) if has_bvh else None
         rows = np.append(order[first:end], -1)
         triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
         bvhs.append(bvh)
@@ -225,8 +230,8 @@ def emissive_rows(
     count, light = len(emitters.emission), emitters.light
     order = np.argsort(light, kind="stable")
     starts = np.searchsorted(light[order], np.arange(count))
-    low, high = triangle_boxes(emitters.corners[order])
-    low, high = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
+    low, high = triangle_boxes(emitters.corners)
+    low, high = np.minimum.reduceat(low[order], starts), np.maximum.reduceat(high[order], starts)
     sizes, leaves = np.array([len(each) for each in triangles]), np.array([bvh.leaves if bvh else 0 for bvh in bvhs])
     unit = np.tile(np.eye(3)[:, None], (1, count, 1))
     return {
