@@ -31,8 +31,10 @@ def drawn(device):
             Request(*pillar_field(*size), with_quality(settings, **quality), preview_pixel_size=preview_pixel_size),
             threading.Condition(),
         )
-        statuses = [""]
+        statuses, progress = [""], 0.0
         for _ in draw_job(*renderers, job):
+            assert progress <= job.progress <= 1.0
+            progress = job.progress
             if statuses[-1] != job.status:
                 statuses.append(job.status)
         return job, statuses[1:]
@@ -73,6 +75,7 @@ def test_a_picture_that_is_noisy_after_its_samples_has_more(drawn):
     assert job.statistics["stopped_by"] in ("samples", "error")
     assert statuses[3].startswith("Sample 3/16")
     assert any(status.startswith(f"Sample 12/{16 * MAX_REFINEMENT}, error") for status in statuses)
+    assert statuses[-1].startswith(f"Sample {job.samples_done}/{job.samples_done}, error")
 
 
 def test_tiles_with_little_noise_have_no_more(drawn):

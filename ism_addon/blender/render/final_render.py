@@ -117,7 +117,7 @@ def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> N
 
 def _update_progress(engine: bpy.types.RenderEngine, job: Job, view_name: str) -> None:
     megabytes = job.statistics.get("bytes_uploaded", 0) / 2**20
-    engine.update_progress(1.0 if job.finished else job.samples_done / job.samples)
+    engine.update_progress(1.0 if job.finished else job.progress)
     engine.update_stats(view_name, job.status)
     engine.update_memory_stats(memory_used=megabytes, memory_peak=megabytes)
 

@@ -50,6 +50,7 @@ class Job:
         self.request = replace(request, view=view, settings=settings)
         self.samples = self.request.settings.quality.samples  # upper limit; it grows where they leave much noise
         self.samples_done = 0
+        self.progress = 0.0  # from 0 to 1; it never falls
         self.first_seconds = 0.0  # of the passes that drew the first picture's pixels; 0 before it is done
         self.finished = False
         self.cancelled = False

@@ -29,4 +29,4 @@ def sample_limit(quality: Quality, samples: int, error: Convergence) -> int:
     if quality.samples < MIN_SAMPLES_TO_STOP or not math.isfinite(error.image_error):
         return quality.samples
     expected = error.image_error * max(quality.samples / samples, 1.0) ** (-VARIANCE_EXPONENT / 2.0)
-    return quality.samples * (MAX_REFINEMENT if expected > SUFFICIENT_ERROR else 1)
+    return MAX_REFINEMENT * quality.samples if expected > SUFFICIENT_ERROR else max(quality.samples, samples)

@@ -142,6 +142,7 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
             job.samples = sample_limit(quality, job.samples_done, renderer.error)
             if quality.samples <= job.samples_done < job.samples:
                 renderer.error.stop_below(SUFFICIENT_ERROR)
+        job.progress = max(job.progress, job.samples_done / job.samples)
         stopped_by = stop_reason(job, now - start, renderer.error)
         if stopped_by:
             renderer.submission.finish()
