@@ -181,6 +181,18 @@ MUTATIONS = (
         "bsdf_unshadowed(surface, light, irradiance)",
         ("test_faint_lights",),
     ),
+    Mutation(
+        "renders with a large error have no more than the requested samples",
+        "return MAX_REFINEMENT * quality.samples if expected",
+        "return quality.samples if expected",
+        ("test_ends",),
+    ),
+    Mutation(
+        "the visibility of many lights is predicted anew however few draws follow",
+        "return self.excess_lights == 1.0 or ",
+        "return self.excess_lights >= 1.0 or ",
+        ("test_select_tiles",),
+    ),
 )
 
 
