@@ -91,6 +91,7 @@ def test_tiles_with_little_noise_have_no_more(drawn):
     [
         pytest.param(SMALL_SETTINGS, {"samples": 15}, id="few samples"),
         pytest.param(SMALL_SETTINGS, {"samples": 1024}, id="little noise"),
+        pytest.param(SMALL_SETTINGS, {"samples": 16, "error_threshold": 0.2}, id="noise that the user accepts"),
         pytest.param(replace(SMALL_SETTINGS, shortcuts=False), {"samples": 16}, id="without shortcuts"),
         pytest.param(
             replace(SMALL_SETTINGS, shadow=Shadow(method=Method.SHADOW_MAPS)), {"samples": 16}, id="shadow maps"

@@ -183,8 +183,8 @@ MUTATIONS = (
     ),
     Mutation(
         "renders with a large error have no more than the requested samples",
-        "return MAX_REFINEMENT * quality.samples if expected",
-        "return quality.samples if expected",
+        "return MAX_REFINEMENT * quality.samples if is_large",
+        "return quality.samples if is_large",
         ("test_ends",),
     ),
     Mutation(

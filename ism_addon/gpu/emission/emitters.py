@@ -100,14 +100,15 @@ def emitters_of(
     parts, materials = parts_of(mesh), mesh.materials[chosen]
     pairs = parts.part[chosen] * len(emission_of) + emission_of[materials]
     _, example, own = np.unique(pairs, return_index=True, return_inverse=True)
-    own, part, count = own.ravel(), parts.part[chosen[example]], len(instances)
+    part, count = parts.part[chosen[example]], len(instances)
     matrices = scene.instances.world_from_object[instances]
     linear, offset = matrices[:, :3, :3], matrices[:, :3, 3]
     vertices = mesh.positions[mesh.triangles[chosen]].astype(np.float64)
     corners = np.einsum("kij,tcj->ktci", linear, vertices) + offset[:, None, None]
     hidden = hides_its_back(scene.instances, instances)
     side = parts.side[part][own] * (np.sign(np.linalg.det(linear)) * hidden)[:, None]
-    corners[side < 0.0] = corners[side < 0.0][:, ::-1]
+    is_clockwise = side < 0.0
+    corners[is_clockwise] = corners[is_clockwise][:, ::-1]
     middle, half = parts.boxes[part].sum(1) / 2.0, (parts.boxes[part, 1] - parts.boxes[part, 0]) / 2.0
     middle = np.einsum("kij,pj->kpi", linear, middle) + offset[:, None]
     half = np.einsum("kij,pj->kpi", np.abs(linear), half)
@@ -182,13 +183,12 @@ def lights_of_emitters(emitters: Emitters) -> EmissiveLights:
     """A table of the lights of emissive triangles."""
     count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
     bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
-    copies = Counter(np.diff(bounds).tolist())  # lights of each number of triangles
-    shapes: dict[bytes, tuple[LightBVH, np.ndarray]] = {}
+    lights_by_size, shapes = Counter(np.diff(bounds).tolist()), dict[bytes, tuple[LightBVH, np.ndarray]]()
     triangles, bvhs = [], []
     for first, end in pairwise(bounds):
-        corners, has_bvh = emitters.corners[order[first:end]], end - first > MAX_EXACT_TRIANGLES
-        may_share = copies[end - first] > 1
-        bvh = (shared_bvh(corners, shapes) if may_share else LightBVH.over(corners)) if has_bvh else None
+        corners, bvh = emitters.corners[order[first:end]], None
+        if end - first > MAX_EXACT_TRIANGLES:
+            bvh = shared_bvh(corners, shapes) if lights_by_size[end - first] > 1 else LightBVH.over(corners)
         rows = np.append(order[first:end], -1)
         triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
         bvhs.append(bvh)

@@ -24,9 +24,11 @@ MAX_REFINEMENT = 4
 def sample_limit(quality: Quality, samples: int, error: Convergence) -> int:
     """How many samples a picture has, if `samples` are done: the requested number, or more if its error is then large.
 
-    With fewer than MIN_SAMPLES_TO_STOP the error of tiles is not known well enough.
+    An error below the user's threshold is not. With fewer than MIN_SAMPLES_TO_STOP the error of tiles is not known well
+    enough.
     """
     if quality.samples < MIN_SAMPLES_TO_STOP or not math.isfinite(error.image_error):
         return quality.samples
     expected = error.image_error * max(quality.samples / samples, 1.0) ** (-VARIANCE_EXPONENT / 2.0)
-    return MAX_REFINEMENT * quality.samples if expected > SUFFICIENT_ERROR else max(quality.samples, samples)
+    is_large = expected > max(SUFFICIENT_ERROR, quality.error_threshold)
+    return MAX_REFINEMENT * quality.samples if is_large else max(quality.samples, samples)

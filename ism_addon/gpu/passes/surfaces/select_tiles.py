@@ -42,14 +42,15 @@ MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
-#: falls with a power of their number, so that a sample's time hardly grows, and the minimum falls in proportion to it.
-#: The benchmark's scene street has 25: it has the same error in .8 of the time. With a power of 1, 16 samples of it
-#: take a tenth longer.
+#: falls with a power of their number, so that a sample's time hardly grows. The minimum is inversely proportional to
+#: their number. The benchmark's scene street has 25: it has the same error in .8 of the time. With a power of 1, 16
+#: samples of it take a tenth longer.
 FULL_RATE_LIGHTS = 8.0
 FEWER_TILES_EXPONENT = 1.5
 
-#: Draws of a tile, on average, from which on a new prediction of many lights' visibility pays. With fewer, it takes
-#: longer than the rays that it saves: 16 samples of street, with 1.2 draws from the 9th on, would take a tenth longer.
+#: Draws of a tile, on average, from which on a new prediction of many lights' visibility pays. With fewer, predicting
+#: takes longer than the rays that it saves. Street has 1.2 draws from the 9th to the 16th sample. With new predictions
+#: for them, 16 samples take a tenth longer.
 MIN_PREDICTED_DRAWS = 1.3
 
 #: The variance of the mean of n samples is proportional to this power of 1 / n: samples are stratified, and most of
