@@ -49,6 +49,12 @@ MUTATIONS = (
         ("test_irradiance", "test_picture"),
     ),
     Mutation(
+        "samples of an area light are uniform in the coordinates of chords, which their density does not say",
+        "uv.y = sample_linear(weights, uv.y);",
+        "",
+        ("test_light_interface",),
+    ),
+    Mutation(
         "a rare shadow ray counts no more than a frequent one",
         "direct_residual.rgb += correction / rate;",
         "direct_residual.rgb += correction;",

@@ -10,6 +10,8 @@
 #define SPREADS 1
 #endif
 #include "closed_forms/polygon.glsl"
+#include "sampling/linear.glsl"
+#include "sampling/segment.glsl"
 #if ELLIPSES
 #include "closed_forms/ellipse.glsl"
 #endif
@@ -93,142 +95,73 @@ float area_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
     return weight * spread_falloff(light, height, length(v - height * axis));
 }
 
-// The convex region of a light that is visible from a receiver: above the receiver's horizon, and within the spread's
-// footprint, a disc on the light's plane about the receiver's projection. Coordinates x, y lie in the light's plane and
-// start at its position. Samples are uniform in x over x_range, and in y along the chord at x.
-struct VisibleRegion {
-    vec3 x_axis, y_axis;
-    vec3 horizon;            // points above it have horizon.x x + horizon.y y + horizon.z >= 0
-    vec2 footprint_centre;   // the receiver's projection
-    float footprint_radius;  // m
-    vec2 axis_u, axis_v;     // of the shape: half sides, or semi-axes
-    float width;             // the shape's largest x
-    float slope;             // the chord at x is slope x +- half_chord; an ellipse's shortens towards both ends
-    float half_chord;
-    bool rectangle;
-    bool clipped_by_horizon;
-    bool clipped_by_footprint; // conservative: it may be true without a clip
-    vec2 x_range;            // of the region
-};
+#include "lights/visible_region.glsl"
 
-vec2 intersection(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); } // of two intervals
-
-// The interval of x of the intersection of a disc and the half plane line.x x + line.y y + line.z >= 0.
-vec2 disc_extent(vec2 centre, float radius, vec3 line) {
-    float size = max(length(line.xy), 1e-30);
-    vec2 n = line.xy / size;
-    float d = clamp((dot(n, centre) + line.z / size) / radius, -1.0, 1.0), half_chord = sqrt(1.0 - d * d) * abs(n.y);
-    vec2 ends = vec2(d - n.x >= 0.0 ? -1.0 : -d * n.x - half_chord, d + n.x >= 0.0 ? 1.0 : half_chord - d * n.x);
-    return d > -1.0 ? centre.x + radius * ends : vec2(1.0, -1.0);
+// See strip_length.
+float chord_length(VisibleRegion region, float x, vec2 chord) {
+    float distance = length(vec2(x - region.projection.x, region.height));
+    return strip_length(distance, chord.x - region.projection.y, max(chord.y - chord.x, 0.0));
 }
 
-// The interval of t where slope t + height >= 0.
-vec2 half_line(float slope, float height) {
-    float end = -height / (abs(slope) > 1e-30 ? slope : 1e-30);
-    return slope < -1e-30 ? vec2(-1e30, end) : vec2(end, 1e30);
+// A rectangle's samples are uniform in solid angle times two linear functions, between the following weights: of u, the
+// fraction of the angle of x_range, and of v, the fraction of the chord's length. They approximate what uniform ones
+// would estimate. A weight of 0 at one end would make samples near it too bright. The falloff of a spread is not linear.
+bool has_linear_density(VisibleRegion region) { return region.rectangle && !region.clipped_by_footprint; }
+
+const float MIN_WEIGHT = 0.1; // of the sum of both ends'
+
+// Of v: the cosines to the receiver's normal.
+vec2 chord_weights(VisibleRegion region, float x, vec2 chord) {
+    vec2 heights = max(region.horizon.x * x + region.horizon.y * chord + region.horizon.z, 0.0);
+    vec3 to_first = vec3(vec2(x, chord.x) - region.projection, region.height);
+    vec3 to_last = vec3(vec2(x, chord.y) - region.projection, region.height);
+    vec2 cosines = heights * inversesqrt(max(vec2(dot(to_first, to_first), dot(to_last, to_last)), 1e-37));
+    return cosines + max(MIN_WEIGHT * (cosines.x + cosines.y), 1e-30);
 }
 
-VisibleRegion area_visible_region(Light light, vec3 p, vec3 n) {
-    VisibleRegion region;
-    vec3 centre = light.position - p, u = 0.5 * light.axis_u, v = 0.5 * light.axis_v;
-    float height = -dot(light.normal, centre);
-    vec3 to_projection = -(centre + height * light.normal);
-    bool has_spread = SPREADS == 1 && light.spread_scale > 0.0;
-    region.rectangle = is_rectangle(light);
-    region.footprint_radius = height * light.spread_tangent;
-    // A rectangle's chords are parallel to v. Those of an ellipse with spread are perpendicular to the line from its
-    // centre to the footprint's.
-    float distance = length(to_projection);
-    bool perpendicular = !region.rectangle && has_spread && distance > 0.0;
-    region.y_axis = perpendicular ? cross(light.normal, to_projection / distance) : normalize(v);
-    region.x_axis = cross(region.y_axis, light.normal);
-    region.axis_u = vec2(dot(u, region.x_axis), dot(u, region.y_axis));
-    region.axis_v = vec2(dot(v, region.x_axis), dot(v, region.y_axis));
-    region.footprint_centre = vec2(dot(to_projection, region.x_axis), dot(to_projection, region.y_axis));
-    vec2 x_of_axes = vec2(region.axis_u.x, region.axis_v.x);
-    region.width = region.rectangle ? abs(region.axis_u.x) : length(x_of_axes);
-    region.slope = region.rectangle
-                       ? region.axis_u.y / region.axis_u.x
-                       : dot(x_of_axes, vec2(region.axis_u.y, region.axis_v.y)) / (region.width * region.width);
-    region.half_chord = region.rectangle ? length(v) : length(cross(u, v)) / region.width;
-    region.horizon = vec3(dot(n, region.x_axis), dot(n, region.y_axis), dot(n, centre));
-    float height_amplitude = region.rectangle ? abs(dot(n, u)) + abs(dot(n, v)) : length(vec2(dot(n, u), dot(n, v)));
-    region.clipped_by_horizon = height_amplitude > region.horizon.z;
-    float size = region.rectangle ? 2.0 * (length(u) + length(v)) : length(u) + length(v);
-    region.clipped_by_footprint = has_spread && length(region.footprint_centre) + size > region.footprint_radius;
-
-    region.x_range = vec2(-region.width, region.width);
-    if (region.clipped_by_horizon && region.rectangle) {
-        float slope = region.horizon.x + region.horizon.y * region.slope;
-        region.x_range = intersection(
-            region.x_range, half_line(slope, abs(region.horizon.y) * region.half_chord + region.horizon.z));
-    } else if (region.clipped_by_horizon) { // the unit disc in x / width, (y - slope x) / half_chord
-        vec3 line = vec3((region.horizon.x + region.horizon.y * region.slope) * region.width,
-                         region.horizon.y * region.half_chord, region.horizon.z);
-        region.x_range = intersection(region.x_range, region.width * disc_extent(vec2(0.0), 1.0, line));
+// Of u: the irradiance of a strip along the chord.
+vec2 strip_weights(VisibleRegion region) {
+    vec2 weights;
+    for (int k = 0; k < 2; ++k) {
+        float x = region.x_range[k];
+        vec2 chord = area_chord(region, x), cosines = chord_weights(region, x, chord);
+        weights[k] = (cosines.x + cosines.y) * chord_length(region, x, chord);
     }
-    if (region.clipped_by_footprint) {
-        vec2 disc = region.footprint_centre;
-        float radius = region.footprint_radius;
-        region.x_range = intersection(region.x_range, disc.x + vec2(-radius, radius));
-        if (region.rectangle) {
-            region.x_range = intersection(
-                region.x_range, disc_extent(disc, radius, vec3(region.slope, -1.0, region.half_chord)));
-            region.x_range = intersection(
-                region.x_range, disc_extent(disc, radius, vec3(-region.slope, 1.0, region.half_chord)));
-        }
-        if (region.clipped_by_horizon)
-            region.x_range = intersection(region.x_range, disc_extent(disc, radius, region.horizon));
-    }
-    return region;
+    return weights + max(MIN_WEIGHT * (weights.x + weights.y), 1e-30);
 }
 
-// The ends of the chord at x.
-vec2 area_chord(VisibleRegion region, float x) {
-    float t = x / region.width;
-    float half_chord = region.half_chord * (region.rectangle ? 1.0 : sqrt(max(1.0 - t * t, 0.0)));
-    vec2 y = region.slope * x + vec2(-half_chord, half_chord);
-    if (region.clipped_by_horizon)
-        y = intersection(y, half_line(region.horizon.y, region.horizon.x * x + region.horizon.z));
-    if (region.clipped_by_footprint) {
-        float dx = x - region.footprint_centre.x, radius = region.footprint_radius;
-        float half_footprint = sqrt(max(radius * radius - dx * dx, 0.0));
-        y = intersection(y, region.footprint_centre.y + vec2(-half_footprint, half_footprint));
-    }
-    return y;
-}
-
-// An unclipped ellipse is sampled in polar coordinates instead.
-bool area_is_unclipped_ellipse(VisibleRegion region) {
-    return !region.rectangle && !region.clipped_by_horizon && !region.clipped_by_footprint;
-}
-
-// m^2: the inverse of a sample's density by area, given the ends y of the chord at its x.
-float area_inverse_density(VisibleRegion region, vec2 y) {
-    if (area_is_unclipped_ellipse(region)) return 3.141592653589793 * region.width * region.half_chord;
-    return max(region.x_range.y - region.x_range.x, 0.0) * max(y.y - y.x, 0.0);
-}
-
-// The density by solid angle, 1/sr. `ray` goes from the receiver, `height` above the light's plane, to the sample.
-float area_solid_angle_pdf(vec3 ray, float height, float inverse_density) {
-    float square = dot(ray, ray);
-    return square * sqrt(square) / max(height * inverse_density, 1e-37);
-}
+// The density of u on an ellipse: that of the first coordinate of points on a disc.
+float disc_density(float u) { return 2.546479089470325 * sqrt(max(u * (1.0 - u), 0.0)); }
 
 LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     VisibleRegion region = area_visible_region(light, p, n);
-    vec2 xy = vec2(mix(region.x_range.x, region.x_range.y, uv.x), 0.0), y = area_chord(region, xy.x);
-    xy.y = mix(y.x, y.y, uv.y);
-    if (area_is_unclipped_ellipse(region)) {
-        float radius = sqrt(uv.x), angle = 6.283185307179586 * uv.y;
-        xy = radius * (cos(angle) * region.axis_u + sin(angle) * region.axis_v);
+    bool linear = has_linear_density(region);
+    float start = region.x_range.x - region.projection.x, width = max(region.x_range.y - region.x_range.x, 0.0);
+    float angle = segment_angle(region.height, start, width), density = 1.0;
+    if (linear) {
+        vec2 weights = strip_weights(region);
+        uv.x = sample_linear(weights, uv.x);
+        density = linear_pdf(weights, uv.x);
+    } else if (!region.rectangle) {
+        vec2 disc = sqrt(uv.x) * vec2(cos(6.283185307179586 * uv.y), sin(6.283185307179586 * uv.y));
+        uv = 0.5 + 0.5 * vec2(disc.x, disc.y * inversesqrt(max(1.0 - disc.x * disc.x, 1e-14)));
+        density = disc_density(uv.x);
     }
-    vec3 offset = xy.x * region.x_axis + xy.y * region.y_axis, ray = light.position - p + offset;
-    float height = max(-dot(light.normal, ray), 0.0), inverse_density = area_inverse_density(region, y);
-    float radiance = height * inverse_density > 0.0
-                         ? spread_falloff(light, height, length(cross(light.normal, ray))) : 0.0;
-    return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)), radiance,
-                       area_solid_angle_pdf(ray, height, inverse_density));
+    float x = region.x_range.x + along_segment(region.height, start, width, uv.x * angle);
+    vec2 chord = area_chord(region, x);
+    if (linear) {
+        vec2 weights = chord_weights(region, x, chord);
+        uv.y = sample_linear(weights, uv.y);
+        density *= linear_pdf(weights, uv.y);
+    }
+    float whole = chord_length(region, x, chord), distance = length(vec2(x - region.projection.x, region.height));
+    float y = chord.x;
+    y += along_strip(distance, chord.x - region.projection.y, max(chord.y - chord.x, 0.0), uv.y * whole);
+    vec3 offset = x * region.x_axis + y * region.y_axis, ray = light.position - p + offset;
+    float lateral = length(cross(light.normal, ray));
+    return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)),
+                       angle * whole > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
+                       max(density, 1e-4) / max(angle * whole, 1e-33));
 }
 
 // Where a ray hits the light's plane from its emitting side: coordinates in units of half sides or semi-axes, and the
@@ -251,10 +184,19 @@ float area_emitted(Light light, vec3 p, vec3 wi) {
 
 float area_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
     if (dot(n, wi) <= 0.0 || area_emitted(light, p, wi) <= 0.0) return 0.0;
-    vec3 ray = area_hit(light, p, wi).z * wi;
     VisibleRegion region = area_visible_region(light, p, n);
-    vec2 chord = area_chord(region, dot(ray + p - light.position, region.x_axis));
-    return area_solid_angle_pdf(ray, -dot(light.normal, ray), area_inverse_density(region, chord));
+    vec3 hit = area_hit(light, p, wi).z * wi + p - light.position;
+    float x = dot(hit, region.x_axis), y = dot(hit, region.y_axis);
+    vec2 chord = area_chord(region, x);
+    float start = region.x_range.x - region.projection.x, whole = chord_length(region, x, chord);
+    float angle = segment_angle(region.height, start, max(region.x_range.y - region.x_range.x, 0.0));
+    float u = segment_angle(region.height, start, x - region.x_range.x) / max(angle, 1e-37);
+    float v = chord_length(region, x, vec2(chord.x, y)) / max(whole, 1e-37), density = 1.0;
+    if (has_linear_density(region))
+        density = linear_pdf(strip_weights(region), u) * linear_pdf(chord_weights(region, x, chord), v);
+    else if (!region.rectangle)
+        density = disc_density(u);
+    return density / max(angle * whole, 1e-33);
 }
 
 vec3 area_centre(Light light, vec3 p, vec3 to) { return light.position; }
