@@ -54,7 +54,7 @@ class Dimension(Enum):
     # search with half-occluded lights, see tests/unit/direct/test_ray_sampling.py, and by the error of
     # penumbrae, see tests/stress/pictures/test_penumbrae.py.
     LIGHT_POINT = {
-        "light": powers_of_root(2, -2, -4),
+        "light": powers_of_root(4, -4, -4),
         "pixel": (0.56283799, 0.75252225),
         "ray": (0.72359394, 0.59242966),
         # From the 65th ray of a pixel to a round light on, by a search with half-occluded discs.
