@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.resources import IRRADIANCE_CACHE
 from ism_addon.scene import Lights, LightShape, Scene
 from ism_addon.settings import Method, Shadow
 from tests.pictures.test_picture import SETTINGS, without_shadows
@@ -223,6 +224,17 @@ def test_a_mesh_that_lights_nothing_in_view_is_not_in_the_cache(device):
     assert not renderer.graph.contents or not any(
         value for resource, value in renderer.graph.contents.items() if resource.name == "irradiance_cache"
     )
+
+
+def test_black_surfaces_have_no_irradiance_in_the_cache(device):
+    scene = lit_by(panel(12))
+    black = replace(scene, materials=replace(scene.materials, base_color=np.zeros_like(scene.materials.base_color)))
+    cached = [
+        (np.frombuffer(cache.texture.read(alignment=1), cache.texture.dtype) >= 0.0).any()
+        for each in (scene, black)
+        for cache in counts(device, each)[1].graph[IRRADIANCE_CACHE].values()
+    ]
+    assert cached == [True, False]
 
 
 def test_moving_something_else_uploads_no_emitters_again(device):

@@ -4,6 +4,8 @@
 
 const float INVERSE_PI = 0.3183098861837907;
 
+bool reflects(Surface surface) { return surface.material.base_color != vec3(0.0); }
+
 // The BSDF times the cosine. 1/sr
 vec3 bsdf_evaluate(Surface surface, vec3 wi) {
     return surface.material.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));

@@ -13,6 +13,7 @@ import moderngl
 import numpy as np
 
 from ....resources import (
+    BASE_COLOR,
     CACHE_CONSTANTS,
     CACHE_SPACING,
     CULLING_STATE,
@@ -41,7 +42,7 @@ from ...tiles import tiles_where
 #: Time of a texel, in rays: measured with a ball of 960 triangles, from close by.
 RAYS_PER_TEXEL = 16.0
 
-#: Where there is no surface, or the light is culled or faint.
+#: Where there is no surface, or a black one, or the light is culled or faint.
 NO_RATIO = -1.0
 
 #: Largest ratio at a pixel: float16 holds no larger ones.
@@ -79,7 +80,7 @@ class CacheIrradiance(Pass):
 
     schedule = Schedule.DOUBLING  # for lights that were believed occluded, and for the surfaces of PREDICTION_SURFACE
     inputs = (
-        *(POSITION, NORMAL, LIGHT_BUFFERS, LIGHT_INFLUENCE, CULLING_STATE, TILE_SELECTION),
+        *(POSITION, NORMAL, BASE_COLOR, LIGHT_BUFFERS, LIGHT_INFLUENCE, CULLING_STATE, TILE_SELECTION),
         *(Change.LIGHTS, Change.SAMPLE, "shortcuts"),
     )
     outputs = outputs(IRRADIANCE_CACHE)
@@ -133,7 +134,8 @@ def constants(frame: Frame, light: int) -> dict[str, Any]:
 
 def uniforms(frame: Frame, light: int) -> dict[str, Any]:
     """The surfaces, and the light."""
-    return {"position": frame[POSITION], "normal": frame[NORMAL], **frame[LIGHT_BUFFERS], "light_index": light}
+    surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "base_color": frame[BASE_COLOR]}
+    return {**surfaces, **frame[LIGHT_BUFFERS], "light_index": light}
 
 
 def near_light(frame: Frame, light: int) -> np.ndarray:

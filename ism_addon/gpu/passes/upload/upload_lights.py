@@ -32,11 +32,10 @@ def emitter_words(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
     for name in ("radius", "normal", "area", "normal_sine", "one_sided"):
         used[name] = getattr(lights, f"node_{name}")
     for name in ("normal", "position"):
-        matrix = getattr(lights, f"node_{name}_{name}")
-        used[f"{name}_squares"] = matrix[:, (0, 1, 2), (0, 1, 2)]
-        used[f"{name}_products"] = matrix[:, (0, 1, 2), (1, 2, 0)]
-    for row, axis in enumerate("xyz"):
-        used[f"normal_{axis}_position"] = lights.node_normal_position[:, row]
+        elements = getattr(lights, f"node_{name}_{name}")
+        used[f"{name}_squares"], used[f"{name}_products"] = elements[:, :3], elements[:, 3:]
+    for axis, row in zip("xyz", np.hsplit(lights.node_normal_position, 3), strict=True):
+        used[f"normal_{axis}_position"] = row
     triangles, corners = np.zeros(len(lights.corners), EMISSIVE_TRIANGLE.dtype), lights.corners - anchor
     triangles["corner"], triangles["one_sided"] = corners[:, 0], lights.one_sided
     triangles["u"], triangles["v"] = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
