@@ -14,7 +14,7 @@ import numpy as np
 
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
-from ..resources import CONVERGENCE
+from ..resources import CONVERGENCE, TILE_SELECTION
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Lights, Scene, View, World
 from ..settings import DebugView, Settings
@@ -219,6 +219,11 @@ class Renderer:
     def error(self) -> Convergence:
         """Convergence of the image so far."""
         return self.graph[CONVERGENCE]
+
+    @property
+    def excess_lights(self) -> float:
+        """See TileSelection."""
+        return self.graph[TILE_SELECTION].excess_lights
 
     @property
     def is_adaptive(self) -> bool:

@@ -15,7 +15,7 @@ from ..gl.errors import Cancelled, ContextLost, GraphicsError
 from ..profile import Profile
 from ..renderer import Renderer
 from .job import Job, Picture
-from .refinement import SUFFICIENT_ERROR, sample_limit
+from .refinement import sample_limit, sufficient_error
 
 log = logging.getLogger(__name__)
 
@@ -139,9 +139,10 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
             first_sample_images = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
         if renderer.is_adaptive:
-            job.samples = sample_limit(quality, job.samples_done, renderer.error)
+            sufficient = sufficient_error(quality, renderer.error.counts.size, renderer.excess_lights)
+            job.samples = sample_limit(quality, job.samples_done, renderer.error, sufficient)
             if quality.samples <= job.samples_done < job.samples:
-                renderer.error.stop_below(SUFFICIENT_ERROR)
+                renderer.error.stop_below(sufficient)
         job.progress = max(job.progress, job.samples_done / job.samples)
         stopped_by = stop_reason(job, now - start, renderer.error)
         if stopped_by:
