@@ -190,7 +190,7 @@ MUTATIONS = (
     Mutation(
         "renders with a large error have no more than the requested samples",
         "return MAX_REFINEMENT * quality.samples if expected > sufficient",
-        "return quality.samples if is_large",
+        "return quality.samples if expected > sufficient",
         ("test_ends",),
     ),
     Mutation(

@@ -139,7 +139,7 @@ float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
 // The same without the estimate's error: by nodes that face the receiver and are seen as smaller than MAX_NODE_SIZE, and
 // by the triangles of other leaves. These have separate loops, which drivers that execute both branches of an "if" can
 // skip.
-const float MAX_NODE_SIZE = 0.15, MAX_EDGE_NODE_SIZE = 0.05, MAX_HORIZON_NODE_SIZE = 0.002; // radius over distance
+const float MAX_NODE_SIZE = 0.15, MAX_EDGE_NODE_SIZE = 0.05, MAX_HORIZON_NODE_SIZE = 0.0015; // radius over distance
 const float MAX_EDGE_NODE_SLACK = 0.2;
 
 float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
