@@ -52,7 +52,8 @@ class Dimension(Enum):
     # The point on a light that is a shadow ray's target. The increments of `ray` and `pixel` are even together with the
     # subpixel offsets, which determine a ray's weight, over neighbors, and for thousands of rays. They were chosen by a
     # search with half-occluded lights, see tests/unit/direct/test_ray_sampling.py, and by the error of
-    # penumbrae, see tests/stress/pictures/test_penumbrae.py.
+    # penumbrae, see tests/stress/pictures/test_penumbrae.py. Of 40 orders of powers for `light`, this one
+    # keeps the error in each of the benchmark's six scenes of area lights below 1.01 times that of version 0.1.0.
     LIGHT_POINT = {
         "light": powers_of_root(4, -4, -4),
         "pixel": (0.56283799, 0.75252225),

@@ -114,8 +114,7 @@ def moments(corners: np.ndarray) -> np.ndarray:
     elements = ELEMENT_AXES.T
     of_normals = [normals[i] * units[j] for i, j in elements]
     of_positions = [middles[i] * weighted[j] + (inner[:, i] * inner[:, j]).sum(0) for i, j in elements]
-    mixed = [normals[i] * middles[j] for i in range(3) for j in range(3)]
-    return np.stack([areas, *normals, *of_normals, *weighted, *of_positions, *mixed])
+    return np.stack([areas, *normals, *of_normals, *weighted, *of_positions, *outer(normals, middles)])
 
 
 def outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -184,9 +183,8 @@ def split(rows: np.ndarray, keys: np.ndarray, leaves: int) -> np.ndarray:
         present = np.where(rows == count, rows[:, :1], rows)  # slots without a point do not count
         values = keys.take(present.T, 0)  # numpy is slow along short rows
         extents = values.max(0).astype(np.int32) - values.min(0)
-        order = ascending(
-            keys.take(rows * keys.shape[1] + extents.argmax(1)[:, None])
-        )  # slots without a point are last
+        longest = rows * keys.shape[1] + extents.argmax(1)[:, None]
+        order = ascending(keys.take(longest))  # slots without a point are last
         rows = np.take_along_axis(rows, order, 1).reshape(2 * len(rows), -1)
     return rows
 

@@ -98,7 +98,7 @@ float area_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
 #include "lights/visible_region.glsl"
 
 // See strip_length.
-float chord_length(VisibleRegion region, float x, vec2 chord) {
+float chord_strip_length(VisibleRegion region, float x, vec2 chord) {
     float distance = length(vec2(x - region.projection.x, region.height));
     return strip_length(distance, chord.x - region.projection.y, max(chord.y - chord.x, 0.0));
 }
@@ -125,7 +125,7 @@ vec2 strip_weights(VisibleRegion region) {
     for (int k = 0; k < 2; ++k) {
         float x = region.x_range[k];
         vec2 chord = area_chord(region, x), cosines = chord_weights(region, x, chord);
-        weights[k] = (cosines.x + cosines.y) * chord_length(region, x, chord);
+        weights[k] = (cosines.x + cosines.y) * chord_strip_length(region, x, chord);
     }
     return weights + max(MIN_WEIGHT * (weights.x + weights.y), 1e-30);
 }
@@ -154,14 +154,14 @@ LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
         uv.y = sample_linear(weights, uv.y);
         density *= linear_pdf(weights, uv.y);
     }
-    float whole = chord_length(region, x, chord), distance = length(vec2(x - region.projection.x, region.height));
+    float strip = chord_strip_length(region, x, chord), distance = length(vec2(x - region.projection.x, region.height));
     float y = chord.x;
-    y += along_strip(distance, chord.x - region.projection.y, max(chord.y - chord.x, 0.0), uv.y * whole);
+    y += along_strip(distance, chord.x - region.projection.y, max(chord.y - chord.x, 0.0), uv.y * strip);
     vec3 offset = x * region.x_axis + y * region.y_axis, ray = light.position - p + offset;
     float lateral = length(cross(light.normal, ray));
     return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)),
-                       angle * whole > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
-                       max(density, 1e-4) / max(angle * whole, 1e-33));
+                       angle * strip > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
+                       max(density, 1e-4) / max(angle * strip, 1e-33));
 }
 
 // Where a ray hits the light's plane from its emitting side: coordinates in units of half sides or semi-axes, and the
@@ -188,15 +188,15 @@ float area_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
     vec3 hit = area_hit(light, p, wi).z * wi + p - light.position;
     float x = dot(hit, region.x_axis), y = dot(hit, region.y_axis);
     vec2 chord = area_chord(region, x);
-    float start = region.x_range.x - region.projection.x, whole = chord_length(region, x, chord);
+    float start = region.x_range.x - region.projection.x, strip = chord_strip_length(region, x, chord);
     float angle = segment_angle(region.height, start, max(region.x_range.y - region.x_range.x, 0.0));
     float u = segment_angle(region.height, start, x - region.x_range.x) / max(angle, 1e-37);
-    float v = chord_length(region, x, vec2(chord.x, y)) / max(whole, 1e-37), density = 1.0;
+    float v = chord_strip_length(region, x, vec2(chord.x, y)) / max(strip, 1e-37), density = 1.0;
     if (has_linear_density(region))
         density = linear_pdf(strip_weights(region), u) * linear_pdf(chord_weights(region, x, chord), v);
     else if (!region.rectangle)
         density = disc_density(u);
-    return density / max(angle * whole, 1e-33);
+    return density / max(angle * strip, 1e-33);
 }
 
 vec3 area_centre(Light light, vec3 p, vec3 to) { return light.position; }
