@@ -40,12 +40,13 @@ TraversalState next_leaf(usamplerBuffer nodes, int first_node, TraversalState st
     vec3 unit = vec3(uvec3(512u) << (uvec3(one.y) >> uvec3(16, 20, 24) & 15u));
     vec3 first = (begin - origin) * inverse_ray, step = unit * inverse_ray;
     uvec3 low = uvec3(one.zw, other.x), high = other.yzw;
-    vec4 enter = vec4(0.0), leave = vec4(end);
+    ivec4 enter_bits = ivec4(0), leave_bits = ivec4(floatBitsToInt(end)); // ordered like the numbers if one is positive
     for (int k = 0; k < 3; ++k) {
         bool back = inverse_ray[k] < 0.0;
-        enter = max(enter, unpack_bytes(back ? high[k] : low[k]) * step[k] + first[k]);
-        leave = min(leave, unpack_bytes(back ? low[k] : high[k]) * step[k] + first[k]);
+        enter_bits = max(enter_bits, floatBitsToInt(unpack_bytes(back ? high[k] : low[k]) * step[k] + first[k]));
+        leave_bits = min(leave_bits, floatBitsToInt(unpack_bytes(back ? low[k] : high[k]) * step[k] + first[k]));
     }
+    vec4 enter = intBitsToFloat(enter_bits), leave = intBitsToFloat(leave_bits);
     uvec4 bits = uvec4(lessThanEqual(enter, leave * 1.000001)) << uvec4(0, 1, 2, 3);
     uint hits = bits.x | bits.y | bits.z | bits.w;
     int next = findLSB(hits);
@@ -74,7 +75,7 @@ float triangle_distance(int triangle, vec3 origin, vec3 ray) {
                      edge_side(ray, c + a, -corners.v));
     vec3 normal = cross(corners.u, corners.v);
     float height = dot(normal, a), slope = dot(normal, ray); // it meets the plane at height / slope of its length
-    bool inside = min(side.x, min(side.y, side.z)) >= 0.0 || max(side.x, max(side.y, side.z)) <= 0.0;
+    bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
     return inside && height * slope > 0.0 ? height / slope : 2.0;
 }
 
