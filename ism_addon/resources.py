@@ -191,6 +191,9 @@ PREDICTION_SURFACE = Target(
     _PICTURE,
     label="Prediction Positions",
 )
+PREDICTED_PIXEL = Target(
+    "predicted_pixel", "Which pixel, of the 3×3 around, had the nearest surface in prediction_surface", format="r8"
+)
 DIRECT_PREDICTION = Target(
     "direct_prediction",
     "Predicted radiance of the lights towards the camera, W/(sr m²); in alpha, how much its luminance can rise",
@@ -247,17 +250,11 @@ AMBIENT_OCCLUSION = _occlusion(
 )
 
 # Emission that the camera sees, W/(sr m²).
-SAMPLE_EMISSION = Target(
-    "sample_emission", "Emission of surfaces and lights, as the camera sees it", neutral=(0.0,) * 4, label="Emission"
-)
+SAMPLE_EMISSION = Target("sample_emission", "Emission of surfaces and lights, as the camera sees it", label="Emission")
 EMISSION_CONTRAST = _of_tiles("emission_contrast", "Luminance of its differences around a tile's pixels", "r32f")
 EMISSION_EDGES: Resource[np.ndarray] = Resource("emission_edges", "(rows,columns): maxima of that so far", _PICTURE)
-SUBSAMPLE_EMISSION = Target(
-    "subsample_emission", "As sample_emission at another position, and with a border", divisor=0
-)
-FILTERED_EMISSION = Target(
-    "filtered_emission", "Sums around edges, weighted by the pixel filter; in alpha the weights", neutral=(0.0,) * 4
-)
+SUBSAMPLE_EMISSION = Target("subsample_emission", "sample_emission at another position, with a border", divisor=0)
+FILTERED_EMISSION = Target("filtered_emission", "Sums around edges, weighted by the pixel filter; in alpha the weights")
 
 # A sample, and the sums of all samples.
 SAMPLE_COLOR = Target("sample_color", "The render itself; alpha premultiplied", label="Render")

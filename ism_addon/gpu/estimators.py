@@ -11,6 +11,7 @@ from ..resources import ATLAS_BATCH, VIRTUAL_LIGHT_COUNTS
 from ..scene import Scene
 from ..settings import Method, Settings
 from .frame import Frame, Pass
+from .passes.direct.match_predictions import MatchPredictions
 from .passes.direct.predict_visibility import PredictVisibility
 from .passes.direct.select_faint_lights import SelectFaintLights
 from .passes.direct.trace_shadows import TraceShadows
@@ -50,7 +51,7 @@ class RayTracedDirect:
 
     traces_rays = adaptive = True
     pass_types: tuple[type[Pass], ...] = (
-        *(ProbeVisibility, RetestOccluded, PredictVisibility),
+        *(ProbeVisibility, RetestOccluded, PredictVisibility, MatchPredictions),
         *(SelectFaintLights, TraceShadows),
     )
 

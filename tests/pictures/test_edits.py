@@ -57,7 +57,7 @@ def test_after_one_sample(device, method, edit):
 @pytest.mark.parametrize("edit", EDITS)
 def test_after_several_samples(device, method, edit, last):
     settings = with_quality(SETTINGS[method], samples=SAMPLES)
-    later = {"RetestOccluded"} if last and method == Method.RAY_TRACED else set()
+    later = {"RetestOccluded", "MatchPredictions"} if last and method == Method.RAY_TRACED else set()
     assert redrawn_passes(device, edit, settings, last) == SHARED[method][edit] | EACH_SAMPLE[method] | later
 
 

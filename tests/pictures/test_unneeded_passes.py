@@ -37,7 +37,7 @@ SIZE = 64, 48
 
 RAY_PASSES = {"BuildBLAS", "UploadBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded"}
 LIGHT_PASSES = {"UploadLights", "CullLights"}
-RAY_TRACED_LIGHT_PASSES = {"PredictVisibility", "SelectFaintLights", "TraceShadows"}
+RAY_TRACED_LIGHT_PASSES = {"PredictVisibility", "MatchPredictions", "SelectFaintLights", "TraceShadows"}
 SHADOW_MAPPED_LIGHT_PASSES = {"PlaceVirtualLights", "GatherLight"}
 SHADOW_MAP_PASSES = {"SamplePoints", "WeighLights", "SelectPoints", "SplatMaps", "FillHoles"}
 OCCLUSION_PASSES = {"AmbientOcclusion", "BlurOcclusion"}
@@ -52,7 +52,10 @@ PASSES_FOR_LIGHTS = {
     Method.RAY_TRACED: LIGHT_PASSES | RAY_PASSES | RAY_TRACED_LIGHT_PASSES,
     Method.SHADOW_MAPS: LIGHT_PASSES | SHADOW_MAP_PASSES | SHADOW_MAPPED_LIGHT_PASSES,
 }
-PASSES_FOR_SHADOWS = {Method.RAY_TRACED: RAY_PASSES | {"PredictVisibility"}, Method.SHADOW_MAPS: SHADOW_MAP_PASSES}
+PASSES_FOR_SHADOWS = {
+    Method.RAY_TRACED: RAY_PASSES | {"PredictVisibility", "MatchPredictions"},
+    Method.SHADOW_MAPS: SHADOW_MAP_PASSES,
+}
 
 #: Changes of a scene and its settings, and the passes that each makes unnecessary.
 UNNEEDED_PASSES = {
@@ -168,7 +171,7 @@ SHADOW_FILES = {
     "probe_rays.frag",
     *(f"predict_visibility{suffix}.frag" for suffix in ("", "_tiles", "_probes")),
 }
-FURTHER_FILES = {"resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
+FURTHER_FILES = {"match_predictions.frag", "resolve_neighbours.frag", "select_tiles.frag", "estimate_error.frag"}
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,10 @@ def cases(width: int = 640, height: int = 360, idle_lights: int = IDLE_LIGHTS) -
     yield from (edited(edit, *lit[:2], method) for method in Method for edit in EDITS)
     for remove in WITHOUT_LIGHT + WITHOUT_SHADOWS:
         without, options = remove(scene, settings())
-        never = {"BuildBLAS", "BuildTLAS", "ProbeVisibility", "RetestOccluded", "PredictVisibility"}
+        never = {
+            *("BuildBLAS", "BuildTLAS"),
+            *("ProbeVisibility", "RetestOccluded", "PredictVisibility", "MatchPredictions"),
+        }
         yield Case(function_title(remove), (without, view, options), never=frozenset(never), equal={"pairs_traced": 0})
     for remove in WITHOUT_OCCLUSION:
         without, options = remove(scene, settings())

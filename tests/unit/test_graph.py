@@ -158,6 +158,7 @@ def test_targets_describe_their_texel_format():
     targets = [each for each in RESOURCES.values() if isinstance(each, Target)]
     formats = {target.format: (target.components, target.dtype) for target in targets}
     assert formats == {
+        "r8": (1, "f1"),
         "r16f": (1, "f2"),
         "r32f": (1, "f4"),
         "rg16f": (2, "f2"),

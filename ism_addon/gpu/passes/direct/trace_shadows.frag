@@ -6,12 +6,13 @@
 #include "lights/resampled_light_sample.glsl"
 #include "trace/ray_scheduling.glsl"
 #include "trace/ray_correction.glsl"
-#include "surfaces/prediction_surface.glsl"
+#include "surfaces/predicted_pixel.glsl"
 #if CACHED
 #include "textures/irradiance_cache.glsl"
 #endif
 uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
+uniform sampler2D predicted_pixels;   // see match_predictions.frag
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // in alpha, upper bound of its luminance's increase
@@ -32,7 +33,7 @@ void main() {
     Light light = fetch_Light(lights, light_index);
     bool is_lit = is_lit_by(surface, light);
 #if TRACE || CACHED
-    PredictedPixel pixel = predicted_pixel(surface, at);
+    PredictedPixel pixel = predicted_pixel(predicted_pixels, at);
 #else
     PredictedPixel pixel = PredictedPixel(at, true);
 #endif

@@ -28,9 +28,9 @@ from ....resources import (
     LIGHT_INFLUENCE,
     LIGHTS_USED,
     MEAN_LUMINANCE,
+    PREDICTED_PIXEL,
     PREDICTED_VISIBILITY,
     PREDICTION,
-    PREDICTION_SURFACE,
     RAY_COUNT,
     RAY_COUNTS,
     TILE_SIZE,
@@ -66,7 +66,7 @@ class TraceShadows(Pass):
     inputs = (
         *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
         *(CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
-        *(PREDICTED_VISIBILITY, PREDICTION_SURFACE, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
+        *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
 
@@ -151,7 +151,7 @@ class TraceShadows(Pass):
             **frame[LIGHT_BUFFERS],
             **mean_points(frame.sample),
             "depth": frame[DEPTH],
-            "prediction_surface": frame[PREDICTION_SURFACE],
+            "predicted_pixels": frame[PREDICTED_PIXEL],
             **(frame[TLAS] if frame.casts_shadows else {}),
         }
 
