@@ -88,8 +88,17 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         count = len(np.atleast_1d(arrays[f"{instances}mesh"]))
         converted[f"{instances}visible_diffuse"] = np.ones(count, bool)
         converted |= {f"{instances}{name}": np.full(count, -1, np.int32) for name in ("receivers", "blockers")}
+        converted[f"{instances}color"] = np.zeros((0, 4), np.float32)
+        converted[f"{instances}pass_index"] = np.zeros(0, np.int32)
+        converted[f"{instances}random"] = np.zeros(0, np.float32)
     if f"{materials}image" in arrays:
-        converted[f"{materials}emission"] = np.zeros((len(np.atleast_1d(arrays[f"{materials}image"])), 3), np.float32)
+        count = len(np.atleast_1d(arrays[f"{materials}image"]))
+        converted[f"{materials}emission"] = np.zeros((count, 3), np.float32)
+        converted |= {f"{materials}{name}": np.full(count, -1, np.int32) for name in ("graph", "first_constant")}
+        converted[f"{materials}constants"] = np.zeros((0, 4), np.float32)
+    for name in arrays:
+        if (name.startswith("scene/meshes/")) and name.endswith("/positions"):
+            converted[name.replace("/positions", "/attributes")] = np.zeros((0, 3, 0, 4), np.float32)
     return converted
 
 

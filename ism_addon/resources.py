@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .gpu.accel.blas_table import BLASBuffers, BLASTable
+    from .gpu.buffers.corner_buffers import AttributeBuffers, UVBuffers
     from .gpu.buffers.instance_buffers import InstanceBuffers
     from .gpu.buffers.material_buffers import MaterialBuffers
-    from .gpu.buffers.mesh_buffers import MeshBuffers, UVBuffers
+    from .gpu.buffers.mesh_buffers import MeshBuffers
     from .gpu.convergence import Convergence
     from .gpu.culling.culling_state import CullingState
     from .gpu.culling.light_influence import LightInfluence
@@ -62,6 +63,7 @@ BLAS_BUFFERS: Resource[BLASBuffers] = Resource("blas_buffers", "The same on the 
 TLAS: Resource[dict[str, Any]] = Resource("tlas", "BVH over instances: uniforms of trace/traversal.glsl", _SCENE)
 MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and triangles of resident meshes", _SCENE)
 UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
+ATTRIBUTE_BUFFERS: Resource[AttributeBuffers] = Resource("attribute_buffers", "What else graphs read of them", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 LIGHT_BUFFERS: Resource[Mapping[str, BufferTexture]] = Resource("light_buffers", "Rows of LIGHT, of emitters", _SCENE)

@@ -203,8 +203,9 @@ def _check_indices(scene: Scene) -> None:
         path = f"scene/meshes/{index}"
         if not len(mesh.triangles):
             raise SnapshotError(f"The snapshot's {path} has no triangles.")
-        if len(mesh.uvs) not in (0, len(mesh.triangles)):
-            raise SnapshotError(f"The snapshot's {path}/uvs has another length than its triangles.")
+        for name in ("uvs", "attributes"):
+            if len(getattr(mesh, name)) not in (0, len(mesh.triangles)):
+                raise SnapshotError(f"The snapshot's {path}/{name} has another length than its triangles.")
     for path, record in _records(scene, "scene"):
         for name, spec in array_specs(type(record)).items():
             indices = getattr(record, name)
@@ -213,11 +214,27 @@ def _check_indices(scene: Scene) -> None:
             end = spec.into if isinstance(spec.into, int) else _length(name, spec.into, record, scene)
             if not (spec.first <= int(indices.min()) and int(indices.max()) < end):
                 raise SnapshotError(f"The snapshot's {path}/{name} leads outside {spec.first} to {end - 1}.")
+    _check_graphs(scene)
     texels = {"images": [image.texels for image in scene.images]}
     texels["light_images"] = [image.colors for image in scene.light_images]
     for name, images in texels.items():
         if empty := [index for index, each in enumerate(images) if each.size == 0]:
             raise SnapshotError(f"The snapshot's scene/{name}/{empty[0]} has no texels.")
+
+
+def _check_graphs(scene: Scene) -> None:
+    """Raise if a material has no constants where its graph reads them, or a constant is no index of an image."""
+    table = scene.materials
+    for row in np.flatnonzero(table.graph >= 0):
+        graph, first = scene.graphs[table.graph[row]], int(table.first_constant[row])
+        constants = table.constants[max(first, 0) : max(first, 0) + graph.rows]
+        if len(constants) < graph.rows:
+            raise SnapshotError(
+                f"The snapshot's scene/materials/first_constant leads outside of its constants: {first}."
+            )
+        for (row_index, first_number), type_ in zip(graph.locations, graph.constants, strict=True):
+            if type_ == "image" and constants[row_index, first_number] not in range(len(scene.images)):
+                raise SnapshotError("The snapshot's scene/materials/constants name an image that it has not.")
 
 
 def _records(value: Any, path: str) -> Iterator[tuple[str, Arrays]]:

@@ -18,7 +18,7 @@ from ..sampling.pixel_grid import PixelGrid
 from ..scene import Change, Scene, View
 from ..settings import Settings
 from .gl.context import Device
-from .gl.shader_compiler import compile_program
+from .gl.shader_compiler import Include, compile_program
 from .gl.shader_records import Record
 from .submission import Submission
 
@@ -170,7 +170,7 @@ class Frame:
         return {
             Change.MESHES: self.scene.meshes,
             Change.INSTANCES: (self.scene.instances, self.anchor.tobytes()),
-            Change.MATERIALS: (self.scene.materials, self.scene.images),
+            Change.MATERIALS: (self.scene.materials, self.scene.images, self.scene.graphs),
             Change.LIGHTS: (
                 self.scene.lights,
                 self.scene.light_profiles,
@@ -236,10 +236,12 @@ class Pass:
         """Make the outputs. Those that are not targets are stored last, because the pass may raise Cancelled."""
         raise NotImplementedError
 
-    def tile_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.Program:
-        """The program of this pass's shader file for drawing.draw_tiles; see shader_name."""
+    def tile_program(self, *parts: Record | Include, suffix: str = "", **constants: int | float) -> moderngl.Program:
+        """The program of this pass's shader file for drawing.draw_tiles; see shader_name. `parts`: what it includes."""
         stages = "glsl/tiles.vert", f"{self.shader_name(suffix)}.frag"
-        return compile_program(self.device, *stages, records=records, tile_size=TILE_SIZE, **constants)
+        includes = (each for each in parts if isinstance(each, Include))
+        records = tuple(each for each in parts if isinstance(each, Record))
+        return compile_program(self.device, *stages, *includes, records=records, tile_size=TILE_SIZE, **constants)
 
     def full_screen_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
         """A full-screen triangle with this pass's shader file; see shader_name."""

@@ -42,13 +42,22 @@ from .passes.surfaces.visibility_buffer import VisibilityBuffer
 from .passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
-from .passes.upload.upload_scene import UploadInstances, UploadMaterials, UploadMeshes, UploadUVs
+from .passes.upload.upload_scene import (
+    UploadAttributes,
+    UploadInstances,
+    UploadMaterials,
+    UploadMeshes,
+    UploadUVs,
+)
 from .profile import Profile
 from .read_back import image
 from .submission import Submission, never
 
 #: Uploads what has changed in the scene. Triangles lie in the order of their BLAS.
-UPLOAD = CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadInstances, UploadMaterials, UploadLights
+UPLOAD = (
+    *(CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadAttributes),
+    *(UploadInstances, UploadMaterials, UploadLights),
+)
 #: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.

@@ -16,6 +16,7 @@ from typing import Self, TypeVar
 import numpy as np
 
 from ..color import PRIMARIES, REC709
+from ..shading.node_graph import NodeGraph
 from .arrays import Arrays
 from .camera import View
 from .images import Encoding, Image
@@ -40,6 +41,7 @@ __all__ = [
     "Lights",
     "Materials",
     "Mesh",
+    "NodeGraph",
     "Scene",
     "View",
     "World",
@@ -59,6 +61,7 @@ class Scene:
     images: tuple[Image, ...]
     lights: Lights
     world: World
+    graphs: tuple[NodeGraph, ...] = ()
     light_profiles: tuple[LightProfile, ...] = ()
     light_images: tuple[LightImage, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -113,7 +116,7 @@ class Change(Enum):
 
     MESHES = "meshes"
     INSTANCES = "instances"
-    MATERIALS = "materials and images"
+    MATERIALS = "materials, their images and graphs"
     LIGHTS = "lights"
     WORLD = "world"
     VIEW = "view"

@@ -82,6 +82,12 @@ def array(layout: str, unit: str = "", max_abs: float | None = None, is_signed: 
     return field(metadata={"array": ArraySpec(layout, unit, max_abs, is_signed)})
 
 
+def optional_array(layout: str) -> Any:
+    """The same, without rows by default."""
+    spec = ArraySpec(layout)
+    return field(default_factory=spec.empty, metadata={"array": spec})
+
+
 def index(layout: str, into: str | int, first: int = 0) -> Any:
     """A dataclass field of indices, of which `first` is the smallest; -1 means none."""
     return field(metadata={"array": ArraySpec(layout, first=first, into=into)})

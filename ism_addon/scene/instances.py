@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Arrays, array, index
+from .arrays import Arrays, array, index, optional_array
 from .limits import MAX_DISTANCE
 
 #: Maximum number of groups for light linking: each is a bit of an instance's `groups`.
@@ -28,3 +28,7 @@ class Instances(Arrays):
     #: Groups of the instances that receive this light, and that cast its shadows; -1: all.
     receivers: np.ndarray = index("int32 I", into=MAX_LINK_GROUPS, first=-1)
     blockers: np.ndarray = index("int32 I", into=MAX_LINK_GROUPS, first=-1)
+    #: For graphs that read them, else without rows: what artists set for each object, and a number in 0 … 1.
+    color: np.ndarray = optional_array("float32 O 4")
+    pass_index: np.ndarray = optional_array("int32 O")
+    random: np.ndarray = optional_array("float32 O")

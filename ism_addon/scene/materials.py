@@ -38,7 +38,7 @@ def material_input(layout: str, default: float, sockets: Mapping[str, str], max_
 
 @dataclass(frozen=True, eq=False)
 class Materials(Arrays):
-    """Lambertian materials: a base color, or an image instead; and the light that they emit from both sides."""
+    """Lambertian materials: a base color, or an image or a graph instead; and the light that both sides emit."""
 
     base_color: np.ndarray = material_input(
         "float32 M 3",
@@ -50,6 +50,12 @@ class Materials(Arrays):
     image: np.ndarray = index("int32 M", into="images", first=-1)
     #: Radiance, the same in all directions.
     emission: np.ndarray = array("float32 M 3", "W/(sr m²)", max_abs=MAX_EMISSION)
+    #: -1: no graph. The base color is then that of a material whose graph cannot be drawn.
+    graph: np.ndarray = index("int32 M", into="graphs", first=-1)
+    #: The first of a graph's constants, see NodeGraph.locations; -1 without constants.
+    first_constant: np.ndarray = index("int32 M", into="constants", first=-1)
+    #: Of all materials.
+    constants: np.ndarray = array("float32 K 4")
 
 
 #: Inputs by name.

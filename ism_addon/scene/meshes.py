@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .arrays import UNIT_VECTOR, Arrays, array, index
+from .arrays import UNIT_VECTOR, Arrays, array, index, optional_array
 from .limits import MAX_DISTANCE
 
 #: Maximum number of vertices of a mesh whose box is computed together with others.
@@ -25,6 +25,8 @@ class Mesh(Arrays):
     #: U is T, or 0 without texture coordinates.
     uvs: np.ndarray = array("float32 U 3 2")
     materials: np.ndarray = index("uint32 T", into="materials")
+    #: What the graph of a triangle's material reads at its corners, A of them; B is T, or 0 without any.
+    attributes: np.ndarray = optional_array("float32 B 3 A 4")
 
     @property
     def corner_normals(self) -> np.ndarray:

@@ -5,6 +5,7 @@ Values inserted into a message, such as names or numbers, are replaced by "…".
 """
 
 import ast
+import re
 from collections.abc import Iterator
 
 from tests.tools import project
@@ -12,9 +13,9 @@ from tests.tools import project
 ADDON = project.ROOT / "ism_addon"
 
 #: Functions, by name, that show users an argument: its index, or its keyword.
-CALLS: dict[str, int | str] = {"warn": 0, "report": 1, "end": 1, "notify": "error", "label": "text"}
+CALLS: dict[str, int | str] = {"warn": 0, "report": 1, "end": 1, "notify": "error", "label": "text", "value": 2}
 #: Variables that hold only messages or issues. Texts of tuples and dictionaries are messages too.
-NAMES = {"issue", "kind", "why", "sentence", "GLOSS", "PLAIN", "LEFT_OUT"}
+NAMES = {"issue", "kind", "why", "sentence", "GLOSS", "PLAIN", "LEFT_OUT", "OWN_VALUE"}
 #: A text with fewer words is a name or a part of a message.
 MIN_WORDS = 3
 #: Exceptions that users never see: programming errors, and those that are always caught.
@@ -56,7 +57,7 @@ def assignment_targets(node: ast.AST) -> list[ast.expr]:
 def texts(value: ast.AST | None) -> Iterator[str]:
     """Texts in an expression, with "…" for inserted values."""
     if isinstance(value, ast.Constant) and isinstance(value.value, str):
-        yield value.value
+        yield re.sub(r"\{\d?\}", "…", value.value)
     elif isinstance(value, ast.JoinedStr):
         parts = (part.value if isinstance(part, ast.Constant) else "…" for part in value.values)
         yield "".join(map(str, parts))

@@ -27,7 +27,9 @@ SHADOW_MAP_SETTINGS = replace(SMALL_SHADOW_MAPS, ssao=SSAO())
 METHODS = {method.label: settings for method, settings in zip(Method, (SETTINGS, SHADOW_MAP_SETTINGS), strict=True)}
 BVH_PASSES = {"BuildBLAS", "UploadBLAS", "BuildTLAS"}
 PHASES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
-COMMON_PASSES = {pass_type.__name__ for pass_type in PHASES} - BVH_PASSES - {"UploadUVs", "CacheIrradiance"}
+COMMON_PASSES = (
+    {pass_type.__name__ for pass_type in PHASES} - BVH_PASSES - {"UploadUVs", "UploadAttributes", "CacheIrradiance"}
+)
 NOT_IN_FIRST_SAMPLE = {"RetestOccluded", "MatchPredictions"}  # nothing to retest, and predictions are its own
 DIRECT_LIGHT_PASSES = {pass_type.__name__ for pass_type in RayTracedDirect.pass_types} - NOT_IN_FIRST_SAMPLE
 RAY_PASSES = BVH_PASSES | DIRECT_LIGHT_PASSES

@@ -32,6 +32,7 @@ FOLDERS = sorted({Path(name).parent.as_posix() for name in SOURCES if name.start
 PURE = (
     "atomic_files",
     "color",
+    "shading",
     "settings",
     "render_passes",
     "setting_limits",

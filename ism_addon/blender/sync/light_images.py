@@ -15,6 +15,9 @@ MAX_SIDE = 1024
 #: Blender's types of lights whose images are drawn.
 LIGHT_TYPES = "AREA", "SPOT"
 
+#: Outputs of nodes that give a mesh's UVs unchanged: the node's type and the output's name.
+UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
+
 
 class LightImages:
     """The images of lights: the same objects for the same image and options until images change."""
@@ -60,7 +63,7 @@ def _read(image: bpy.types.Image, on_black: bool, repeat: bool, path: str) -> tu
 def _warn_of_mapping(node: bpy.types.ShaderNodeTexImage, name: str, findings: Diagnostics) -> None:
     """Warn of coordinates and options of an image that lights do not have."""
     vector, mapping = nodes.source(node.inputs["Vector"]), node.texture_mapping
-    is_mapped = vector is not None and (vector.node.bl_idname, vector.name) not in nodes.UV_OUTPUTS
+    is_mapped = vector is not None and (vector.node.bl_idname, vector.name) not in UV_OUTPUTS
     is_mapped |= any(mapping.translation) or any(mapping.rotation) or tuple(mapping.scale) != (1.0, 1.0, 1.0)
     if is_mapped or node.projection != "FLAT":
         findings.warn("Images of lights that are mapped otherwise lie across the whole light", name)

@@ -123,6 +123,7 @@ class Reader:
             instances=instances,
             materials=self._materials.table(findings),
             images=self._materials.images(),
+            graphs=self._materials.graphs(),
             lights=self._lights.table(findings),
             light_profiles=self._lights.profiles(),
             light_images=self._lights.images(),

@@ -10,7 +10,7 @@ import numpy as np
 from ...scene import Instances
 from ..culling.frustum_culling import in_view, runs
 from ..gl.context import Device
-from ..gl.shader_records import INSTANCE, MEMBERSHIP
+from ..gl.shader_records import INSTANCE, MEMBERSHIP, OBJECT_INFO
 from .mesh_buffers import MeshBuffers
 from .small_meshes import SMALL_MESH
 
@@ -70,6 +70,9 @@ class InstanceBuffers:
         groups = np.zeros(len(order), MEMBERSHIP.dtype)
         groups["groups"] = instances.groups[order]
         self.memberships = MEMBERSHIP.upload(device, groups)
+        self.info = (
+            OBJECT_INFO.upload(device, object_info(mesh_buffers, instances, order)) if len(instances.color) else None
+        )
         self.bytes = table.nbytes + groups.nbytes
         self.mesh_buffers = mesh_buffers
         #: The mesh of each row, -1 if it is not resident.
@@ -130,6 +133,17 @@ def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
     """Ranges of `triangles` triangles from `first` on; adjacent ranges are joined."""
     begins = np.flatnonzero(np.append(True, first[1:] != (first + triangles)[:-1]))
     return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
+
+
+def object_info(mesh_buffers: MeshBuffers, instances: Instances, rows: np.ndarray) -> np.ndarray:
+    """(N,) rows of OBJECT_INFO for instances (N,)."""
+    info = np.zeros(len(rows), OBJECT_INFO.dtype)
+    mesh = instances.mesh[rows]
+    info["centre"], info["metres_per_quantum"] = mesh_buffers.centres[mesh], 1.0 / mesh_buffers.quanta_per_metre[mesh]
+    info["location"] = instances.world_from_object[rows, :3, 3]
+    info["color"], info["index"] = instances.color[rows], instances.pass_index[rows]
+    info["random"] = instances.random[rows]
+    return info
 
 
 def anchor_from_quanta(

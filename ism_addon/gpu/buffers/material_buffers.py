@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials and their images on the GPU."""
 
+from typing import Any, NamedTuple
+
 import moderngl
 import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
-from ...scene import MATERIAL_INPUTS, Encoding, Image, Materials
+from ...scene import MATERIAL_INPUTS, Encoding, Image, Materials, NodeGraph
 from ...setting_limits import TEXTURE_WIDTH, images_within_limits, level
 from ..gl import driver_variants
+from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
-from ..gl.shader_records import MATERIAL
+from ..gl.shader_compiler import Include
+from ..gl.shader_records import IMAGE, MATERIAL
+from ..materials import compiler
 
 #: OpenGL's internal format and moderngl's dtype of texels.
 FORMATS = {Encoding.SRGB: (0x8C43, "f1"), Encoding.LINEAR: (0x8058, "f1"), Encoding.FLOAT: (0x881A, "f2")}
@@ -40,12 +45,20 @@ class TextureBuffer:
                 self.first_lines[index] = line
                 texture.write(blocks[index], viewport=(0, line, TEXTURE_WIDTH, len(blocks[index]) // TEXTURE_WIDTH))
             self.textures[encoding] = texture
-        self.bytes = sum(block.nbytes for block in blocks)
+        table = np.zeros(len(images), IMAGE.dtype)
+        for row, image in zip(table, images, strict=True):
+            row["encoding"], row["repeat"] = list(Encoding).index(image.encoding), image.repeat
+        table["first_line"], table["levels"] = self.first_lines, self.levels
+        if images:
+            table["height"], table["width"] = np.transpose(self.sizes)
+        self.table = IMAGE.upload(device, table)
+        self.bytes = table.nbytes + sum(block.nbytes for block in blocks)
 
     @property
-    def samplers(self) -> dict[str, moderngl.Texture]:
-        """The textures by sampler name in textures/image.glsl."""
-        return {f"{encoding.lower()}_texels": texture for encoding, texture in self.textures.items()}
+    def samplers(self) -> dict[str, moderngl.Texture | BufferTexture]:
+        """The table and the textures by sampler name in textures/image.glsl."""
+        textures = {f"{encoding.lower()}_texels": texture for encoding, texture in self.textures.items()}
+        return {"images": self.table, **textures}
 
     @property
     def constants(self) -> dict[str, int]:
@@ -53,23 +66,55 @@ class TextureBuffer:
         return {f"{encoding.lower()}_images": int(encoding in self.textures) for encoding in Encoding}
 
 
-class MaterialBuffers:
-    """The table of materials, which refers to the texels of images."""
+class MaterialShader(NamedTuple):
+    """The parts of a shader that draws the materials of one graph."""
 
-    def __init__(self, device: Device, materials: Materials, texels: TextureBuffer):
+    includes: tuple[Include, ...]
+    constants: dict[str, Any]
+    samplers: dict[str, Any]
+    reads_uvs: bool
+    reads_attributes: bool
+    reads_objects: bool
+
+
+class MaterialBuffers:
+    """The table of materials, which refers to images and to the constants of graphs."""
+
+    def __init__(self, device: Device, materials: Materials, graphs: tuple[NodeGraph, ...], texels: TextureBuffer):
         table = np.zeros(materials.row_count, MATERIAL.dtype)
-        for name in (*MATERIAL_INPUTS, "emission"):
+        for name in (*MATERIAL_INPUTS, "image", "emission", "graph", "first_constant"):
             table[name] = getattr(materials, name)
-        for row in np.flatnonzero(materials.image >= 0):
-            index = materials.image[row]
-            image, entry = texels.images[index], table[row]
-            entry["encoding"], entry["repeat"] = list(Encoding).index(image.encoding), image.repeat
-            entry["first_line"], entry["levels"] = texels.first_lines[index], texels.levels[index]
-            entry["height"], entry["width"] = texels.sizes[index]
         self.table = MATERIAL.upload(device, table)
+        self.constants = device.buffer_from(materials.constants)
         self.texels = texels
         self.emissive = bool(materials.emission.any())
-        self.bytes = table.nbytes
+        #: Indices of the graphs that any material has; -1 for materials without.
+        self.graphs: list[int] = np.unique(materials.graph).tolist() or [-1]
+        self.bytes = table.nbytes + materials.constants.nbytes
+        self._node_graphs = graphs
+        self._has_images = bool((materials.image[materials.graph < 0] >= 0).any())
+        self._sources = {index: compiler.glsl(graphs[index]) for index in self.graphs if index >= 0}
+
+    def shader(self, graph: int) -> MaterialShader:
+        """What draws the materials of a graph, or for -1 of none."""
+        node_graph = self._node_graphs[graph] if graph >= 0 else None
+        has_images = self._has_images if node_graph is None else node_graph.uses("image")
+        return MaterialShader(
+            includes=() if node_graph is None else (self._sources[graph],),
+            constants={
+                "graph": int(node_graph is not None),
+                "several": int(len(self.graphs) > 1),
+                "images": int(has_images),
+                **({"width": TEXTURE_WIDTH, **self.texels.constants} if has_images else {}),
+            },
+            samplers={
+                **(self.texels.samplers if has_images else {}),
+                **({} if node_graph is None else {"graph_constants": self.constants}),
+            },
+            reads_uvs=has_images if node_graph is None else node_graph.uses("uv_map"),
+            reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),
+            reads_objects=node_graph is not None and node_graph.reads_objects,
+        )
 
 
 def lines_for(lines: int) -> int:

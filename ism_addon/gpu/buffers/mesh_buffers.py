@@ -222,33 +222,6 @@ def vertex_positions(triangles: np.ndarray, vertices: QuantizedVertices) -> list
     return [axis.take(corner) for corner in np.ascontiguousarray(triangles.T) for axis in vertices.quanta]
 
 
-class UVBuffers:
-    """Texture coordinates of corners, zero for meshes without any."""
-
-    def __init__(self, device: Device, mesh_buffers: MeshBuffers):
-        self.mesh_buffers, self.mesh_count, self.bytes = mesh_buffers, 0, 0
-        self.uvs = device.growing_buffer(2, "f4")
-
-    def upload_new(self) -> int:
-        """Upload those of meshes that have become resident. Returns the number of bytes."""
-        order = self.mesh_buffers.order(list(self.mesh_buffers.blases)[self.mesh_count :])
-        self.uvs.count = self.bytes // self.uvs.texture.row  # overwrites an upload that failed
-        self.uvs.reserve(3 * order.count)
-        for uvs in order.map_portions(uvs_of, with_vertices=False):
-            self.uvs.append(uvs)
-        self.mesh_count += len(order.meshes)
-        self.bytes += 24 * order.count
-        return 24 * order.count
-
-
-def uvs_of(ranges: list[TriangleRange]) -> np.ndarray:
-    """(3 N,2) float32 of N triangles."""
-    zeros = np.zeros((TRIANGLES_AT_A_TIME, 3, 2), np.float32)
-    pairs = ((range_.source.arrays.uvs, range_) for range_ in ranges)
-    chunks = [uvs[range_.indices] if len(uvs) else zeros[: len(range_.triangles)] for uvs, range_ in pairs]
-    return np.concatenate(chunks).reshape(-1, 2)
-
-
 def portions(lengths: Iterable[int], size: int) -> Iterator[list[tuple[int, slice]]]:
     """Split concatenated arrays of these lengths into portions of `size`: lists of array indices and slices."""
     ranges, remaining = [], size

@@ -48,6 +48,15 @@ class JoinedMeshes:
         return uvs
 
     @cached_property
+    def attributes(self) -> np.ndarray:
+        """(T,3,A,4), zero where a mesh has fewer."""
+        count = max(mesh.attributes.shape[2] for mesh in self.meshes)
+        attributes = np.zeros((int(self.counts.sum()), 3, count, 4), np.float32)
+        for first, mesh in zip(self.first, self.meshes, strict=True):
+            attributes[first : first + len(mesh.attributes), :, : mesh.attributes.shape[2]] = mesh.attributes
+        return attributes
+
+    @cached_property
     def normals(self) -> np.ndarray:
         """(T,3,3) for corners, or (V,3) for vertices if all meshes have normals for vertices."""
         is_by_vertex = np.array([mesh.normals.ndim == 2 for mesh in self.meshes], np.bool_)

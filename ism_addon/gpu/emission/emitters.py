@@ -48,9 +48,9 @@ class EmissiveMeshes:
 
     def lights_of(self, scene: Scene) -> Lights:
         """The lights of a scene, and after them those of its emissive meshes, if there are any."""
-        rows = emissive_instances(scene)
-        instances, materials = scene.instances, scene.materials
-        tables = (getattr(instances, name)[rows].tobytes() for name in array_specs(Instances) if name != "mesh")
+        rows, instances, materials = emissive_instances(scene), scene.instances, scene.materials
+        arrays = [getattr(instances, name) for name in array_specs(Instances)][1:]
+        tables = (array[rows].tobytes() for array in arrays if len(array))
         key = (*(scene.meshes[k] for k in instances.mesh[rows]), materials.emission.tobytes(), *tables)
         if key != self.key:
             self.key, self.own, self.joined = key, emissive_lights(scene, rows), None

@@ -20,6 +20,7 @@ MEMBERS = {
     "luminance_weights": "vec4",  # of red, green and blue
     "picture_size": "vec4",  # width and height, px; textures may be larger, see driver_variants.py
     "scene_extent": "vec4",  # x: largest side of the box around the scene, m
+    "anchor": "vec4",  # of anchor space, in world space
 }
 DTYPE = np.dtype([(name, "f4", (16 if type_ == "mat4" else 4,)) for name, type_ in MEMBERS.items()])
 NAME = "Frame"
@@ -71,4 +72,5 @@ def frame_block(scene: Scene, view: View, anchor: np.ndarray) -> np.ndarray:
     block["luminance_weights"][:3] = luminance(scene.working_space)
     block["picture_size"][:2] = view.width, view.height
     block["scene_extent"][0] = scene.extent
+    block["anchor"][:3] = anchor
     return block

@@ -9,7 +9,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import moderngl
 
@@ -39,30 +39,42 @@ Constants = Mapping[str, int | float]
 GENERATED: dict[str, Callable[[Constants], str]] = {}
 
 
+class Include(NamedTuple):
+    """A file in `glsl` that one program alone includes."""
+
+    name: str
+    text: str
+
+
 class ShaderError(RuntimeError):
     """A shader does not compile. The message is one line with file and line number."""
 
 
-def expand(path: Path, files: list[Path], constants: Constants) -> str:
+def text_of(path: Path, constants: Constants, includes: tuple[Include, ...]) -> str:
+    """The text of a file: generated for the program, for its constants, or read."""
+    name = path.relative_to(FOLDER / "glsl").as_posix() if path.is_relative_to(FOLDER / "glsl") else ""
+    own = next((include.text for include in includes if include.name == name), None)
+    if own is not None:
+        return own
+    return GENERATED[name](constants) if name in GENERATED else path.read_text("utf-8")
+
+
+def expand(path: Path, files: list[Path], constants: Constants, includes: tuple[Include, ...] = ()) -> str:
     """A file's source with its includes. Appends each file read to `files`; its index gives its line numbers.
 
-    `constants`: of the shader.
+    `constants` and `includes`: of the shader.
     """
     files.append(path)
     start = len(files) * LINES_PER_FILE
     lines = [f"#line {start + 1}"]
-    generated = (
-        GENERATED.get(path.relative_to(FOLDER / "glsl").as_posix()) if path.is_relative_to(FOLDER / "glsl") else None
-    )
-    text = generated(constants) if generated else path.read_text("utf-8")
-    for count, line in enumerate(text.splitlines(), 1):
+    for count, line in enumerate(text_of(path, constants, includes).splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
             if line.startswith("#endif"):  # an include may have been skipped, with its line numbers
                 lines.append(f"#line {start + count + 1}")
         elif (included := Path(os.path.normpath(FOLDER / "glsl" / include[1]))) not in files:
-            lines += [expand(included, files, constants), f"#line {start + count + 1}"]
+            lines += [expand(included, files, constants, includes), f"#line {start + count + 1}"]
     return "\n".join(lines)
 
 
@@ -76,26 +88,32 @@ def head(records: tuple[Record, ...], constants: Constants) -> str:
 
 
 def compile_program(
-    device: Device, *names: str, records: tuple[Record, ...] = (), **constants: int | float
+    device: Device, *sources: str | Include, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
-    """The program of these files, one for each stage. Programs are cached. Raises ShaderError."""
-    key = (names, records, tuple(constants.items()))
+    """The program of these files, one for each stage, and of includes. Programs are cached. Raises ShaderError."""
+    key = (sources, records, tuple(constants.items()))
     if key not in device.programs:
         for callback in device.on_compile:
             callback()
-        device.programs[key] = compile_stages(device.gl, names, records, constants)
+        names = tuple(source for source in sources if isinstance(source, str))
+        includes = tuple(source for source in sources if isinstance(source, Include))
+        device.programs[key] = compile_stages(device.gl, names, records, includes, constants)
     return device.programs[key]
 
 
 def compile_stages(
-    gl: moderngl.Context, names: tuple[str, ...], records: tuple[Record, ...], constants: Constants
+    gl: moderngl.Context,
+    names: tuple[str, ...],
+    records: tuple[Record, ...],
+    includes: tuple[Include, ...],
+    constants: Constants,
 ) -> moderngl.Program:
     """Compile, link and bind the frame's uniform block."""
     head_source = head(records, constants)
     files: dict[str, list[Path]] = {STAGES[Path(name).suffix]: [] for name in names}
     try:
         stages: dict[str, Any] = {
-            stage: head_source + expand(FOLDER / name, files[stage], constants)
+            stage: head_source + expand(FOLDER / name, files[stage], constants, includes)
             for name, stage in zip(names, files, strict=True)
         }
         program = gl.program(**stages)

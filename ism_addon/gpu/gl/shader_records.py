@@ -100,6 +100,17 @@ def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
 #: An instance: the rows of its 3×4 matrix.
 INSTANCE = Record("Instance", row0="vec4", row1="vec4", row2="vec4")
 
+#: What graphs read of an instance: how its mesh's quanta are in object space, its origin in world space, and more.
+OBJECT_INFO = Record(
+    "ObjectInfo",
+    centre="vec3",
+    metres_per_quantum="float",
+    color="vec4",
+    location="vec3",
+    index="float",
+    random="float",
+)
+
 #: The link groups of an instance, one bit each.
 MEMBERSHIP = Record("Membership", groups="uint")
 
@@ -119,18 +130,18 @@ CASTER = Record(
     link_groups="uint",
 )
 
-#: The inputs of a material, its radiance, and its image: a width of 0 means no image.
+#: The inputs of a material, its radiance, and its image and graph: -1 means none.
 MATERIAL = Record(
     "Material",
     **{name: each.glsl_type for name, each in MATERIAL_INPUTS.items()},
+    image="int",
     emission="vec3",
-    encoding="int",
-    first_line="int",
-    width="int",
-    height="int",
-    repeat="int",
-    levels="int",
+    graph="int",
+    first_constant="int",
 )
+
+#: An image: where its texels are, see textures/image.glsl.
+IMAGE = Record("Image", encoding="int", first_line="int", width="int", height="int", repeat="int", levels="int")
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
 #: the sine of half of their angle. Of emissive meshes: a sphere around the triangles; as axes, two corners of a box;

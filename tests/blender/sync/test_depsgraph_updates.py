@@ -186,14 +186,14 @@ EDITS: dict[str, Callable[[SimpleNamespace], None]] = {
 
 def canonical(scene: Scene) -> dict[str, object]:
     """The contents of a Scene, independent of the order of its tables."""
-    rows = []
+    rows, arrays = [], [getattr(scene.instances, member.name) for member in fields(scene.instances)[1:]]
     for instance, mesh in enumerate(scene.instances.mesh):
         shape = scene.meshes[mesh]
         colors = scene.materials.base_color[shape.materials]
         images = [scene.images[image].texels.tobytes() if image >= 0 else b"" for image in scene.materials.image]
         rows.append(
             (
-                *(getattr(scene.instances, member.name)[instance].tobytes() for member in fields(scene.instances)[1:]),
+                *(array[instance].tobytes() for array in arrays if len(array)),
                 *(getattr(shape, name).tobytes() for name in ("positions", "triangles", "normals", "uvs")),
                 colors.tobytes(),
                 tuple(images[material] for material in shape.materials),

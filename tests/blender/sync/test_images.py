@@ -85,7 +85,7 @@ def test_a_missing_frame_is_reported(textured, read_scene, sequence, empty_scene
     (tmp_path / "s0002.png").unlink()
     empty_scene.frame_set(2)
     assert read_scene().warnings == (
-        "Images that are missing or cannot be read are left out, and the base colour is drawn: 's0001.png'.",
+        "Images that are missing or cannot be read are magenta, as in Blender: 's0001.png'.",
     )
 
 
@@ -111,12 +111,3 @@ def test_one_frame_of_a_movie_is_drawn_and_that_is_reported(textured, read_scene
     scene = read_scene()
     assert scene.images[0].texels.shape == (32, 64, 4)
     assert scene.warnings == (f"Of movies one frame is drawn: '{movie.name}'.",)
-
-
-def test_an_interpolation_and_a_mapping_are_reported(textured, read_scene):
-    node = textured(bpy.data.images.new("Picture", 2, 2))
-    node.interpolation, node.texture_mapping.scale = "Closest", (2, 1, 1)
-    assert read_scene().warnings == (
-        "Textures with a mapping of their own lie on the active UV map as it is: 'Paint'.",
-        "Textures that are interpolated otherwise than linearly are interpolated linearly: 'Paint'.",
-    )

@@ -124,15 +124,15 @@ def test_a_muted_link_is_ignored(surface, read_scene):
     assert read_scene().images == ()
 
 
-def test_another_colour_node_leaves_the_plain_colour_and_is_reported(surface, read_scene):
+def test_a_node_that_is_not_known_leaves_the_plain_colour_and_is_reported(surface, read_scene):
     material, node = surface()
     node.inputs["Base Color"].default_value = (0.5, 0.25, 0.125, 1)
-    checker = material.node_tree.nodes.new("ShaderNodeTexChecker")
-    material.node_tree.links.new(checker.outputs["Color"], node.inputs["Base Color"])
+    info = material.node_tree.nodes.new("ShaderNodeParticleInfo")
+    material.node_tree.links.new(info.outputs["Location"], node.inputs["Base Color"])
     scene = read_scene()
     assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
     assert scene.warnings == (
-        "Materials whose Base Color is given by a node 'Checker Texture' have the socket's own value: 'Paint'.",
+        "Materials whose Base Color is given by a node 'Particle Info' have the socket's own value: 'Paint'.",
     )
 
 
@@ -168,7 +168,10 @@ def test_packed_and_saved_images_are_the_same(surface, read_scene, tmp_path):
     assert read_scene().images[0].texels.tolist() == [[[51, 102, 153, 255]] * 2] * 2
 
 
-def test_a_missing_image_leaves_the_base_colour_and_is_reported(surface, read_scene, tmp_path):
+MAGENTA = [[1.0, 0.0, 1.0]]
+
+
+def test_a_missing_image_is_magenta_and_reported(surface, read_scene, tmp_path):
     material, node = surface()
     path = str(tmp_path / "gone.png")
     image = new_image()
@@ -179,12 +182,10 @@ def test_a_missing_image_leaves_the_base_colour_and_is_reported(surface, read_sc
     (tmp_path / "gone.png").unlink()
     bpy.data.images["gone.png"].reload()
     scene = read_scene()
-    assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
+    assert scene.materials.base_color.tolist() == MAGENTA
     assert scene.materials.image.tolist() == [-1]
     assert scene.images == ()
-    assert scene.warnings == (
-        "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'.",
-    )
+    assert scene.warnings == ("Images that are missing or cannot be read are magenta, as in Blender: 'gone.png'.",)
 
 
 def test_an_image_that_is_missing_twice_is_reported_once(surface, read_scene, tmp_path):
@@ -193,17 +194,15 @@ def test_an_image_that_is_missing_twice_is_reported_once(surface, read_scene, tm
     for _ in range(2):
         material, node = surface()
         texture(material, node.inputs["Base Color"], image)
-    assert read_scene().warnings == (
-        "Images that are missing or cannot be read are left out, and the base colour is drawn: 'Gone'.",
-    )
+    assert read_scene().warnings == ("Images that are missing or cannot be read are magenta, as in Blender: 'Gone'.",)
 
 
-def test_an_empty_image_texture_leaves_the_base_colour(surface, read_scene):
+def test_an_image_texture_without_an_image_is_magenta(surface, read_scene):
     material, node = surface()
     texture(material, node.inputs["Base Color"], None)
     scene = read_scene()
-    assert scene.materials.image.tolist() == [-1]
-    assert scene.warnings == ("Materials with an empty Image Texture are drawn in their base colour: 'Paint'.",)
+    assert scene.materials.image.tolist() == [-1] and scene.materials.base_color.tolist() == MAGENTA
+    assert scene.warnings == ("Image Textures without an image are magenta, as in Blender: 'Paint'.",)
 
 
 def test_images_are_shared_except_between_extensions(surface, read_scene):
@@ -263,15 +262,14 @@ def test_texture_mappings_that_are_not_drawn_are_reported(surface, read_scene):
     coordinates, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
     tree.links.new(coordinates.outputs["UV"], image_node.inputs["Vector"])
     assert read_scene().warnings == ()
-    tree.links.new(coordinates.outputs["Object"], image_node.inputs["Vector"])
     image_node.projection, image_node.extension = "BOX", "CLIP"
-    assert read_scene().warnings == (
-        "Textures placed by a node 'Texture Coordinate' lie on the active UV map as it is: 'Paint'.",
-        "Textures projected otherwise than flat lie on the active UV map: 'Paint'.",
-        "Textures that are clipped or mirrored at their border have the border's colour there: 'Paint'.",
-    )
+    assert read_scene().warnings == ("Textures projected otherwise than flat lie on the active UV map: 'Paint'.",)
     tree.links.new(mapping.outputs["Vector"], image_node.inputs["Vector"])
-    assert read_scene().warnings[0] == "Textures placed by a node 'Mapping' lie on the active UV map as it is: 'Paint'."
+    image_node.projection = "FLAT"
+    assert read_scene().warnings == ()
+    tree.links.new(tree.nodes.new("ShaderNodeParticleInfo").outputs["Location"], image_node.inputs["Vector"])
+    placed = "Textures placed by a node 'Particle Info' lie on the active UV map as it is: 'Paint'."
+    assert read_scene().warnings == (placed,)
 
 
 def test_many_names_become_one_short_sentence(add, read_scene):

@@ -9,6 +9,7 @@ import bpy
 import pytest
 
 from ism_addon.blender.sync import camera, scene_reader
+from ism_addon.blender.sync.node_graphs.converters import CONVERTERS
 from tests.blender.sync.properties import DEPENDENT_INPUTS, INPUTS, IRRELEVANT, READ, REPORTED
 
 NODES = {
@@ -102,7 +103,7 @@ def read_all() -> tuple[bytes, tuple[str, ...]]:
     """Everything that a picture depends on, and the warnings."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     scene = scene_reader.scene(depsgraph)
-    tables = *scene.meshes, scene.instances, scene.materials, *scene.images, scene.lights, scene.world
+    tables = *scene.graphs, *scene.meshes, scene.instances, scene.materials, *scene.images, scene.lights, scene.world
     try:
         tables = *tables, camera.final_view(depsgraph)
     except camera.CameraError as refused:
@@ -165,7 +166,7 @@ def test_every_input_of_a_drawn_node_is_read_or_reported(setup, name):
         tree = node.id_data
         if name == "Diffuse":
             tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-        node_types = {"Volume": "ShaderNodeVolumeScatter", "Vector": "ShaderNodeMapping"}
+        node_types = {"Volume": "ShaderNodeVolumeScatter", "Vector": "ShaderNodeParticleInfo"}
         _, before = read_all()
         source = tree.nodes.new(node_types.get(socket.name, "ShaderNodeBump"))
         link = tree.links.new(source.outputs[0], socket)
@@ -194,8 +195,11 @@ def test_every_node_that_can_be_linked_to_a_surface_is_drawn_or_reported(setup):
             tree.links.new(output, target)
             if not output.enabled or output.is_unavailable or not any(link.is_valid for link in target.links):
                 continue
-            is_drawn = node_type in (*NODES.values(), "ShaderNodeRGB", "ShaderNodeBlackbody")
-            assert is_drawn or any(node.bl_label in warning for warning in read_all()[1]), f"{node_type}, {output.name}"
+            scene = scene_reader.scene(bpy.context.evaluated_depsgraph_get())
+            is_drawn = bool(scene.graphs) or node_type in CONVERTERS
+            assert is_drawn or any(node.bl_label in warning for warning in scene.warnings), (
+                f"{node_type}, {output.name}"
+            )
             tried.append(node_type)
         tree.nodes.remove(node)
     assert len({*tried}) > 80

@@ -38,4 +38,7 @@ def materials_of(
         base_color=base_color,
         image=np.full(count, -1) if image is None else image,
         emission=np.zeros((count, 3)) if emission is None else emission,
+        graph=np.full(count, -1),
+        first_constant=np.full(count, -1),
+        constants=[],
     )

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.accel.blas import build_blas
-from ism_addon.gpu.buffers import mesh_buffers
-from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers, UVBuffers, buffers_of, portions, uvs_of
+from ism_addon.gpu.buffers import corner_buffers, mesh_buffers
+from ism_addon.gpu.buffers.corner_buffers import UVBuffers, rows_of
+from ism_addon.gpu.buffers.mesh_buffers import TRIANGLES_AT_A_TIME, MeshBuffers, buffers_of, portions
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.scene import Image
 from tests.scenes.small import sphere
@@ -86,19 +87,19 @@ def test_a_failed_upload_of_texture_coordinates_can_be_repeated(monkeypatch, dev
     buffers.add((0,), {})
     uv_buffers.upload_new()
 
-    def fail_at_second(ranges):
+    def fail_at_second(*arguments):
         if done:
             raise MemoryError
-        done.append(uvs_of(ranges))
+        done.append(rows_of(*arguments))
         return done[-1]
 
     buffers.add((1, 2), {})
     with monkeypatch.context() as patch, pytest.raises(MemoryError):
         patch.setattr(mesh_buffers, "PORTIONS_AHEAD", 0)
-        patch.setattr(mesh_buffers, "uvs_of", fail_at_second)
+        patch.setattr(corner_buffers, "rows_of", fail_at_second)
         uv_buffers.upload_new()
     uv_buffers.upload_new()
-    uvs = np.frombuffer(uv_buffers.uvs.texture.buffer.read(), np.float32)
+    uvs = np.frombuffer(uv_buffers.texture.buffer.read(), np.float32)
     assert np.array_equal(
         uvs[: 6 * buffers.count], np.repeat([5, TRIANGLES_AT_A_TIME, 7], [6 * 5, 6 * TRIANGLES_AT_A_TIME, 6 * 7])
     )
@@ -116,7 +117,7 @@ def test_texture_coordinates_of_small_meshes_are_where_their_triangles_are(devic
     buffers.add(range(4), blases)
     uv_buffers = UVBuffers(device, buffers)
     uv_buffers.upload_new()
-    uploaded_uvs = np.frombuffer(uv_buffers.uvs.texture.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
+    uploaded_uvs = np.frombuffer(uv_buffers.texture.buffer.read(), np.float32)[: 6 * sum(counts)].reshape(-1, 3, 2)
     orders = [blases[k].order if blases else np.arange(count) for k, count in enumerate(counts)]
     uvs[1] = np.zeros((counts[1], 3, 2), np.float32)
     assert np.array_equal(

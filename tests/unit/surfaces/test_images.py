@@ -114,13 +114,10 @@ def test_several_images_and_plain_colours_side_by_side(device):
         replace(quad((x, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)), materials=np.full(2, k, np.uint32))
         for k, x in enumerate((-1.5, -0.5, 0.5))
     ]
-    scene = make_scene(meshes)
-    materials = replace(
-        scene.materials,
-        base_color=np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], np.float32),
-        image=np.array([0, -1, 1], np.int32),
+    materials = materials_of([[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]], [0, -1, 1])
+    ours = gbuffer(
+        device, replace(make_scene(meshes), materials=materials, images=images), view_from_above(3.0, (30, 10))
     )
-    ours = gbuffer(device, replace(scene, materials=materials, images=images), view_from_above(3.0, (30, 10)))
     base_color = ours["base_color"][:, :3].reshape(10, 30, 3)
     assert base_color[:, 11:19] == pytest.approx(np.broadcast_to([0.1, 0.2, 0.3], (10, 8, 3)), abs=1e-3)
     assert base_color[:, 21:] == pytest.approx(

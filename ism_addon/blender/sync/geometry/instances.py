@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads instances of meshes. A mesh is read once for each list of materials, and kept until it changes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from ....scene import Instances, Mesh
 from ....scene.limits import MAX_DISTANCE, is_invertible, is_within
 from ..diagnostics import Diagnostics
 from ..light_linking import LightLinks, warn_of_many_groups
-from ..materials.materials import MaterialReader
+from ..materials.materials import MaterialReader, Needs
 from . import meshes
 from .raw_meshes import Raw
 
@@ -38,7 +39,7 @@ class _Pending(NamedTuple):
     reading: _Reading
     raw: Raw
     name: str  # of the object
-    key: tuple  # its session_uid, materials, and their UV layers
+    key: tuple  # its session_uid, materials, and what they need
 
 
 class _Row(NamedTuple):
@@ -51,9 +52,11 @@ class _Row(NamedTuple):
     visible_diffuse: bool
     receivers: int
     blockers: int
+    info: tuple[tuple[float, ...], int, float] | None  # color, pass index, random number, if any graph reads them
     linked_by: tuple[int, ...]  # session_uids of the object, and of its instancer
     name: str
     unsupported: Diagnostics  # of the object, shared with its other instances
+    random_id: int  # Blender's, 32 bits
 
 
 class InstanceReader:
@@ -62,7 +65,7 @@ class InstanceReader:
     def __init__(self, materials: MaterialReader, links: LightLinks) -> None:
         self._materials = materials
         self._links = links
-        #: By the evaluated mesh's address, which Blender may reuse, and its materials with their UV layers.
+        #: By the evaluated mesh's address, which Blender may reuse, and its materials with what they need.
         self._readings: dict[tuple, _Reading] = {}
         self._changed: frozenset[int] = frozenset()
         self._reread: set[tuple] = set()
@@ -95,14 +98,15 @@ class InstanceReader:
         owners = (source, instance.parent) if instance.is_instance else (source,)
         if not instance.is_instance:
             self._object_rows[source.original.session_uid] = len(self._rows)
-        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer))
+        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer, instance.random_id))
 
     def update(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
         """Read an object that is not an instance again; ignored if it was not added, so it is not visible."""
         index = self._object_rows.get(source.original.session_uid)
         if index is not None:
             self._unsupported.pop(source.original.session_uid, None)
-            self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer)
+            random_id = self._rows[index].random_id
+            self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer, random_id)
 
     def tables(self, findings: Diagnostics) -> tuple[tuple[Mesh, ...], Instances]:
         """All meshes with instances, and the instances. Meshes without instances are released."""
@@ -138,6 +142,7 @@ class InstanceReader:
             visible_diffuse=[row.visible_diffuse for row in valid_rows],
             receivers=[row.receivers for row in valid_rows],
             blockers=[row.blockers for row in valid_rows],
+            **object_info(valid_rows),
         )
         return tuple(indices), instances
 
@@ -153,6 +158,7 @@ class InstanceReader:
         world_from_object: Matrix,
         owners: tuple[bpy.types.Object, ...],
         view_layer: bpy.types.ViewLayer,
+        random_id: int,
     ) -> _Row:
         uid = source.original.session_uid
         if uid not in self._unsupported:
@@ -160,39 +166,48 @@ class InstanceReader:
         receivers, blockers = (self._links.of_light(owners, role) for role in ("receiver", "blocker"))
         if receivers is None or blockers is None:
             warn_of_many_groups(self._unsupported[uid], source.name)
+        materials = self._slots(source, view_layer)
+        info = None
+        if any(self._materials.needs(index).objects for index in materials):
+            info = tuple(source.color), source.pass_index, random_id / 2.0**32
         return _Row(
-            self._mesh(source, owners, view_layer),
+            self._mesh(source, owners, materials),
             world_from_object.copy(),
             all(each.visible_camera for each in owners) and not owners[-1].indirect_only_get(view_layer=view_layer),
             all(each.visible_shadow for each in owners),
             all(each.visible_diffuse for each in owners),
             -1 if receivers is None else receivers,
             -1 if blockers is None else blockers,
+            info,
             tuple(each.original.session_uid for each in owners),
             source.name,
             self._unsupported[uid],
+            random_id,
         )
 
-    def _mesh(
-        self, source: bpy.types.Object, owners: tuple[bpy.types.Object, ...], view_layer: bpy.types.ViewLayer
-    ) -> _Reading:
-        """An object's mesh with its materials."""
+    def _slots(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> tuple[int, ...]:
+        """The materials of an object's slots, at least one."""
         override = view_layer.material_override
         slots = [override or slot.material for slot in source.material_slots] or [override]
-        materials = tuple(self._materials.index(material) for material in slots)
-        layers = tuple(self._materials.uv_layer(index) for index in materials)
-        key = (source.data.as_pointer(), materials, layers)
+        return tuple(self._materials.index(material) for material in slots)
+
+    def _mesh(
+        self, source: bpy.types.Object, owners: tuple[bpy.types.Object, ...], materials: tuple[int, ...]
+    ) -> _Reading:
+        """An object's mesh with its materials."""
+        needs = tuple(self._materials.needs(index) for index in materials)
+        key = (source.data.as_pointer(), materials, needs)
         changed = any(each.original.session_uid in self._changed for each in owners)
         if key not in self._readings or (changed and key not in self._reread):
-            self._readings[key] = self._read(source, materials, layers)
+            self._readings[key] = self._read(source, materials, needs)
             self._reread.add(key)
         return self._readings[key]
 
-    def _read(self, source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str | None, ...]) -> _Reading:
+    def _read(self, source: bpy.types.Object, materials: tuple[int, ...], needs: tuple[Needs, ...]) -> _Reading:
         """Read a mesh. It is triangulated when enough corners are pending, or in tables()."""
-        reading, raw = _Reading(None, Diagnostics()), _raw(source, materials, layers)
+        reading, raw = _Reading(None, Diagnostics()), _raw(source, materials, needs)
         if raw is not None:
-            key = source.original.session_uid, materials, layers
+            key = source.original.session_uid, materials, needs
             self._pending.append(_Pending(reading, raw, source.name, key))
             self._corners += len(raw.vertices)
             if self._corners > MAX_PENDING_CORNERS:
@@ -218,15 +233,24 @@ class InstanceReader:
         self._corners = 0
 
 
-def _raw(source: bpy.types.Object, materials: tuple[int, ...], layers: tuple[str | None, ...]) -> Raw | None:
+def _raw(source: bpy.types.Object, materials: tuple[int, ...], needs: tuple[Needs, ...]) -> Raw | None:
     """An object's mesh, from a temporary copy: it shares all arrays, and data computed on reading stays in the copy.
 
     A mesh in edit mode has to be copied in any case.
     """
     try:
-        return meshes.read(source.to_mesh(), materials, layers)
+        layers, attributes, _ = zip(*needs, strict=True)
+        return meshes.read(source.to_mesh(), materials, layers, attributes)
     finally:
         source.to_mesh_clear()
+
+
+def object_info(rows: Sequence[_Row]) -> dict[str, Sequence]:
+    """The fields of Instances that graphs read, without rows if none does."""
+    if not any(row.info is not None for row in rows):
+        return {"color": [], "pass_index": [], "random": []}
+    colors, indices, numbers = zip(*(row.info or ((1.0, 1.0, 1.0, 1.0), 0, 0.0) for row in rows), strict=True)
+    return {"color": colors, "pass_index": indices, "random": numbers}
 
 
 def _unsupported_features(

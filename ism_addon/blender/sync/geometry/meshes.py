@@ -11,6 +11,8 @@ from ....scene import Mesh
 from ....scene.arrays import array_specs
 from ....scene.limits import is_within
 from . import triangulate
+from .attributes import Attribute, slots_of_corners
+from .attributes import read as read_attributes
 from .raw_meshes import Raw, joined, starts
 
 #: Meshes with at most this many corners are triangulated together: numpy's overhead would dominate for each alone.
@@ -22,7 +24,7 @@ PLANAR_COSINE = 1.0 - 1e-6
 #: Type of a triangle's material index.
 MATERIAL_INDEX = array_specs(Mesh)["materials"].dtype.type
 
-NO_UVS = array_specs(Mesh)["uvs"].empty()
+NO_UVS, NO_ATTRIBUTES = (array_specs(Mesh)[name].empty() for name in ("uvs", "attributes"))
 
 
 class Reading(NamedTuple):
@@ -33,11 +35,16 @@ class Reading(NamedTuple):
     beyond_limits: int  # triangles left out
 
 
-def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str | None, ...] = ("",)) -> Raw | None:
+def read(
+    source: bpy.types.Mesh,
+    materials: tuple[int, ...],
+    layers: tuple[str | None, ...] = ("",),
+    attributes: tuple[tuple[Attribute, ...], ...] = (),
+) -> Raw | None:
     """An evaluated mesh; None if it has no faces. `materials`: indices into Materials of its slots, at least one.
 
-    `layers`: the UV layer of each slot, or one for all; "": the one that renders, None: none. As in Blender, a face
-    whose slot does not exist has the last slot's material.
+    `layers`: the UV layer of each slot, or one for all; "": the one that renders, None: none. `attributes`: others that
+    each slot needs. As in Blender, a face whose slot does not exist has the last slot's material.
     """
     corners, count = len(source.loops), len(source.polygons)
     if not count:
@@ -63,6 +70,7 @@ def read(source: bpy.types.Mesh, materials: tuple[int, ...], layers: tuple[str |
         slots=None if slots is None else triangulate.read(slots.data, "value", count, np.int32),
         uvs=_uvs(source, layers),
         materials=materials,
+        attributes=read_attributes(source, attributes),
     )
 
 
@@ -99,7 +107,10 @@ def _triangulated(raws: list[Raw]) -> list[Reading]:
     if repaired.ndim != normals.ndim and len(raws) > 1:
         return [_triangulated([each])[0] for each in raws]  # some can keep normals by vertex
     uvs = NO_UVS if raw.uvs is None else _finite(raw.uvs)[corners]
-    combined = Mesh.of(positions=positions, triangles=vertices, normals=repaired, uvs=uvs, materials=materials)
+    others = NO_ATTRIBUTES if raw.attributes is None else raw.attributes[corners]
+    combined = Mesh.of(
+        positions=positions, triangles=vertices, normals=repaired, uvs=uvs, materials=materials, attributes=others
+    )
     lengths = counted(used, [len(each.positions) for each in raws]), counted(kept, triangle_counts)
     meshes = [combined if len(vertices) else None] if len(raws) == 1 else _split(combined, *lengths)
     without_area, beyond_limits = counted(within & ~kept, triangle_counts), counted(~within, triangle_counts)
@@ -121,8 +132,8 @@ def _split(combined: Mesh, vertices: list[int], triangles: list[int]) -> list[Me
     for vertex, vertex_count, triangle, triangle_count in ranges:
         v, t = slice(vertex, vertex + vertex_count), slice(triangle, triangle + triangle_count)
         normals, uvs = combined.normals[v if by_vertex else t], combined.uvs[t]
-        mesh = Mesh(combined.positions[v], local[t], normals, uvs, combined.materials[t]) if triangle_count else None
-        meshes.append(mesh)
+        arrays = combined.positions[v], local[t], normals, uvs, combined.materials[t], combined.attributes[t]
+        meshes.append(Mesh(*arrays) if triangle_count else None)
     return meshes
 
 
@@ -196,10 +207,7 @@ def _uvs(source: bpy.types.Mesh, layers: tuple[str | None, ...]) -> np.ndarray |
     layer_uvs = {name: _layer(source, name) for name in dict.fromkeys(needed)}
     if len(layer_uvs) == 1:
         return layer_uvs[needed[0]]
-    count, slots = len(source.polygons), source.attributes.get("material_index")
-    face_slots = np.zeros(count, np.int32) if slots is None else triangulate.read(slots.data, "value", count, np.int32)
-    face_slots = np.clip(face_slots, 0, len(layers) - 1)
-    corner_slots = np.repeat(face_slots, triangulate.read(source.polygons, "loop_total", count, np.int32))
+    corner_slots = slots_of_corners(source, len(layers))
     return np.stack([layer_uvs[needed[0] if name is None else name] for name in layers])[
         corner_slots, np.arange(len(source.loops))
     ]

@@ -23,11 +23,13 @@ class Raw(NamedTuple):
     slots: np.ndarray | None  # (F,) int32: the material slot of each face; None if all have the first
     uvs: np.ndarray | None  # (L,2) float32
     materials: tuple[int, ...]  # of the slots, into Materials
+    attributes: np.ndarray | None = None  # (L,A,4) float32, see attributes.py
 
     @property
     def layout(self) -> tuple:
         """Meshes of the same layout can be joined."""
-        return self.sides, self.domain, self.flat is None, self.slots is None, self.uvs is None
+        attributes = 0 if self.attributes is None else self.attributes.shape[1]
+        return self.sides, self.domain, self.flat is None, self.slots is None, self.uvs is None, attributes
 
     @property
     def triangle_count(self) -> int:
@@ -40,9 +42,21 @@ def joined(raws: Sequence[Raw]) -> Raw:
     if len(raws) == 1:
         (raw,) = raws
         return raw if raw.slots is None else raw._replace(slots=np.clip(raw.slots, 0, len(raw.materials) - 1))
-    positions, vertices, counts, sides, triangles, triangle_face, domains, normals, flat, slots, uvs, materials = zip(
-        *raws, strict=True
-    )
+    (
+        positions,
+        vertices,
+        counts,
+        sides,
+        triangles,
+        triangle_face,
+        domains,
+        normals,
+        flat,
+        slots,
+        uvs,
+        materials,
+        attributes,
+    ) = zip(*raws, strict=True)
     if slots[0] is None:
         materials, all_slots = [each[:1] for each in materials], np.zeros(sum(counts), np.int32)
     else:
@@ -62,6 +76,7 @@ def joined(raws: Sequence[Raw]) -> Raw:
         slots=np.clip(all_slots, 0, last) + starts(lengths).repeat(counts),
         uvs=None if uvs[0] is None else np.concatenate(uvs),
         materials=tuple(chain.from_iterable(materials)),
+        attributes=None if attributes[0] is None else np.concatenate(attributes),
     )
 
 

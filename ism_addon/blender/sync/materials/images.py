@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from ....color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
-from ....scene import Encoding
+from ....scene import Encoding, Image
 
 #: Spaces whose stored values are linear. Blender reads floating point images as linear, whatever their space.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
@@ -73,13 +73,12 @@ def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
     return stored
 
 
-def mean_color(image: bpy.types.Image) -> np.ndarray | None:
-    """(3,) mean of an image's linear colour times alpha, from about MEAN_TEXELS² texels; None without pixels."""
-    stored = texels(image, on_black=True)
-    if stored is None:
-        return None
-    step = max(max(stored.shape[:2]) // MEAN_TEXELS, 1)
-    return linear(stored[::step, ::step, :3], encoding(image)).mean((0, 1), dtype=np.float64)
+def mean_texel(image: Image) -> np.ndarray:
+    """(4,) mean of an image's linear colour and alpha, from about MEAN_TEXELS² texels."""
+    step = max(max(image.texels.shape[:2]) // MEAN_TEXELS, 1)
+    some = image.texels[::step, ::step]
+    alpha = some[..., 3].mean(dtype=np.float64) / (1.0 if image.encoding is Encoding.FLOAT else 255.0)
+    return np.append(linear(some[..., :3], image.encoding).mean((0, 1), dtype=np.float64), alpha)
 
 
 def linear(stored: np.ndarray, encoded: Encoding) -> np.ndarray:

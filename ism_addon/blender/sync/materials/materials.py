@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads materials: the values of their inputs, the image of the base colour, and the light that they emit."""
+"""Reads materials: the values of their inputs, images and graphs, and the light that they emit."""
 
 from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
 
-from ....scene import MATERIAL_INPUTS, Image, Materials
+from ....color import luminance
+from ....scene import MATERIAL_INPUTS, Image, Materials, NodeGraph
 from ..diagnostics import Diagnostics
-from . import emission, images, nodes, unsupported_features
+from ..geometry.attributes import Attribute
+from ..node_graphs.converters import CONVERTERS
+from ..node_graphs.reader import GraphReader
+from . import images, nodes, unsupported_features
+from .surface import Surface
 
 #: The session_uid of an image, whether it repeats, whether it is on black, and the file of a sequence's frame or "".
 ImageKey = tuple[int, bool, bool, str]
@@ -25,16 +30,30 @@ DEFAULTS: dict[str, Any] = {
 BLACK: dict[str, Any] = {**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}
 
 
+class Needs(NamedTuple):
+    """What a material needs of meshes."""
+
+    uv_layer: str | None = None  # "": the one that renders
+    attributes: tuple[Attribute, ...] = ()
+    objects: bool = False  # of instances: their color, index and random number
+
+
+NOTHING = Needs()
+
+
 class _Row(NamedTuple):
     """One row of Materials."""
 
     values: dict[str, Any]  # as DEFAULTS
-    image: int
-    layer: str | None  # the UV layer of its image; "": the one that renders; None without an image
-    findings: tuple[Diagnostics, ...]  # those of its image are shared by all materials that use the image
+    image: int = -1
+    graph: NodeGraph | None = None
+    constants: np.ndarray = np.zeros((0, 4), np.float32)  # of the graph
+    needs: Needs = NOTHING
+    images: frozenset[int] = frozenset()  # that it or its graph uses
+    findings: tuple[Diagnostics, ...] = ()  # those of an image are shared by all materials that use the image
 
 
-GREY_ROW = _Row(DEFAULTS, -1, None, ())
+GREY_ROW = _Row(DEFAULTS)
 
 
 class MaterialReader:
@@ -48,8 +67,7 @@ class MaterialReader:
         self._images: list[Image] = []
         #: Images by the same keys, with their origin: they are read again only if that has changed.
         self._image_cache: dict[ImageKey, tuple[tuple, Image]] = {}
-        #: Mean colors of images that are emitted, by session_uid.
-        self._mean_colors: dict[int, np.ndarray | None] = {}
+        self._mean_texels: dict[int, tuple[Image, np.ndarray]] = {}
 
     def reset(self) -> None:
         """To be called before the materials of all instances are requested."""
@@ -66,18 +84,18 @@ class MaterialReader:
         self._used.add(index)
         return index
 
-    def uv_layer(self, index: int) -> str | None:
-        """The UV layer of a material's image; "": the one that renders; None without an image."""
-        return (self._rows[index] or GREY_ROW).layer
+    def needs(self, index: int) -> Needs:
+        """What a material needs of meshes."""
+        return (self._rows[index] or GREY_ROW).needs
 
     def update(self, material: bpy.types.Material) -> bool:
-        """Read a changed material again, if it has been used. Whether it has another UV layer now."""
+        """Read a changed material again, if it has been used. Whether it needs something else of meshes now."""
         index = self._indices.get(material.original.session_uid)
         if index is None:
             return False
         last, self._rows[index] = self._rows[index], None
-        row = self._rows[index] = self._row(material)
-        return last is not None and last.layer != row.layer
+        row = self._rows[index] = self._changed_row(material, last)
+        return last is not None and last.needs != row.needs
 
     def forget_images(self) -> None:
         """Some image has changed: read all materials again when they are next requested."""
@@ -86,97 +104,121 @@ class MaterialReader:
             self._image_cache = {key: cached for key, cached in self._image_cache.items() if key in self._read_images}
         self._read_images.clear()
         self._images.clear()
-        self._mean_colors.clear()
 
     def table(self, findings: Diagnostics) -> Materials:
         """All materials that have ever been used: their indices never change."""
         rows = [row or GREY_ROW for row in self._rows]
         for each in dict.fromkeys(each for index in sorted(self._used) for each in rows[index].findings):
             findings.merge(each)
-        return Materials.of_rows({**row.values, "image": row.image} for row in rows)
+        rows = [row if index in self._used else GREY_ROW for index, row in enumerate(rows)]
+        graphs = self.graphs()
+        counts = np.array([len(row.constants) for row in rows], np.int64)
+        first = np.where(counts > 0, np.cumsum(counts) - counts, -1)
+        values = {name: [row.values[name] for row in rows] for name in DEFAULTS}
+        return Materials.of(
+            **values,
+            image=[row.image for row in rows],
+            graph=[-1 if row.graph is None else graphs.index(row.graph) for row in rows],
+            first_constant=first,
+            constants=np.concatenate([np.zeros((0, 4)), *(row.constants for row in rows)]),
+        )
+
+    def graphs(self) -> tuple[NodeGraph, ...]:
+        """The graphs that Materials.graph has indices of."""
+        rows = (self._rows[index] or GREY_ROW for index in sorted(self._used))
+        return tuple(dict.fromkeys(row.graph for row in rows if row.graph is not None))
 
     def images(self) -> tuple[Image, ...]:
         """The images that Materials.image has indices of."""
         return tuple(self._images)
 
-    def _row(self, material: bpy.types.Material | None) -> _Row:
+    def _changed_row(self, material: bpy.types.Material, last: _Row | None) -> _Row:
+        """The row of a material that has changed.
+
+        While a slider is dragged, the graph has to stay the same: a new one takes time to compile. So if the simplest
+        graph is another one than before, the graph is not simplified, and will stay the same from now on.
+        """
+        row = self._row(material)
+        if last is None or row.graph == last.graph:
+            return row
+        return self._row(material, simplify=False)
+
+    def _row(self, material: bpy.types.Material | None, simplify: bool = True) -> _Row:
         if material is None:
             return GREY_ROW
         findings = Diagnostics()
         node_tree = nodes.tree(material)
         if node_tree is None:
-            return _Row(self._viewport_values(material), -1, None, (findings,))
+            viewport_color = nodes.color(material.diffuse_color, MATERIAL_INPUTS[COLOR].default)
+            return _Row({**DEFAULTS, COLOR: viewport_color}, findings=(findings,))
         output = nodes.output(node_tree)
         unsupported_features.warn_of_output(material, output, findings)
-        shader = nodes.surface(output)
-        if shader is None:
+        used_images: dict[int, Diagnostics] = {}
+        reader = GraphReader(
+            CONVERTERS,
+            material,
+            lambda node: self._image(material, node, findings, used_images),
+            luminance(images.working_space()),
+            simplify,
+        )
+        closures = reader.surface(output)
+        if not closures:
             findings.warn("Materials without a surface are drawn black", material.name)
-            return _Row(BLACK, -1, None, (findings,))
-        radiance = emission.read(shader, self._mean_color, material.name, findings)
-        if shader.bl_idname == emission.EMISSION:
-            return _Row({**BLACK, "emission": radiance}, -1, None, (findings,))
-        if shader.bl_idname not in MATERIAL_INPUTS[COLOR].sockets:
-            issue = f"Materials whose surface is a node '{shader.bl_label}' are drawn in their viewport colour"
-            findings.warn(issue, material.name)
-            return _Row(self._viewport_values(material), -1, None, (findings,))
-        unsupported_features.warn_of_shader(material, shader, findings)
-        return self._row_of_shader(material, shader, radiance, findings)
+            return _Row(BLACK, findings=(findings,))
+        for closure in closures:
+            unsupported_features.warn_of_shader(material, closure.node, findings)
+        surface = Surface(reader, closures, self._mean_texel)
+        reflection = surface.reflection(findings)
+        needs, graph = NOTHING, reflection.graph
+        if graph is not None:
+            needs = Needs(reader.uv_layer, tuple(reader.attributes), graph.reads_objects)
+        elif reflection.image >= 0:
+            needs = Needs(reader.uv_layer)
+        values = DEFAULTS | {COLOR: reflection.base_color, "emission": surface.emission(findings)}
+        return _Row(
+            values,
+            reflection.image,
+            reflection.graph,
+            reflection.constants,
+            needs,
+            frozenset(used_images),
+            (findings, *used_images.values()),
+        )
 
-    @staticmethod
-    def _viewport_values(material: bpy.types.Material) -> dict[str, Any]:
-        """Values of the inputs, with the material's viewport colour as base colour."""
-        return {**DEFAULTS, COLOR: nodes.color(material.diffuse_color, MATERIAL_INPUTS[COLOR].default)}
-
-    def _row_of_shader(
-        self, material: bpy.types.Material, shader: bpy.types.Node, radiance: np.ndarray, findings: Diagnostics
-    ) -> _Row:
-        """A row with the values of a shader's sockets, which emits this radiance (3,)."""
-        values, image, layer, image_findings = {**DEFAULTS, "emission": radiance}, -1, None, Diagnostics()
-        for name, each in MATERIAL_INPUTS.items():
-            if (socket := shader.inputs.get(each.sockets.get(shader.bl_idname, ""))) is None:
-                continue
-            values[name], node = nodes.value(socket, each.default)
-            source = nodes.source(socket)
-            if node is None or source is None:
-                continue
-            if name == COLOR and node.bl_idname == "ShaderNodeTexImage" and source.identifier == "Color":
-                image, image_findings = self._image(material, node, findings)
-                layer = nodes.uv_layer(node.inputs["Vector"]) if image >= 0 else None
-                continue
-            issue = f"Materials whose {socket.name} is given by a node '{node.bl_label}' have the socket's own value"
-            findings.warn(issue, material.name)
-        return _Row(values, image, layer, (findings, image_findings))
-
-    def _mean_color(self, image: bpy.types.Image) -> np.ndarray | None:
-        """See emission.MeanColor; computed once."""
-        uid = image.original.session_uid
-        if uid not in self._mean_colors:
-            self._mean_colors[uid] = images.mean_color(image)
-        return self._mean_colors[uid]
+    def _mean_texel(self, index: int) -> np.ndarray:
+        """See surface.MeanTexel; computed once."""
+        image = self._images[index]
+        if index not in self._mean_texels or self._mean_texels[index][0] is not image:
+            self._mean_texels[index] = image, images.mean_texel(image)
+        return self._mean_texels[index][1]
 
     def _image(
-        self, material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics
-    ) -> tuple[int, Diagnostics]:
-        """The index of the node's image, -1 if it cannot be read, and the issues of the image."""
+        self,
+        material: bpy.types.Material,
+        node: bpy.types.ShaderNodeTexImage,
+        findings: Diagnostics,
+        used_images: dict[int, Diagnostics],
+    ) -> int:
+        """The index of a node's image; -1 if it has none. Adds the index and the issues of the image."""
         image = node.image
         if image is None:
-            findings.warn("Materials with an empty Image Texture are drawn in their base colour", material.name)
-            return -1, Diagnostics()
+            findings.warn("Image Textures without an image are magenta, as in Blender", material.name)
+            return -1
         unsupported_features.warn_of_mapping(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
         path = image.filepath_from_user(image_user=node.image_user) if image.source == "SEQUENCE" else ""
         key = (image.original.session_uid, repeat, on_black, path)
         if key not in self._read_images:
             self._read_images[key] = self._read_image(key, image)
-        return self._read_images[key]
+        index, issues = self._read_images[key]
+        used_images[index] = issues
+        return index
 
     def _read_image(self, key: ImageKey, image: bpy.types.Image) -> tuple[int, Diagnostics]:
         findings = Diagnostics()
         loaded = self._load(key, image)
         if loaded is None:
-            findings.warn(
-                "Images that are missing or cannot be read are left out, and the base colour is drawn", image.name
-            )
+            findings.warn("Images that are missing or cannot be read are magenta, as in Blender", image.name)
             return -1, findings
         if not images.is_known_space(image):
             findings.warn("Images in a colour space that is not known are taken for sRGB", image.name)
@@ -190,7 +232,7 @@ class MaterialReader:
 
     def _free_index(self) -> int:
         """The index of a frame of an image sequence that no material uses any more; otherwise a new index."""
-        used = {row.image for row in self._rows if row is not None}
+        used = frozenset[int]().union(*(row.images for row in self._rows if row is not None))
         for key, (index, _) in self._read_images.items():
             if key[-1] and index >= 0 and index not in used:
                 del self._read_images[key]

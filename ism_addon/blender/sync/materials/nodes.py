@@ -21,9 +21,6 @@ ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "DIVIDE": lambda a, b: a / b if b else 0.0,  # as in Cycles
 }
 
-#: Outputs of nodes that give the mesh's UVs unchanged: the node's type and the output's name.
-UV_OUTPUTS = {("ShaderNodeUVMap", "UV"), ("ShaderNodeTexCoord", "UV")}
-
 
 def tree(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
     """The node tree of a material or a world, None if it is not used: before Blender 5.0 it could be switched off."""
@@ -93,12 +90,6 @@ def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
         else:
             return link.from_socket
     return None
-
-
-def uv_layer(vector: bpy.types.NodeSocket) -> str:
-    """The UV layer that a UV Map node names for a texture's Vector input; "": the one that renders."""
-    linked = source(vector)
-    return linked.node.uv_map if linked is not None and linked.node.bl_idname == "ShaderNodeUVMap" else ""
 
 
 def color(values: Any, fallback: float) -> np.ndarray:

@@ -41,11 +41,11 @@ def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, 
 
 def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
     """Warn about inputs of the surface's shader other than its colour."""
-    for name, (plain, issue) in PLAIN[shader.bl_idname].items():
+    for name, (plain, issue) in PLAIN.get(shader.bl_idname, {}).items():
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
             findings.warn(issue, material.name)
-    normal = nodes.source(shader.inputs["Normal"])
+    normal = nodes.source(shader.inputs["Normal"]) if "Normal" in shader.inputs else None
     if normal is not None:
         findings.warn(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
     if shader.bl_idname == "ShaderNodeBsdfPrincipled" and _is_glossy(shader):
@@ -72,20 +72,9 @@ def _is_glossy(shader: bpy.types.Node) -> bool:
 
 
 def warn_of_mapping(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics) -> None:
-    """Warn about unsupported mappings and options of an image texture."""
+    """Warn about unsupported mappings of an image texture."""
     mapped_by = nodes.source(node.inputs["Vector"])
-    if mapped_by is not None and (mapped_by.node.bl_idname, mapped_by.name) not in nodes.UV_OUTPUTS:
-        issue = f"Textures placed by a node '{mapped_by.node.bl_label}' lie on the active UV map as it is"
-        findings.warn(issue, material.name)
-    elif mapped_by is not None and getattr(mapped_by.node, "from_instancer", False):
+    if mapped_by is not None and getattr(mapped_by.node, "from_instancer", False):
         findings.warn("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
-    mapping = node.texture_mapping
-    if any(mapping.translation) or any(mapping.rotation) or tuple(mapping.scale) != (1.0, 1.0, 1.0):
-        findings.warn("Textures with a mapping of their own lie on the active UV map as it is", material.name)
-    if node.interpolation != "Linear":
-        findings.warn("Textures that are interpolated otherwise than linearly are interpolated linearly", material.name)
     if node.projection != "FLAT":
         findings.warn("Textures projected otherwise than flat lie on the active UV map", material.name)
-    if node.extension not in ("REPEAT", "EXTEND"):
-        issue = "Textures that are clipped or mirrored at their border have the border's colour there"
-        findings.warn(issue, material.name)

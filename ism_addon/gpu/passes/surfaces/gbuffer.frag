@@ -3,13 +3,17 @@
 #include "maths/octahedron.glsl"
 #include "maths/packed_normal.glsl"
 #include "surfaces/camera_ray.glsl"
+#include "surfaces/instances.glsl"
 #include "surfaces/material_outputs.glsl"
 #include "surfaces/terminator_offset.glsl"
 #if IMAGES
 #include "textures/image.glsl"
-uniform samplerBuffer uvs;
-
-vec2 uv_at(int corner) { return texelFetch(uvs, corner).xy; }
+#endif
+#if IMAGES || GRAPH
+#include "nodes/point.glsl"
+#endif
+#if GRAPH
+#include "surfaces/node_graph.glsl"
 #endif
 
 uniform usampler2D visibility_buffer;
@@ -18,9 +22,12 @@ uniform vec2 first; // fine pixel of the first pixel
 uniform ivec2 last; // last fine pixel
 flat in vec4 visibility_texel_and_offset;
 flat in float sample_index;
-uniform usamplerBuffer instances;
 uniform usamplerBuffer materials;
 uniform isamplerBuffer corner_normal_buffer;
+#if SEVERAL
+uniform int own_graph;        // of the materials that this program draws
+uniform int background_graph; // of the program that draws the background too
+#endif
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
 layout(location = 2) out vec4 normal;
@@ -65,6 +72,11 @@ void main() {
     vec2 pixel = gl_FragCoord.xy + visibility_texel_and_offset.zw;
     uvec2 id = fetch(visibility_buffer, clamp(fine_pixel, ivec2(0), last)).xy;
     primitive = id;
+    TriangleVertices corner = fetch_triangle(max(int(id.x) - 1, 0));
+#if SEVERAL
+    int graph = id.x == 0u ? background_graph : fetch_Material(materials, corner.material).graph;
+    if (graph != own_graph) discard; // another program draws it
+#endif
     if (id.x == 0u) {
         depth = BACKGROUND_DEPTH;
         position = normal = base_color = vec4(0.0);
@@ -76,7 +88,6 @@ void main() {
     mat3 linear = transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
     vec3 offset = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
 
-    TriangleVertices corner = fetch_triangle(triangle);
     vec3 a = linear * corner.first + offset, u = linear * corner.u, v = linear * corner.v;
     vec3 geometric_normal = cross(u, v);
 
@@ -111,15 +122,27 @@ void main() {
     Material material = fetch_Material(materials, corner.material);
     base_color = vec4(material.base_color, offset_from_triangle);
     write_material_inputs(material);
-#if IMAGES
-    if (material.width > 0) {
-        mat3x2 corner_uvs = mat3x2(uv_at(3 * triangle), uv_at(3 * triangle + 1), uv_at(3 * triangle + 2));
-        vec3 bx = barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v));
-        vec3 by = barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v));
-        // The footprint shrinks with the number of samples: their mean replaces filtering by smaller copies.
-        float scale = inversesqrt(1.0 + sample_index);
-        base_color.rgb = image_color(
-            material, corner_uvs * b, scale * (corner_uvs * (bx - exact)), scale * (corner_uvs * (by - exact)));
+#if IMAGES || GRAPH
+    // Footprints shrink with the number of samples: their mean replaces filtering by smaller copies.
+    float scale = inversesqrt(1.0 + sample_index);
+    vec3 dx = scale * (barycentric(view_ray(pixel + vec2(1.0, 0.0)), a, u, v, cross(u, v)) - exact);
+    vec3 dy = scale * (barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v)) - exact);
+#endif
+#if GRAPH
+    ShadingPoint at = ShadingPoint(p, b, side * smooth_normal, side * geometric_normal, -normalize(ray.direction),
+                                   side < 0.0, triangle, int(id.y));
+    ShadingPoint at_x = at, at_y = at;
+    at_x.position += u * dx.y + v * dx.z;
+    at_x.barycentric += dx;
+    at_y.position += u * dy.y + v * dy.z;
+    at_y.barycentric += dy;
+    base_color.rgb = evaluate_graph(at, at_x, at_y, material.first_constant).diffuse;
+#elif IMAGES
+    if (material.image >= 0) {
+        Image image = fetch_Image(images, material.image);
+        mat3x2 uvs = corner_uvs(triangle);
+        base_color.rgb =
+            image_color(image, uvs * b, uvs * dx, uvs * dy, image.repeat != 0 ? REPEAT : EXTEND).rgb;
     }
 #endif
 }

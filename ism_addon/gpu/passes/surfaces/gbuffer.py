@@ -7,6 +7,7 @@ Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 from typing import Any
 
 from ....resources import (
+    ATTRIBUTE_BUFFERS,
     BACKGROUND_DEPTH,
     BASE_COLOR,
     DEPTH,
@@ -23,20 +24,23 @@ from ....resources import (
     VISIBILITY_BUFFER,
 )
 from ....scene import Change
-from ....setting_limits import TEXTURE_WIDTH
+from ...buffers.corner_buffers import AttributeBuffers
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl import shader_records
 from ...gl.shader_compiler import bind
-from ...gl.shader_records import INSTANCE
+from ...gl.shader_records import INSTANCE, OBJECT_INFO
 from ...material_inputs import MATERIAL
+
+#: Records that the shader fetches.
+RECORDS = INSTANCE, OBJECT_INFO, shader_records.MATERIAL, shader_records.IMAGE
 
 
 class GBuffer(Pass):
     """Depth along the view's axis, position, normals and base color of each pixel's nearest surface."""
 
     inputs = (
-        *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, TILES),
+        *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, ATTRIBUTE_BUFFERS, TILES),
         *(Change.VIEW, Change.SAMPLE, "shortcuts"),
     )
     outputs = outputs(PRIMITIVE, DEPTH, POSITION, NORMAL, TERMINATOR_OFFSET) | dict.fromkeys(
@@ -46,25 +50,39 @@ class GBuffer(Pass):
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
         first, size = frame.grid.bounds(*frame.size)
-        # A variant without images: some drivers execute both branches.
-        images = len(frame.scene.images) > 0
         materials, targets = frame[MATERIAL_BUFFERS], (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
-        constants: dict[str, Any] = {
-            "background_depth": BACKGROUND_DEPTH,
-            **({"images": 1, "width": TEXTURE_WIDTH, **materials.texels.constants} if images else {"images": 0}),
-            **{f"{target.name}_location": location for location, target in enumerate(MATERIAL_VALUES, len(targets))},
+        framebuffer = frame.framebuffer(*targets, *MATERIAL_VALUES)
+        locations: dict[str, Any] = {
+            f"{each.name}_location": location for location, each in enumerate(MATERIAL_VALUES, len(targets))
         }
-        program = self.tile_program(INSTANCE, shader_records.MATERIAL, **constants)
-        bind(
-            program,
-            visibility_buffer=frame[VISIBILITY_BUFFER],
-            fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
-            first=tuple(first),
-            last=tuple(size - 1),
-            instances=frame[INSTANCE_BUFFERS].table,
-            materials=materials.table,
-            **materials.texels.samplers,
-            **frame[MESH_BUFFERS].samplers,
-            **({"uvs": frame[UV_BUFFERS].uvs.texture} if images else {}),
-        )
-        draw_tiles(frame, frame.framebuffer(*targets, *MATERIAL_VALUES), program)
+        for graph in materials.graphs:
+            shader = materials.shader(graph)
+            program = self.tile_program(
+                *RECORDS,
+                *shader.includes,
+                background_depth=BACKGROUND_DEPTH,
+                **locations,
+                **shader.constants,
+            )
+            bind(
+                program,
+                visibility_buffer=frame[VISIBILITY_BUFFER],
+                fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
+                first=tuple(first),
+                last=tuple(size - 1),
+                instances=frame[INSTANCE_BUFFERS].table,
+                materials=materials.table,
+                **shader.samplers,
+                **frame[MESH_BUFFERS].samplers,
+                **({"uvs": frame[UV_BUFFERS].texture} if shader.reads_uvs else {}),
+                **({"object_info": frame[INSTANCE_BUFFERS].info} if shader.reads_objects else {}),
+                **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
+            )
+            if len(materials.graphs) > 1:
+                bind(program, own_graph=graph, background_graph=materials.graphs[0])
+            draw_tiles(frame, framebuffer, program)
+
+
+def attribute_uniforms(buffers: AttributeBuffers) -> dict[str, Any]:
+    """Uniforms of nodes/point.glsl."""
+    return {"attributes": buffers.texture, "attribute_count": buffers.count}

@@ -2,6 +2,7 @@
 """Upload meshes, instances and materials, each when it has changed."""
 
 from ....resources import (
+    ATTRIBUTE_BUFFERS,
     BLAS,
     INSTANCE_BUFFERS,
     MATERIAL_BUFFERS,
@@ -10,9 +11,10 @@ from ....resources import (
     UV_BUFFERS,
 )
 from ....scene import Change
+from ...buffers.corner_buffers import AttributeBuffers, UVBuffers
 from ...buffers.instance_buffers import InstanceBuffers, Owners
 from ...buffers.material_buffers import MaterialBuffers, TextureBuffer
-from ...buffers.mesh_buffers import MeshBuffers, UVBuffers
+from ...buffers.mesh_buffers import MeshBuffers
 from ...frame import Frame, Pass, Schedule, outputs
 
 
@@ -39,12 +41,29 @@ class UploadUVs(Pass):
     outputs = outputs(UV_BUFFERS)
 
     def needed(self, frame: Frame) -> bool:
-        return len(frame.scene.images) > 0
+        graphs = frame.scene.graphs
+        return bool(len(frame.scene.images)) or any(graph.uses("uv_map") for graph in graphs)
 
     def execute(self, frame: Frame) -> None:
         buffers = frame.shared_resource(UVBuffers, frame[MESH_BUFFERS])
         frame.counts["bytes_uploaded"] += buffers.upload_new()
         frame[UV_BUFFERS] = buffers
+
+
+class UploadAttributes(Pass):
+    """Upload what graphs read of the resident meshes besides texture coordinates."""
+
+    schedule = Schedule.FIRST
+    inputs = (MESH_BUFFERS,)
+    outputs = outputs(ATTRIBUTE_BUFFERS)
+
+    def needed(self, frame: Frame) -> bool:
+        return any(graph.uses("mesh_attribute") for graph in frame.scene.graphs)
+
+    def execute(self, frame: Frame) -> None:
+        buffers = frame.shared_resource(AttributeBuffers, frame[MESH_BUFFERS])
+        frame.counts["bytes_uploaded"] += buffers.upload_new()
+        frame[ATTRIBUTE_BUFFERS] = buffers
 
 
 class UploadInstances(Pass):
@@ -71,4 +90,5 @@ class UploadMaterials(Pass):
 
     def execute(self, frame: Frame) -> None:
         texels = frame.shared_resource(TextureBuffer, frame.scene.images)
-        frame[MATERIAL_BUFFERS] = frame.shared_resource(MaterialBuffers, frame.scene.materials, texels)
+        scene = frame.scene
+        frame[MATERIAL_BUFFERS] = frame.shared_resource(MaterialBuffers, scene.materials, scene.graphs, texels)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Converts nodes that give what is known of a point: its surface, its object and the camera."""
+
+from collections.abc import Mapping
+
+from ....shading.builder import Value, constant
+from ..geometry.attributes import AttributeSource
+from .reader import Converter, NodeView
+
+ZERO, ONE = constant(0.0), constant(1.0)
+
+#: Outputs of the nodes Camera Data and Light Path.
+CAMERA_DATA = "View Vector", "View Z Depth", "View Distance"
+IS_CAMERA_RAY = "Is Camera Ray"
+
+
+def attribute(view: NodeView) -> Mapping[str, Value]:
+    """Attribute of the mesh. Those of objects and of the view layer are not known."""
+    node = view.node
+    return from_attribute(view, AttributeSource.NAMED, node.attribute_name) if node.attribute_type == "GEOMETRY" else {}
+
+
+def color_attribute(view: NodeView) -> Mapping[str, Value]:
+    """Color Attribute."""
+    return from_attribute(view, AttributeSource.COLOR, view.node.layer_name)
+
+
+def from_attribute(view: NodeView, origin: AttributeSource, name: str) -> Mapping[str, Value]:
+    """The outputs of nodes that read an attribute."""
+    numbers = view.reader.attribute(origin, name)
+    color = view.call("color_of", numbers)
+    average = view.call("average", color)
+    return {"Color": color, "Vector": color, "Fac": average, "Alpha": view.call("alpha_of", numbers)}
+
+
+def geometry(view: NodeView) -> Mapping[str, Value]:
+    """Geometry."""
+    names = {
+        "Position": "position",
+        "Normal": "normal",
+        "True Normal": "true_normal",
+        "Incoming": "incoming",
+        "Parametric": "parametric",
+        "Backfacing": "backfacing",
+    }
+    return {output: view.call(f"geometry_{name}") for output, name in names.items()}
+
+
+def object_info(view: NodeView) -> Mapping[str, Value]:
+    """Object Info."""
+    color = view.call("object_color")
+    return {
+        "Location": view.call("object_location"),
+        "Color": view.call("color_of", color),
+        "Alpha": view.call("alpha_of", color),
+        "Object Index": view.call("object_index"),
+        "Material Index": constant(float(view.reader.material.pass_index)),
+        "Random": view.call("object_random"),
+    }
+
+
+def camera_data(view: NodeView) -> Mapping[str, Value]:
+    """Camera Data."""
+    vector = view.call("coordinate_camera")
+    values = (view.call(name, vector) for name in ("vector_normalize", "separate_z", "vector_length"))
+    return dict(zip(CAMERA_DATA, values, strict=True))
+
+
+def normal_of(view: NodeView) -> Value:
+    """A node's Normal input, or that of the surface."""
+    return view.value("Normal", view.call("geometry_normal"))
+
+
+def fresnel(view: NodeView) -> Mapping[str, Value]:
+    """Fresnel."""
+    return {"Fac": view.call("fresnel", view.value("IOR"), normal_of(view))}
+
+
+def layer_weight(view: NodeView) -> Mapping[str, Value]:
+    """Layer Weight."""
+    blend, normal = view.value("Blend"), normal_of(view)
+    return {name: view.call(f"layer_weight_{name.lower()}", blend, normal) for name in ("Fresnel", "Facing")}
+
+
+def light_path(view: NodeView) -> Mapping[str, Value]:
+    """Light Path of what the camera sees."""
+    outputs = {socket.name: ZERO for socket in view.node.outputs}
+    return outputs | {IS_CAMERA_RAY: ONE, "Ray Length": view.call("ray_length")}
+
+
+CONVERTERS: dict[str, Converter] = {
+    "ShaderNodeAttribute": attribute,
+    "ShaderNodeVertexColor": color_attribute,
+    "ShaderNodeNewGeometry": geometry,
+    "ShaderNodeObjectInfo": object_info,
+    "ShaderNodeCameraData": camera_data,
+    "ShaderNodeFresnel": fresnel,
+    "ShaderNodeLayerWeight": layer_weight,
+    "ShaderNodeLightPath": light_path,
+}

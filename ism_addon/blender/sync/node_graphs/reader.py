@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Converts a tree of nodes to operations of a graph, each node after those that it depends on."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import bpy
+import numpy as np
+
+from ....scene import MATERIAL_INPUTS
+from ....shading.builder import Builder, Value, constant
+from ..geometry.attributes import Attribute, AttributeSource
+from ..materials.nodes import color
+from .links import NodeKey, Path, Source, source, upstream
+
+#: What is said of a node that is not known, with its label and the name of the input.
+OWN_VALUE = "Materials whose {1} is given by a node '{0}' have the socket's own value"
+
+#: The type of values by the type of Blender's sockets.
+TYPES = {"VALUE": "float", "INT": "float", "BOOLEAN": "float", "VECTOR": "vec3", "RGBA": "vec3"}
+
+
+class Closure(NamedTuple):
+    """One shader of a surface, with the weight that mixing has given to it."""
+
+    name: str
+    weight: Value  # a number
+    inputs: Mapping[str, Value]
+    node: bpy.types.Node
+
+
+#: Name of the closures of nodes that are not known.
+UNKNOWN = "unknown"
+BASE_COLOR = MATERIAL_INPUTS["base_color"]
+
+#: What a socket has: a value, or the closures of a shader.
+Content = Value | list[Closure]
+
+
+@dataclass
+class NodeView:
+    """A node to be converted: its inputs as values."""
+
+    reader: "GraphReader"
+    path: Path
+    node: Any
+
+    @property
+    def builder(self) -> Builder:
+        """Of the graph."""
+        return self.reader.builder
+
+    def socket(self, key: str | int) -> bpy.types.NodeSocket | None:
+        """An input by its index, identifier or name; None if this release has none."""
+        inputs = self.node.inputs
+        if isinstance(key, int):
+            return inputs[key] if key < len(inputs) else None
+        return next((each for each in inputs if each.identifier == key), None) or inputs.get(key)
+
+    def value(self, key: str | int, default: Value | None = None, note: str = OWN_VALUE) -> Value:
+        """The value of an input; 0 if this release has none.
+
+        The default, if there is one, is the value of an input that is not linked, or whose node is not known. The note
+        is said of such a node, whose label it has in place of {}.
+        """
+        socket = self.socket(key)
+        return constant(0.0) if socket is None else self.reader.value(self.path, socket, default, note)
+
+    def is_used(self, output: str) -> bool:
+        """Whether anything is linked to an output, by its name."""
+        socket = self.node.outputs.get(output)
+        return socket is not None and bool(socket.is_linked)
+
+    def closures(self, key: str | int) -> list[Closure]:
+        """The closures of a shader's input."""
+        socket = self.socket(key)
+        return [] if socket is None else self.reader.closures(self.path, socket)
+
+    def call(self, name: str, *operands: Value, parameter: int = 0) -> Value:
+        """See Builder.call."""
+        return self.builder.call(name, *operands, parameter=parameter)
+
+
+#: Converts a node to the contents of its outputs, by their identifiers or names.
+Converter = Callable[[NodeView], Mapping[str, Content]]
+
+
+class GraphReader:
+    """Reads the values and closures of sockets."""
+
+    def __init__(
+        self,
+        converters: Mapping[str, Converter],
+        material: bpy.types.Material,
+        image: Callable[[bpy.types.ShaderNodeTexImage], int],
+        luminance: np.ndarray,
+        simplify: bool,
+    ):
+        """`image` gives the index of a node's image, or -1. `luminance` (3,): of the working space's primaries."""
+        self.builder = Builder(simplify)
+        self.material = material
+        #: The UV layer that the graph reads; "": the one that renders.
+        self.uv_layer: str | None = None
+        #: What else it reads of meshes.
+        self.attributes: list[Attribute] = []
+        self._image = image
+        self._converters = converters
+        self._luminance = constant(luminance)
+        self._contents: dict[tuple[NodeKey, str], Content] = {}
+        self._converted: set[NodeKey] = set()
+
+    def surface(self, output: bpy.types.Node | None) -> list[Closure]:
+        """The closures of the surface of a material's output node."""
+        if output is None:
+            return []
+        self.convert(output.inputs["Surface"])
+        return self.closures((), output.inputs["Surface"])
+
+    def convert(self, socket: bpy.types.NodeSocket) -> None:
+        """Convert all nodes that an input outside of groups depends on: `value` and `closures` are then known."""
+        for path, node in upstream((), socket):
+            key = NodeKey.of(path, node)
+            converter = self._converters.get(node.bl_idname)
+            if key in self._converted or converter is None:
+                continue
+            self._converted.add(key)
+            for name, content in converter(NodeView(self, path, node)).items():
+                self._contents[key, name] = content
+
+    def value(
+        self, path: Path, socket: bpy.types.NodeSocket, default: Value | None = None, note: str = OWN_VALUE
+    ) -> Value:
+        """The value of an input, of the type that sockets of its type have. `default` and `note`: see NodeView."""
+        found = source(path, socket)
+        if default is not None and not found.is_linked:
+            return default
+        value: Content | None = self._content(found) if found.is_linked else self.own_value(found.socket)
+        if not isinstance(value, Value):
+            fallback = self.own_value(socket) if default is None else default
+            return self.builder.substitute(fallback, note.format(found.socket.node.bl_label, socket.name))
+        for source_type, type_ in pairwise(found.types):
+            value = self._converted_value(value, source_type, type_)
+        return value
+
+    def closures(self, path: Path, socket: bpy.types.NodeSocket) -> list[Closure]:
+        """The closures of a shader's input. A node that is not known is a closure of that name."""
+        found = source(path, socket)
+        if not found.is_linked:
+            return []
+        content = self._content(found)
+        return content if isinstance(content, list) else [Closure(UNKNOWN, constant(1.0), {}, found.socket.node)]
+
+    def image(self, node: bpy.types.ShaderNodeTexImage) -> Value | None:
+        """A node's image as an operand; None if it has none that can be read."""
+        index = self._image(node)
+        return None if index < 0 else Value("image", constant=float(index))
+
+    def uv(self, layer: str) -> Value:
+        """The coordinates of a UV layer; "": the one that renders."""
+        if self.uv_layer in (None, layer):
+            self.uv_layer = layer
+            return self.builder.call("uv_map")
+        return self.builder.call("color_of", self.attribute(AttributeSource.UV, layer))
+
+    def generated(self) -> Value:
+        """Generated coordinates."""
+        return self.builder.call("color_of", self.attribute(AttributeSource.GENERATED))
+
+    def attribute(self, origin: AttributeSource, name: str = "") -> Value:
+        """Four numbers of an attribute of meshes."""
+        attribute = Attribute(origin, name)
+        if attribute not in self.attributes:
+            self.attributes.append(attribute)
+        return self.builder.call("mesh_attribute", parameter=self.attributes.index(attribute))
+
+    def own_value(self, socket: bpy.types.NodeSocket) -> Value:
+        """The value of a socket that is not linked."""
+        type_ = TYPES.get(socket.type)
+        if type_ is None:
+            return constant(0.0)
+        own: Any = getattr(socket, "default_value", 0.0 if type_ == "float" else (0.0, 0.0, 0.0))
+        if type_ == "float":
+            return constant(float(own))
+        is_base_color = socket.name == BASE_COLOR.sockets.get(socket.node.bl_idname)
+        return constant(color(own, BASE_COLOR.default if is_base_color else 0.0))
+
+    def luminance_of(self, color: Value) -> Value:
+        """The luminance of a color."""
+        return self.builder.call("vector_dot_product", color, self._luminance)
+
+    def _converted_value(self, value: Value, source_type: str, type_: str) -> Value:
+        """The value of a socket of one type as that of a socket of another."""
+        wanted = TYPES.get(type_, value.type)
+        if value.type == wanted:
+            return value
+        if wanted == "vec3":
+            return self.builder.call("grey", value)
+        if source_type == "RGBA":
+            return self.luminance_of(value)
+        return self.builder.call("average", value)
+
+    def _content(self, found: Source) -> Content | None:
+        """What an output has; None if it is not known."""
+        key = NodeKey.of(found.path, found.socket.node)
+        names = found.socket.identifier, found.socket.name
+        return next((self._contents[key, name] for name in names if (key, name) in self._contents), None)

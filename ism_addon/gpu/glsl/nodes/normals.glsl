@@ -1,0 +1,47 @@
+// The nodes Bump and Normal Map. As in Cycles.
+#include "nodes/object.glsl"
+
+// The normal of a surface that is raised by a height times a distance (Mikkelsen 2010). `_dx`, `_dy`: differences.
+vec3 bump(float strength, float scale, float height, float height_dx, float height_dy, vec3 position, vec3 position_dx,
+          vec3 position_dy, vec3 normal) {
+    vec3 across_y = cross(position_dy, normal), across_x = cross(normal, position_dx);
+    float det = dot(position_dx, across_y);
+    vec3 slope = height_dx * across_y + height_dy * across_x;
+    vec3 raised = abs(det) * normal - scale * (det < 0.0 ? -slope : slope);
+    if (raised == vec3(0.0)) return normal;
+    return vector_normalize(mix(normal, normalize(raised), max(strength, 0.0)));
+}
+
+vec3 unflipped(ShadingPoint at, vec3 normal) { return at.is_back ? -normal : normal; }
+
+// A normal of object space, transformed by the cofactor matrix.
+vec3 world_from_normal(ShadingPoint at, vec3 n) {
+    mat3 m = anchor_from_object(at);
+    float size = max(max(length(m[0]), length(m[1])), length(m[2]));
+    m /= max(size, 1e-30);
+    return vector_normalize(mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * n *
+                            (determinant(m) < 0.0 ? -1.0 : 1.0));
+}
+
+vec3 or_surface_normal(ShadingPoint at, vec3 n) { return n == vec3(0.0) ? at.normal : n; }
+
+// `tangent`: of the UV map, and the sign of the bitangent.
+vec3 normal_map_tangent(ShadingPoint at, float strength, vec3 color, vec4 tangent) {
+    vec3 mapped = 2.0 * color - 1.0, n = vector_normalize(unflipped(at, at.normal) * anchor_from_object(at));
+    mapped = vec3(mapped.xy * strength, mix(1.0, mapped.z, saturate(strength)));
+    vec3 result = mapped.x * tangent.xyz + mapped.y * tangent.w * cross(n, tangent.xyz) + mapped.z * n;
+    return or_surface_normal(at, unflipped(at, world_from_normal(at, result)));
+}
+
+vec3 mixed_with_surface(ShadingPoint at, float strength, vec3 n) {
+    vec3 result = unflipped(at, n);
+    return or_surface_normal(at, vector_normalize(at.normal + (result - at.normal) * max(strength, 0.0)));
+}
+
+vec3 normal_map_object(ShadingPoint at, float strength, vec3 color) {
+    return mixed_with_surface(at, strength, world_from_normal(at, 2.0 * color - 1.0));
+}
+
+vec3 normal_map_world(ShadingPoint at, float strength, vec3 color) {
+    return mixed_with_surface(at, strength, vector_normalize(2.0 * color - 1.0));
+}

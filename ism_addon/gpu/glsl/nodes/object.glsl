@@ -1,0 +1,25 @@
+// Operations of nodes that depend on the object of a point.
+#include "nodes/point.glsl"
+#include "nodes/vectors.glsl"
+#include "surfaces/instances.glsl"
+#include "trace/triangle_fetch.glsl"
+uniform usamplerBuffer object_info;
+
+vec3 coordinate_object(ShadingPoint at) {
+    ObjectInfo info = fetch_ObjectInfo(object_info, at.instance);
+    TriangleVertices corners = fetch_triangle(at.triangle);
+    vec3 quanta = corners.first + corners.u * at.barycentric.y + corners.v * at.barycentric.z;
+    return info.centre + info.metres_per_quantum * quanta;
+}
+
+// Columns: the object's axes in anchor space, in one unit for all of them.
+mat3 anchor_from_object(ShadingPoint at) {
+    Instance instance = fetch_Instance(instances, at.instance);
+    return transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
+}
+
+vec3 coordinate_normal(ShadingPoint at) { return vector_normalize(at.normal * anchor_from_object(at)); }
+vec3 object_location(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).location; }
+vec4 object_color(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).color; }
+float object_index(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).index; }
+float object_random(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).random; }

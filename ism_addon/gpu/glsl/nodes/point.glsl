@@ -1,0 +1,31 @@
+// A point of a surface at which a graph is evaluated, and what it reads there of the mesh.
+uniform samplerBuffer uvs;
+uniform samplerBuffer attributes; // `attribute_count` rows a corner
+uniform int attribute_count;
+uniform samplerBuffer graph_constants;
+
+// In anchor space. The normals are on the side that the camera sees.
+struct ShadingPoint {
+    vec3 position;
+    vec3 barycentric; // in the triangle, or outside of it
+    vec3 normal;
+    vec3 geometric_normal;
+    vec3 incoming; // unit vector to the camera
+    bool is_back;  // whether the camera sees the triangle's back
+    int triangle;
+    int instance;
+};
+
+mat3x2 corner_uvs(int triangle) {
+    return mat3x2(texelFetch(uvs, 3 * triangle).xy, texelFetch(uvs, 3 * triangle + 1).xy,
+                  texelFetch(uvs, 3 * triangle + 2).xy);
+}
+
+vec3 uv_map(ShadingPoint at) { return vec3(corner_uvs(at.triangle) * at.barycentric, 0.0); }
+
+vec4 mesh_attribute(ShadingPoint at, int index) {
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 3; ++k)
+        sum += at.barycentric[k] * texelFetch(attributes, (3 * at.triangle + k) * attribute_count + index);
+    return sum;
+}

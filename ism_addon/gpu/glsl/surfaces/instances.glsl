@@ -1,0 +1,2 @@
+// Rows of Instance: matrices to anchor space.
+uniform usamplerBuffer instances;

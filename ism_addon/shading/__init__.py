@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node graphs of materials, without Blender and OpenGL: operations, their references in numpy, simplification."""
+
+from . import arithmetic, colors, inputs, vectors  # register their operations
+
+__all__ = ["arithmetic", "colors", "inputs", "vectors"]

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operations that depend on the point of a surface, and those that add to its closures: they have no references."""
+
+from .operations import OPERATIONS, Operation
+
+#: What is beyond an image's border, as Blender names it, in the order of textures/image.glsl.
+EXTENSIONS = "REPEAT", "EXTEND", "CLIP", "MIRROR"
+
+
+def at_point(file: str, result: str, *names: str, operands: str = "", parameter: bool = False) -> None:
+    """Register operations that depend on the point. `operands`: types separated by spaces."""
+    types = tuple(operands.split())
+    OPERATIONS.update({name: Operation(types, result, file, at_point=True, has_parameter=parameter) for name in names})
+
+
+at_point("point", "vec3", "uv_map")
+at_point("point", "vec4", "mesh_attribute", parameter=True)  # the index among the material's attributes
+at_point(
+    "point_inputs",
+    "vec3",
+    *(f"geometry_{name}" for name in ("position", "normal", "true_normal", "incoming", "parametric")),
+    *(f"coordinate_{name}" for name in ("reflection", "camera", "window")),
+)
+at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
+at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", "layer_weight_facing", operands="float vec3")
+at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
+at_point("object", "vec4", "object_color")
+at_point("object", "float", "object_index", "object_random")
+at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4")
+at_point("normals", "vec3", "normal_map_object", "normal_map_world", operands="float vec3")
+OPERATIONS.update(
+    {
+        # The parameter is what is beyond the border, an index of EXTENSIONS.
+        f"image_{interpolation}": Operation(
+            ("image", "vec3"), "vec4", "image", has_parameter=True, with_differences=(1,)
+        )
+        for interpolation in ("linear", "closest", "cubic")
+    }
+)
+# Strength and distance, the height, the position, and the normal that is changed.
+OPERATIONS["bump"] = Operation(("float", "float", "float", "vec3", "vec3"), "vec3", "normals", with_differences=(2, 3))
+OPERATIONS["closure_diffuse"] = Operation(("float", "vec3"), "", "closures")

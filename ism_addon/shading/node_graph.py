@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node graphs as data: instructions in the order of their evaluation.
+
+Constants are no part of a graph: each material has its own. So materials that differ only in those share a shader.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from .operations import OPERATIONS
+
+#: Numbers of a constant of each type. Constants are stored in rows of four numbers.
+NUMBERS = {"float": 1, "image": 1, "vec3": 3, "vec4": 4, "table": 4 * 256}
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One operation. Its result is referred to by the instruction's index."""
+
+    operation: str  # a key of OPERATIONS
+    operands: tuple[int, ...]  # indices of earlier instructions, or -1 - k for constant k
+    parameter: int = 0  # part of the shader, such as the index of a UV layer
+
+
+class Location(NamedTuple):
+    """Where a constant is among a material's constants."""
+
+    row: int
+    first: int  # of the row's four numbers
+
+
+@dataclass(frozen=True)
+class NodeGraph:
+    """What the nodes of a material compute. The last instructions add to its closures."""
+
+    instructions: tuple[Instruction, ...]
+    constants: tuple[str, ...]  # types, keys of NUMBERS
+
+    def __post_init__(self) -> None:
+        """Raises ValueError if an operation or an operand does not exist or has another type."""
+        for index, instruction in enumerate(self.instructions):
+            if instruction.operation not in OPERATIONS:
+                raise ValueError(f"operation {instruction.operation} is not known")
+            types = OPERATIONS[instruction.operation].operands
+            if types != tuple(self._type(operand, index) for operand in instruction.operands):
+                raise ValueError(f"the operands of instruction {index} are not those of {instruction.operation}")
+        if unknown := set(self.constants) - set(NUMBERS):
+            raise ValueError(f"constants of type {unknown.pop()} are not known")
+
+    def _type(self, operand: int, end: int) -> str:
+        """Type of an operand of the instruction `end`; "" if there is none."""
+        if operand < 0:
+            return self.constants[-1 - operand] if -1 - operand < len(self.constants) else ""
+        return OPERATIONS[self.instructions[operand].operation].result if operand < end else ""
+
+    def uses(self, operation: str) -> bool:
+        """Whether an instruction has an operation, or one whose name begins with it."""
+        return any(each.operation.startswith(operation) for each in self.instructions)
+
+    @property
+    def reads_objects(self) -> bool:
+        """Whether it depends on the object."""
+        return any(OPERATIONS[each.operation].file == "object" for each in self.instructions)
+
+    @cached_property
+    def locations(self) -> tuple[Location, ...]:
+        """The location of each constant. Single numbers fill the rows of vectors and of each other."""
+        locations, rows, free = [], 0, list[Location]()
+        for count in map(NUMBERS.__getitem__, self.constants):
+            if count == 1 and free:
+                location = free.pop()
+            else:
+                location, rows = Location(rows, 0), rows + -(-count // 4)
+            if (end := location.first + count) < 4:
+                free.append(Location(location.row, end))
+            locations.append(location)
+        return tuple(locations)
+
+    @cached_property
+    def rows(self) -> int:
+        """Number of rows of all constants."""
+        ends = (each.row + -(-NUMBERS[type_] // 4) for each, type_ in zip(self.locations, self.constants, strict=True))
+        return max(ends, default=0)
