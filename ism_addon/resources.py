@@ -98,6 +98,7 @@ DEPTH = Target(
     neutral=(BACKGROUND_DEPTH,),
     label="Depth",
 )
+TILE_GRAPHS = Target("tile_graphs", "Bits of the graphs of a tile's pixels", format="r32ui", divisor=TILE_SIZE)
 POSITION = Target(
     "position",
     "Position of the nearest surface, in metres, as red, green and blue; in alpha the packed normal",

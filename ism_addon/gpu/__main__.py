@@ -157,6 +157,8 @@ def run(options: argparse.Namespace) -> int:
     if picture is None:
         print(job.error, file=sys.stderr)
         return 1
+    for warning in job.warnings:
+        print(warning, file=sys.stderr)
     try:
         write_png(options.output, display_from_linear(picture.color))
         for each, path in outputs(options).items():

@@ -69,6 +69,7 @@ class Frame:
     graph: Graph
     estimators: tuple[Estimator, ...]
     counts: dict[str, int]
+    warnings: set[str]  # sentences for the user
     grid: PixelGrid  # positions of samples in pixels
     submission: Submission
     uniforms: moderngl.Buffer
@@ -171,6 +172,11 @@ class Frame:
             Change.MESHES: self.scene.meshes,
             Change.INSTANCES: (self.scene.instances, self.anchor.tobytes()),
             Change.MATERIALS: (self.scene.materials, self.scene.images, self.scene.graphs),
+            Change.NORMALS: (
+                (self.scene.materials, self.scene.images)
+                if any(graph.changes_normals for graph in self.scene.graphs)
+                else None
+            ),
             Change.LIGHTS: (
                 self.scene.lights,
                 self.scene.light_profiles,

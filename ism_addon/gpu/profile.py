@@ -30,6 +30,7 @@ class Profile:
 
     rows: defaultdict[str, PassProfile] = field(default_factory=lambda: defaultdict(PassProfile))
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
+    warnings: set[str] = field(default_factory=set)  # sentences about what could not be drawn
 
     def statistics(self, scene: Scene, samples: int, seconds: float, error: float, stopped_by: str) -> dict:
         """As plain values, for scripts. `error`: see convergence.py; `stopped_by`: see render_loop.py."""

@@ -36,6 +36,7 @@ from .passes.film.shade import Shade
 from .passes.light_selection.cache_irradiance import CacheIrradiance
 from .passes.light_selection.cull_lights import CullLights
 from .passes.shadow_maps.atlas import batches
+from .passes.surfaces.find_graphs import FindGraphs
 from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
 from .passes.surfaces.visibility_buffer import VisibilityBuffer
@@ -59,7 +60,7 @@ UPLOAD = (
     *(UploadInstances, UploadMaterials, UploadLights),
 )
 #: Visible surfaces in the tiles that take part in the sample.
-SURFACES = SelectTiles, VisibilityBuffer, GBuffer
+SURFACES = SelectTiles, VisibilityBuffer, FindGraphs, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
 SELECTION = UploadBLAS, BuildTLAS, CullLights, CacheIrradiance
 #: Radiance of a sample, and the sums of all samples.
@@ -159,6 +160,7 @@ class Renderer:
             graph=self.graph,
             estimators=chosen,
             counts=profile.counts,
+            warnings=profile.warnings,
             grid=grid,
             submission=self.submission,
             uniforms=self.uniforms,

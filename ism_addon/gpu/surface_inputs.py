@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of shaders that include surfaces/receiver_linking.glsl."""
+"""Inputs of shaders that include surfaces/receiver_linking.glsl or surfaces/visible_triangle.glsl."""
 
 from typing import Any
 
 from ..resource_types import Resource
-from ..resources import INSTANCE_BUFFERS, NORMAL, POSITION, PRIMITIVE, TERMINATOR_OFFSET
+from ..resources import INSTANCE_BUFFERS, NORMAL, POSITION, PRIMITIVE, TERMINATOR_OFFSET, VISIBILITY_BUFFER
 from .frame import Frame
 
 #: Must be among the inputs of their passes.
@@ -19,4 +19,15 @@ def surface_samplers(frame: Frame) -> dict[str, Any]:
         "primitive": frame[PRIMITIVE],
         "base_color": frame[TERMINATOR_OFFSET],
         "link_groups": frame[INSTANCE_BUFFERS].memberships,
+    }
+
+
+def visible_triangle_uniforms(frame: Frame) -> dict[str, Any]:
+    """Uniforms of surfaces/visible_triangle.glsl. VISIBILITY_BUFFER must be among the inputs of their passes."""
+    first, size = frame.grid.bounds(*frame.size)
+    return {
+        "visibility_buffer": frame[VISIBILITY_BUFFER],
+        "fine_from_pixel": tuple(frame.grid.fine_from_pixel.T.ravel()),
+        "first": tuple(first),
+        "last": tuple(size - 1),
     }

@@ -117,6 +117,7 @@ class Change(Enum):
     MESHES = "meshes"
     INSTANCES = "instances"
     MATERIALS = "materials, their images and graphs"
+    NORMALS = "normals of materials"
     LIGHTS = "lights"
     WORLD = "world"
     VIEW = "view"

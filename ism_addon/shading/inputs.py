@@ -24,6 +24,7 @@ at_point(
 at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
 at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", "layer_weight_facing", operands="float vec3")
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
+at_point("object", "vec3", "direction_from_object", operands="vec3")
 at_point("object", "vec4", "object_color")
 at_point("object", "float", "object_index", "object_random")
 at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4")
@@ -39,4 +40,5 @@ OPERATIONS.update(
 )
 # Strength and distance, the height, the position, and the normal that is changed.
 OPERATIONS["bump"] = Operation(("float", "float", "float", "vec3", "vec3"), "vec3", "normals", with_differences=(2, 3))
-OPERATIONS["closure_diffuse"] = Operation(("float", "vec3"), "", "closures")
+# Weight, color and normal.
+OPERATIONS["closure_diffuse"] = Operation(("float", "vec3", "vec3"), "", "closures")

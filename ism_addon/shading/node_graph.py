@@ -58,9 +58,15 @@ class NodeGraph:
         """Whether an instruction has an operation, or one whose name begins with it."""
         return any(each.operation.startswith(operation) for each in self.instructions)
 
+    @cached_property
+    def changes_normals(self) -> bool:
+        """Whether any closure has another normal than the mesh."""
+        normals = (each.operands[-1] for each in self.instructions if each.operation == "closure_diffuse")
+        return any(operand < 0 or self.instructions[operand].operation != "geometry_normal" for operand in normals)
+
     @property
     def reads_objects(self) -> bool:
-        """Whether it depends on the object."""
+        """Whether it reads what is known of the object."""
         return any(OPERATIONS[each.operation].file == "object" for each in self.instructions)
 
     @cached_property

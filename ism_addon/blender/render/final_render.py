@@ -103,6 +103,8 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     if job.error:
         _report_error(engine, job.error)
     elif done and not engine.is_preview:
+        for warning in job.warnings:
+            engine.report({"WARNING"}, warning)
         render_statistics.store("render", job.statistics)
     return done and not job.error
 

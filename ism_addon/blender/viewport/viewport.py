@@ -72,7 +72,7 @@ class Viewport:
         if self._shown is not None:
             picture, rect = self._shown
             self._display.draw(engine, context.scene, picture.color, rect)
-        engine.update_stats("", job.error or " ".join([job.status, *self._warnings]))
+        engine.update_stats("", job.error or " ".join([job.status, *self._warnings, *job.warnings]))
         if self.is_rendering or self.has_update:
             redraw_timer.start_timer()
 

@@ -84,16 +84,32 @@ class MaterialBuffers:
         table = np.zeros(materials.row_count, MATERIAL.dtype)
         for name in (*MATERIAL_INPUTS, "image", "emission", "graph", "first_constant"):
             table[name] = getattr(materials, name)
+        self._device, self._table = device, table
         self.table = MATERIAL.upload(device, table)
         self.constants = device.buffer_from(materials.constants)
         self.texels = texels
         self.emissive = bool(materials.emission.any())
         #: Indices of the graphs that any material has; -1 for materials without.
         self.graphs: list[int] = np.unique(materials.graph).tolist() or [-1]
+        self._left_out: list[int] = []
         self.bytes = table.nbytes + materials.constants.nbytes
         self._node_graphs = graphs
         self._has_images = bool((materials.image[materials.graph < 0] >= 0).any())
         self._sources = {index: compiler.glsl(graphs[index]) for index in self.graphs if index >= 0}
+
+    def leave_out(self, graph: int) -> int:
+        """Draw the materials of a graph, which cannot be compiled, in their base color. Returns their number."""
+        self._left_out.append(graph)
+        rows = self._table["graph"] == graph
+        self._table["graph"][rows] = -1
+        self.graphs = np.unique(self._table["graph"]).tolist()
+        self.table = MATERIAL.upload(self._device, self._table)
+        return int(np.count_nonzero(rows))
+
+    def bits(self, graph: int) -> int:
+        """Bits of find_graphs.frag for the materials that are drawn with a graph, or for -1 without one."""
+        drawn = [graph, *self._left_out] if graph < 0 else [graph]
+        return int(np.bitwise_or.reduce([1 << (each + 1 & 31) for each in drawn]))
 
     def shader(self, graph: int) -> MaterialShader:
         """What draws the materials of a graph, or for -1 of none."""
@@ -103,7 +119,7 @@ class MaterialBuffers:
             includes=() if node_graph is None else (self._sources[graph],),
             constants={
                 "graph": int(node_graph is not None),
-                "several": int(len(self.graphs) > 1),
+                **({"several_graphs": 1} if len(self.graphs) > 1 else {}),
                 "images": int(has_images),
                 **({"width": TEXTURE_WIDTH, **self.texels.constants} if has_images else {}),
             },

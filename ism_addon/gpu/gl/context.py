@@ -62,8 +62,8 @@ class Device:
     clock: GpuClock
     #: Draws points that change with each draw.
     points: PointBatch
-    #: Compiled programs by files, records and constants, shared by all renderers.
-    programs: dict[Hashable, moderngl.Program] = field(default_factory=dict)
+    #: Compiled programs, or errors, by sources, records and constants, shared by all renderers.
+    programs: dict[Hashable, moderngl.Program | Exception] = field(default_factory=dict)
     #: Called before a program is compiled, which can take a second.
     on_compile: list[Callable[[], None]] = field(default_factory=list)
     #: Resources that renderers share, as long as any uses them: see Frame.shared_resource.

@@ -97,8 +97,14 @@ def compile_program(
             callback()
         names = tuple(source for source in sources if isinstance(source, str))
         includes = tuple(source for source in sources if isinstance(source, Include))
-        device.programs[key] = compile_stages(device.gl, names, records, includes, constants)
-    return device.programs[key]
+        try:
+            device.programs[key] = compile_stages(device.gl, names, records, includes, constants)
+        except ShaderError as error:
+            device.programs[key] = error
+    program = device.programs[key]
+    if isinstance(program, Exception):
+        raise program
+    return program
 
 
 def compile_stages(

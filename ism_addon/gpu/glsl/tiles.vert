@@ -7,6 +7,10 @@ in int in_light;
 in float in_visibility;
 uniform float size;       // of a tile with its margin, px
 uniform vec2 tile_counts; // columns and rows; the viewport covers all tiles, and may be larger than the picture
+#ifdef SEVERAL_GRAPHS
+uniform usampler2D tile_graphs; // see find_graphs.frag
+uniform uint graph_bits; // of the graphs that are drawn
+#endif
 flat out vec2 tile;
 flat out vec4 visibility_texel_and_offset; // px, from the pixel's centre
 flat out float sample_index;               // among the tile's samples
@@ -17,6 +21,10 @@ flat out float tile_visibility;            // predicted for all of its pixels
 void main() {
     gl_Position = vec4((in_tile + 0.5) / tile_counts * 2.0 - 1.0, 0.0, 1.0);
     gl_PointSize = size;
+#ifdef SEVERAL_GRAPHS
+    uint graphs = texelFetch(tile_graphs, ivec2(in_tile), 0).x;
+    if ((graphs & graph_bits) == 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // clipped
+#endif
     tile = in_tile;
     visibility_texel_and_offset = in_visibility_texel_and_offset;
     sample_index = in_sample_index;

@@ -56,6 +56,7 @@ class Job:
         self.cancelled = False
         self.error = ""
         self.statistics: dict = {}
+        self.warnings: tuple[str, ...] = ()  # sentences about what could not be drawn
         self.compiles = False  # whether the current pass compiles shaders
         self.programs = 0  # compiled for this job; their final number is unknown
         self.programs_shown = 0  # `programs` as viewports show it

@@ -148,6 +148,7 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
         if stopped_by:
             renderer.submission.finish()
         job.first_seconds = job.first_seconds or renderer.pixel_pass_seconds(profile)
+        job.warnings = tuple(sorted(profile.warnings))
         job.statistics = profile.statistics(
             request.scene, job.samples_done, now - start, renderer.error.image_error, stopped_by
         )

@@ -28,7 +28,7 @@ def glsl(graph: NodeGraph) -> Include:
     lines = [
         *(f'#include "nodes/{file}.glsl"' for file in files),
         "Closures evaluate_graph(ShadingPoint at, ShadingPoint at_x, ShadingPoint at_y, int first_constant) {",
-        "    Closures closures = Closures(vec3(0.0));",
+        "    Closures closures = Closures(vec3(0.0), vec3(0.0));",
         *(f"    vec4 row{row} = texelFetch(graph_constants, first_constant + {row});" for row in rows),
     ]
     for index, instruction in enumerate(graph.instructions):

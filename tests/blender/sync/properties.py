@@ -212,15 +212,15 @@ IRRELEVANT: dict[str, dict[str, str]] = {
 #: Inputs of drawn nodes and of output nodes: those that are read, and those that are reported when linked.
 INPUTS: dict[str, tuple[str, str]] = {
     "Principled": (
-        "Base Color",
-        "Metallic|Roughness|IOR|Alpha|Normal|Diffuse Roughness|Subsurface Weight|Specular IOR Level|Anisotropic|"
+        "Base Color|Normal",
+        "Metallic|Roughness|IOR|Alpha|Diffuse Roughness|Subsurface Weight|Specular IOR Level|Anisotropic|"
         "Transmission Weight|Coat Weight|Sheen Weight|Emission Strength|Thin Film Thickness",
     ),
-    "Diffuse": ("Color", "Roughness|Normal"),
+    "Diffuse": ("Color|Normal", "Roughness"),
     "Emission": ("Color|Strength", ""),
     "Background": ("Color|Strength", ""),
     "ImageTexture": ("", "Vector"),
-    "MaterialOutput": ("Surface", "Volume|Displacement"),
+    "MaterialOutput": ("Surface|Displacement", "Volume"),
     "WorldOutput": ("Surface", "Volume"),
     "LightOutput": ("Surface", ""),
 }

@@ -78,23 +78,24 @@ def test_what_has_no_effect_is_not_reported(material, read_scene):
 
 @pytest.mark.parametrize("node", ["NormalMap", "Bump"])
 @pytest.mark.parametrize("shader", ["BsdfPrincipled", "BsdfDiffuse"])
-def test_normals_of_nodes_are_reported(material, read_scene, node, shader):
+def test_normals_of_nodes_are_drawn(material, read_scene, node, shader):
     tree = material.node_tree
     surface, normals = tree.nodes.new(f"ShaderNode{shader}"), tree.nodes.new(f"ShaderNode{node}")
     tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     tree.links.new(normals.outputs["Normal"], surface.inputs["Normal"])
-    assert read_scene().warnings == (f"Normals that come from a node '{normals.bl_label}' are not drawn: 'Paint'.",)
+    scene = read_scene()
+    assert scene.warnings == () and scene.graphs[0].changes_normals
 
 
 @pytest.mark.parametrize(
     ("node", "socket", "issue"),
     [
         ("VolumeScatter", "Volume", "Volumes are not drawn by this engine"),
-        ("Displacement", "Displacement", "Displacement is not drawn"),
+        ("Displacement", "Displacement", "Displacement is drawn as a change of normals, without moving the surface"),
     ],
 )
 def test_volume_and_displacement_are_reported(material, read_scene, node, socket, issue):
-    tree = material.node_tree
+    tree, material.displacement_method = material.node_tree, "BOTH"
     tree.links.new(tree.nodes.new(f"ShaderNode{node}").outputs[0], tree.nodes["Material Output"].inputs[socket])
     assert read_scene().warnings == (f"{issue}: 'Paint'.",)
 

@@ -15,13 +15,13 @@ import bpy
 
 @dataclass(frozen=True)
 class NodeCase:
-    """A node with options. `varied`: inputs that vary over the plane, by index; `fixed`: values of others."""
+    """A node with options. `varied`: inputs that vary over the plane, by index or name; `fixed`: values of others."""
 
     type: str  # bl_idname
     options: Mapping[str, Any] = field(default_factory=dict)
     output: int = 0  # index of the output that is shown
-    varied: tuple[int, ...] = (0, 1, 2)
-    fixed: Mapping[int, Any] = field(default_factory=dict)
+    varied: tuple[int | str, ...] = (0, 1, 2)
+    fixed: Mapping[int | str, Any] = field(default_factory=dict)
     prepare: Callable[[bpy.types.Node], None] | None = None  # sets what is no option, such as a ramp's colours
     low: float = -1.0  # of what varies
     high: float = 2.0
@@ -58,13 +58,17 @@ def build(case: NodeCase, material: bpy.types.Material) -> bool:
     outputs = [socket for socket in node.outputs if socket.enabled and not getattr(socket, "is_unavailable", False)]
     if case.output >= len(outputs):
         return False
-    inputs = [socket for socket in node.inputs if socket.enabled and not getattr(socket, "is_unavailable", False)]
+    enabled = [socket for socket in node.inputs if socket.enabled and not getattr(socket, "is_unavailable", False)]
+    inputs: dict[int | str, bpy.types.NodeSocket] = {
+        **dict(enumerate(enabled)),
+        **{each.name: each for each in enabled},
+    }
     coordinates = tree.nodes.new("ShaderNodeUVMap")
     for position, index in enumerate(case.varied):
-        if index < len(inputs):
+        if index in inputs:
             tree.links.new(varying(tree, coordinates, inputs[index], position, case), inputs[index])
     for index, value in case.fixed.items():
-        if index < len(inputs):
+        if index in inputs:
             inputs[index].default_value = value
     output, diffuse = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfDiffuse")
     # What is shown is within 0 and 1: a third of the value, plus a third.
@@ -106,6 +110,23 @@ def ramp(node: bpy.types.Node, interpolation: str) -> None:
     elements[1].position, elements[1].color = 0.9, (0.1, 0.2, 0.9, 1.0)
     for position, color in ((0.35, (0.2, 0.8, 0.3, 0.9)), (0.6, (0.9, 0.9, 0.1, 0.5))):
         elements.new(position).color = color
+
+
+def wavy(node: bpy.types.Node, socket: str, scale: float = 9.0) -> None:
+    """Link an input to a product of sines of the plane's coordinates."""
+    tree = node.id_data
+    links, coordinates = tree.links, tree.nodes.new("ShaderNodeUVMap")
+    scaled, sines, split, product = (
+        tree.nodes.new(f"ShaderNode{name}") for name in ("VectorMath", "VectorMath", "SeparateXYZ", "Math")
+    )
+    scaled.operation, sines.operation, product.operation = "SCALE", "SINE", "MULTIPLY"
+    scaled.inputs["Scale"].default_value = scale
+    links.new(coordinates.outputs[0], scaled.inputs[0])
+    links.new(scaled.outputs[0], sines.inputs[0])
+    links.new(sines.outputs[0], split.inputs[0])
+    for k in range(2):
+        links.new(split.outputs[k], product.inputs[k])
+    links.new(product.outputs[0], node.inputs[socket])
 
 
 def bend(node: bpy.types.Node) -> None:
@@ -169,3 +190,9 @@ def cases() -> Iterator[NodeCase]:
         yield NodeCase("ShaderNodeLayerWeight", output=output, varied=(0,), low=0.0, high=1.0)
     for output in range(7):
         yield NodeCase("ShaderNodeLightPath", output=output)
+    for options in options_of("ShaderNodeBump", "invert"):
+        height = partial(wavy, socket="Height")
+        yield NodeCase("ShaderNodeBump", options, varied=(), prepare=height, fixed={"Distance": 0.1, "Strength": 0.7})
+    for options in options_of("ShaderNodeNormalMap", "space"):
+        fixed = {"Strength": 0.7}
+        yield NodeCase("ShaderNodeNormalMap", options, varied=("Color",), fixed=fixed, low=0.1, high=0.9)

@@ -36,11 +36,15 @@ def test_what_a_mix_leaves_out_is_left_out(factor):
     assert color.equals(0.5) if factor else operations(finished(builder, color)) == TEXTURE
 
 
-TEXTURE = ["uv_map", "image_linear", "color_of", "closure_diffuse"]
+TEXTURE = ["uv_map", "image_linear", "color_of", "geometry_normal", "closure_diffuse"]
+
+
+def closure(builder, color):
+    return builder.call("closure_diffuse", constant(1.0), color, builder.call("geometry_normal"))
 
 
 def finished(builder, color):
-    return builder.finish([builder.call("closure_diffuse", constant(1.0), color)])[0]
+    return builder.finish([closure(builder, color)])[0]
 
 
 def test_factors_of_one_and_zero():
@@ -64,7 +68,7 @@ def test_materials_that_differ_in_constants_share_a_graph():
     graphs, numbers = [], []
     for scale in ((2.0, 3.0, 1.0), (2.0, 2.0, 2.0)):
         builder = Builder()
-        graph, constants = builder.finish([builder.call("closure_diffuse", constant(1.0), texture(builder, scale))])
+        graph, constants = builder.finish([closure(builder, texture(builder, scale))])
         graphs.append(graph)
         numbers.append(constants)
     assert graphs[0] == graphs[1] and hash(graphs[0]) == hash(graphs[1])
@@ -108,8 +112,8 @@ def test_a_substitute_is_reported_only_where_it_is_used():
     used = builder.call("math_add", value, value)
     assert builder.notes([used, value]) == ["one is not known"] and builder.notes([unused]) == []
     color = builder.call("grey", used)
-    graph, constants = builder.finish([builder.call("closure_diffuse", constant(1.0), color)])
-    assert operations(graph) == ["math_add", "grey", "closure_diffuse"]
+    graph, constants = builder.finish([closure(builder, color)])
+    assert operations(graph) == ["math_add", "grey", "geometry_normal", "closure_diffuse"]
     assert sorted(constants.ravel()[:3].tolist()) == [0.25, 0.25, 1.0]
 
 

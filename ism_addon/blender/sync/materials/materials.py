@@ -11,6 +11,7 @@ from ....scene import MATERIAL_INPUTS, Image, Materials, NodeGraph
 from ..diagnostics import Diagnostics
 from ..geometry.attributes import Attribute
 from ..node_graphs.converters import CONVERTERS
+from ..node_graphs.normal_nodes import displaced_normal
 from ..node_graphs.reader import GraphReader
 from . import images, nodes, unsupported_features
 from .surface import Surface
@@ -161,6 +162,8 @@ class MaterialReader:
             luminance(images.working_space()),
             simplify,
         )
+        if output is not None:
+            reader.displaced_normal = displaced_normal(reader, output)
         closures = reader.surface(output)
         if not closures:
             findings.warn("Materials without a surface are drawn black", material.name)

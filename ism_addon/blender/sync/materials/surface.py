@@ -33,6 +33,14 @@ class Reflection(NamedTuple):
     constants: np.ndarray = np.zeros((0, 4), np.float32)
 
 
+class _Term(NamedTuple):
+    """What one closure reflects."""
+
+    weight: Value
+    color: Value
+    normal: Value
+
+
 #: The mean of an image's texels by its index: (4,) linear colour and alpha.
 MeanTexel = Callable[[int], np.ndarray]
 
@@ -41,44 +49,47 @@ class Surface:
     """The sums of a surface's closures."""
 
     def __init__(self, reader: GraphReader, closures: Sequence[Closure], mean_texel: MeanTexel):
-        self._builder, self._material = reader.builder, reader.material
+        self._builder, self._material, self._normal = reader.builder, reader.material, reader.normal()
         self._closures, self._mean_texel = closures, mean_texel
 
     def reflection(self, findings: Diagnostics) -> Reflection:
         """What the surface reflects, and sentences about what it is not drawn with."""
-        name, terms = self._material.name, self._diffuse_terms(findings)
-        roots = [value for term in terms for value in term]
-        for note in self._builder.notes(roots):
-            findings.warn(note, name)
-        terms = [(self._builder.known(weight), self._builder.known(reflected)) for weight, reflected in terms]
-        mean = sum((self._mean(weight) * self._mean(reflected) for weight, reflected in terms), np.zeros(3))
-        mean = np.maximum(mean, 0.0)
-        if all(weight.is_constant and reflected.is_constant for weight, reflected in terms):
-            return Reflection(mean)
-        if len(terms) == 1 and terms[0][0].equals(1.0) and (image := self._plain_image(terms[0][1])) >= 0:
-            return Reflection(mean, image)
+        terms = self._diffuse_terms(findings)
+        for note in self._builder.notes(value for term in terms for value in term):
+            findings.warn(note, self._material.name)
+        terms = [_Term(*map(self._builder.known, term)) for term in terms]
+        mean = sum((self._mean(term.weight) * self._mean(term.color) for term in terms), np.zeros(3))
+        mean, plain_normal = np.maximum(mean, 0.0), self._builder.call("geometry_normal")
+        if all(term.normal == plain_normal for term in terms):
+            if all(term.weight.is_constant and term.color.is_constant for term in terms):
+                return Reflection(mean)
+            if len(terms) == 1 and terms[0].weight.equals(1.0) and (image := self._plain_image(terms[0].color)) >= 0:
+                return Reflection(mean, image)
         closures = [self._builder.call("closure_diffuse", *term) for term in terms]
         graph, constants = self._builder.finish(closures)
         return Reflection(mean, -1, graph, constants)
 
-    def _diffuse_terms(self, findings: Diagnostics) -> list[tuple[Value, Value]]:
-        """Weights and colours, divided by the weight of what is not transparent."""
-        builder, name, opaque, terms = self._builder, self._material.name, constant(1.0), []
+    def _diffuse_terms(self, findings: Diagnostics) -> list[_Term]:
+        """What is reflected, with weights divided by that of what is not transparent."""
+        builder, name, opaque = self._builder, self._material.name, constant(1.0)
+        terms: list[_Term] = []
         for closure in self._closures:
             if closure.name == UNKNOWN:
                 label = closure.node.bl_label
                 findings.warn(f"Materials whose surface is a node '{label}' are drawn in their viewport colour", name)
                 viewport_color = color(self._material.diffuse_color, MATERIAL_INPUTS["base_color"].default)
-                terms.append((closure.weight, constant(viewport_color)))
+                terms.append(_Term(closure.weight, constant(viewport_color), self._normal))
             elif closure.name == "transparent":
                 findings.warn("Transparent materials are drawn opaque", name)
                 opaque = builder.call("math_subtract", opaque, closure.weight)
             elif closure.name in DIFFUSE_COLORS:
-                terms.append((closure.weight, closure.inputs[DIFFUSE_COLORS[closure.name]]))
+                inputs = closure.inputs
+                color_input = inputs[DIFFUSE_COLORS[closure.name]]
+                terms.append(_Term(closure.weight, color_input, inputs.get("normal", self._normal)))
         if opaque.equals(1.0):
             return terms
         opaque = builder.call("math_maximum", opaque, constant(MIN_WEIGHT))
-        return [(builder.call("math_divide", weight, opaque), reflected) for weight, reflected in terms]
+        return [each._replace(weight=builder.call("math_divide", each.weight, opaque)) for each in terms]
 
     def emission(self, findings: Diagnostics) -> np.ndarray:
         """(3,) W/(sr m²): the radiance of the surface, the mean of what varies."""

@@ -35,8 +35,8 @@ def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, 
         return
     if nodes.source(output.inputs["Volume"]) is not None:
         findings.warn("Volumes are not drawn by this engine", material.name)
-    if nodes.source(output.inputs["Displacement"]) is not None:
-        findings.warn("Displacement is not drawn", material.name)
+    if nodes.source(output.inputs["Displacement"]) is not None and material.displacement_method != "BUMP":
+        findings.warn("Displacement is drawn as a change of normals, without moving the surface", material.name)
 
 
 def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
@@ -45,9 +45,6 @@ def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, finding
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
             findings.warn(issue, material.name)
-    normal = nodes.source(shader.inputs["Normal"]) if "Normal" in shader.inputs else None
-    if normal is not None:
-        findings.warn(f"Normals that come from a node '{normal.node.bl_label}' are not drawn", material.name)
     if shader.bl_idname == "ShaderNodeBsdfPrincipled" and _is_glossy(shader):
         findings.warn(GLOSS, material.name)
 

@@ -68,7 +68,7 @@ def camera_data(view: NodeView) -> Mapping[str, Value]:
 
 def normal_of(view: NodeView) -> Value:
     """A node's Normal input, or that of the surface."""
-    return view.value("Normal", view.call("geometry_normal"))
+    return view.value("Normal", view.reader.normal())
 
 
 def fresnel(view: NodeView) -> Mapping[str, Value]:

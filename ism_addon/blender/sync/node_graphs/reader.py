@@ -105,11 +105,17 @@ class GraphReader:
         self.uv_layer: str | None = None
         #: What else it reads of meshes.
         self.attributes: list[Attribute] = []
+        #: The normal of the surface if displacement changes it.
+        self.displaced_normal: Value | None = None
         self._image = image
         self._converters = converters
         self._luminance = constant(luminance)
         self._contents: dict[tuple[NodeKey, str], Content] = {}
         self._converted: set[NodeKey] = set()
+
+    def normal(self) -> Value:
+        """The normal of a surface whose shaders have no other one."""
+        return self.builder.call("geometry_normal") if self.displaced_normal is None else self.displaced_normal
 
     def surface(self, output: bpy.types.Node | None) -> list[Closure]:
         """The closures of the surface of a material's output node."""

@@ -14,6 +14,8 @@ def shader(name: str, output: str, **inputs: str) -> Converter:
 
     def convert(view: NodeView) -> Mapping[str, list[Closure]]:
         values = {key: view.value(socket) for key, socket in inputs.items() if view.socket(socket) is not None}
+        if view.socket("Normal") is not None:
+            values["normal"] = view.value("Normal", view.reader.normal())
         return {output: [Closure(name, ONE, values, view.node)]}
 
     return convert

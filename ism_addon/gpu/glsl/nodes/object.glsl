@@ -18,6 +18,11 @@ mat3 anchor_from_object(ShadingPoint at) {
     return transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
 }
 
+// A direction of object space, with its length.
+vec3 direction_from_object(ShadingPoint at, vec3 direction) {
+    return anchor_from_object(at) * (direction / fetch_ObjectInfo(object_info, at.instance).metres_per_quantum);
+}
+
 vec3 coordinate_normal(ShadingPoint at) { return vector_normalize(at.normal * anchor_from_object(at)); }
 vec3 object_location(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).location; }
 vec4 object_color(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).color; }

@@ -6,6 +6,7 @@
 #include "surfaces/instances.glsl"
 #include "surfaces/material_outputs.glsl"
 #include "surfaces/terminator_offset.glsl"
+#include "surfaces/visible_triangle.glsl"
 #if IMAGES
 #include "textures/image.glsl"
 #endif
@@ -16,15 +17,10 @@
 #include "surfaces/node_graph.glsl"
 #endif
 
-uniform usampler2D visibility_buffer;
-uniform mat2 fine_from_pixel;
-uniform vec2 first; // fine pixel of the first pixel
-uniform ivec2 last; // last fine pixel
-flat in vec4 visibility_texel_and_offset;
 flat in float sample_index;
 uniform usamplerBuffer materials;
 uniform isamplerBuffer corner_normal_buffer;
-#if SEVERAL
+#ifdef SEVERAL_GRAPHS
 uniform int own_graph;        // of the materials that this program draws
 uniform int background_graph; // of the program that draws the background too
 #endif
@@ -68,12 +64,11 @@ vec3 nearest_edge_barycentric(Ray ray, vec3 a, vec3 u, vec3 v) {
 }
 
 void main() {
-    ivec2 fine_pixel = ivec2(fine_from_pixel * floor(gl_FragCoord.xy) + first + visibility_texel_and_offset.xy + 0.5);
     vec2 pixel = gl_FragCoord.xy + visibility_texel_and_offset.zw;
-    uvec2 id = fetch(visibility_buffer, clamp(fine_pixel, ivec2(0), last)).xy;
+    uvec2 id = visible_triangle(floor(gl_FragCoord.xy));
     primitive = id;
     TriangleVertices corner = fetch_triangle(max(int(id.x) - 1, 0));
-#if SEVERAL
+#ifdef SEVERAL_GRAPHS
     int graph = id.x == 0u ? background_graph : fetch_Material(materials, corner.material).graph;
     if (graph != own_graph) discard; // another program draws it
 #endif
@@ -116,8 +111,7 @@ void main() {
     for (int k = 0; k < 3; ++k) corner_normals[k] = side * normalize(cofactor * corner_normals[k]);
     vec3 corners[3] = vec3[3](a, a + u, a + v);
     float offset_from_triangle = offset_along_normal(b, corners, corner_normals, side * geometric_normal);
-    normal = vec4(octahedron_from_direction(side * smooth_normal), octahedron_from_direction(side * geometric_normal));
-    position = vec4(p, pack_normal(normal.xy));
+    vec3 shading_normal = side * smooth_normal;
 
     Material material = fetch_Material(materials, corner.material);
     base_color = vec4(material.base_color, offset_from_triangle);
@@ -129,14 +123,16 @@ void main() {
     vec3 dy = scale * (barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v)) - exact);
 #endif
 #if GRAPH
-    ShadingPoint at = ShadingPoint(p, b, side * smooth_normal, side * geometric_normal, -normalize(ray.direction),
+    ShadingPoint at = ShadingPoint(p, b, shading_normal, side * geometric_normal, -normalize(ray.direction),
                                    side < 0.0, triangle, int(id.y));
     ShadingPoint at_x = at, at_y = at;
     at_x.position += u * dx.y + v * dx.z;
     at_x.barycentric += dx;
     at_y.position += u * dy.y + v * dy.z;
     at_y.barycentric += dy;
-    base_color.rgb = evaluate_graph(at, at_x, at_y, material.first_constant).diffuse;
+    Closures closures = evaluate_graph(at, at_x, at_y, material.first_constant);
+    base_color.rgb = closures.diffuse;
+    if (closures.normal != vec3(0.0)) shading_normal = normalize(closures.normal);
 #elif IMAGES
     if (material.image >= 0) {
         Image image = fetch_Image(images, material.image);
@@ -145,4 +141,6 @@ void main() {
             image_color(image, uvs * b, uvs * dx, uvs * dy, image.repeat != 0 ? REPEAT : EXTEND).rgb;
     }
 #endif
+    normal = vec4(octahedron_from_direction(shading_normal), octahedron_from_direction(side * geometric_normal));
+    position = vec4(p, pack_normal(normal.xy));
 }

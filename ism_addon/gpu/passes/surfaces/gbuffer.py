@@ -6,6 +6,8 @@ Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 
 from typing import Any
 
+import moderngl
+
 from ....resources import (
     ATTRIBUTE_BUFFERS,
     BACKGROUND_DEPTH,
@@ -19,21 +21,24 @@ from ....resources import (
     POSITION,
     PRIMITIVE,
     TERMINATOR_OFFSET,
+    TILE_GRAPHS,
     TILES,
     UV_BUFFERS,
     VISIBILITY_BUFFER,
 )
 from ....scene import Change
 from ...buffers.corner_buffers import AttributeBuffers
+from ...buffers.material_buffers import MaterialBuffers
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl import shader_records
-from ...gl.shader_compiler import bind
-from ...gl.shader_records import INSTANCE, OBJECT_INFO
+from ...gl.shader_compiler import ShaderError, bind
+from ...gl.shader_records import INSTANCE, OBJECT_INFO, Record
 from ...material_inputs import MATERIAL
+from ...surface_inputs import visible_triangle_uniforms
 
 #: Records that the shader fetches.
-RECORDS = INSTANCE, OBJECT_INFO, shader_records.MATERIAL, shader_records.IMAGE
+RECORDS: tuple[Record, ...] = INSTANCE, OBJECT_INFO, shader_records.MATERIAL, shader_records.IMAGE
 
 
 class GBuffer(Pass):
@@ -41,7 +46,7 @@ class GBuffer(Pass):
 
     inputs = (
         *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, ATTRIBUTE_BUFFERS, TILES),
-        *(Change.VIEW, Change.SAMPLE, "shortcuts"),
+        *(TILE_GRAPHS, Change.NORMALS, Change.VIEW, Change.SAMPLE, "shortcuts"),
     )
     outputs = outputs(PRIMITIVE, DEPTH, POSITION, NORMAL, TERMINATOR_OFFSET) | dict.fromkeys(
         MATERIAL, (MATERIAL_BUFFERS,)
@@ -49,27 +54,18 @@ class GBuffer(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        first, size = frame.grid.bounds(*frame.size)
         materials, targets = frame[MATERIAL_BUFFERS], (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
         framebuffer = frame.framebuffer(*targets, *MATERIAL_VALUES)
-        locations: dict[str, Any] = {
-            f"{each.name}_location": location for location, each in enumerate(MATERIAL_VALUES, len(targets))
+        constants: dict[str, Any] = {
+            "background_depth": BACKGROUND_DEPTH,
+            **{f"{each.name}_location": location for location, each in enumerate(MATERIAL_VALUES, len(targets))},
         }
-        for graph in materials.graphs:
+        programs = self.programs(frame, materials, constants)
+        for graph, program in programs.items():
             shader = materials.shader(graph)
-            program = self.tile_program(
-                *RECORDS,
-                *shader.includes,
-                background_depth=BACKGROUND_DEPTH,
-                **locations,
-                **shader.constants,
-            )
             bind(
                 program,
-                visibility_buffer=frame[VISIBILITY_BUFFER],
-                fine_from_pixel=tuple(frame.grid.fine_from_pixel.T.ravel()),
-                first=tuple(first),
-                last=tuple(size - 1),
+                **visible_triangle_uniforms(frame),
                 instances=frame[INSTANCE_BUFFERS].table,
                 materials=materials.table,
                 **shader.samplers,
@@ -79,8 +75,32 @@ class GBuffer(Pass):
                 **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
             )
             if len(materials.graphs) > 1:
-                bind(program, own_graph=graph, background_graph=materials.graphs[0])
+                bind(
+                    program,
+                    own_graph=graph,
+                    background_graph=materials.graphs[0],
+                    graph_bits=materials.bits(graph),
+                    tile_graphs=frame[TILE_GRAPHS],
+                )
             draw_tiles(frame, framebuffer, program)
+
+    def programs(
+        self, frame: Frame, materials: MaterialBuffers, constants: dict[str, Any]
+    ) -> dict[int, moderngl.Program]:
+        """The program of each graph; -1 stands for none. Graphs that the driver cannot compile are left out."""
+        programs: dict[int, moderngl.Program] = {}
+        for graph in materials.graphs:
+            shader = materials.shader(graph)
+            try:
+                programs[graph] = self.tile_program(*RECORDS, *shader.includes, **constants, **shader.constants)
+            except ShaderError as error:
+                if graph < 0:
+                    raise
+                count = materials.leave_out(graph)
+                issue = f"The graphics driver cannot compile the nodes of {count} materials, which have one colour"
+                frame.warnings.add(f"{issue}: {error}")
+                return self.programs(frame, materials, constants)
+        return programs
 
 
 def attribute_uniforms(buffers: AttributeBuffers) -> dict[str, Any]:
