@@ -34,38 +34,74 @@ class NodeKey(NamedTuple):
         return cls(tuple(each.as_pointer() for each in path), node.as_pointer())
 
 
-def source(path: Path, socket: bpy.types.NodeSocket) -> Source:
-    """Where an input's value comes from. Cycles converts it to the type of each socket on the way."""
-    own, own_path, types = socket, path, [socket.type]
-    for _ in range(MAX_LINKS):
-        link = next(iter(socket.links), None)
-        if link is None or link.is_muted or not link.is_valid:
-            break
-        from_socket, node = link.from_socket, link.from_node
-        if node.bl_idname == "NodeReroute":
-            socket = node.inputs[0]
-        elif node.mute:
-            inner = (each.from_socket for each in node.internal_links if each.to_socket == from_socket)
-            if (passed := next(inner, None)) is None:
+class Links:
+    """The links of node trees, by the input that they lead to: Blender's sockets search all links of their tree."""
+
+    def __init__(self) -> None:
+        self._of_trees: dict[int, dict[int, bpy.types.NodeLink]] = {}
+
+    def _link_to(self, socket: bpy.types.NodeSocket) -> bpy.types.NodeLink | None:
+        """The link to an input, if there is one."""
+        tree = socket.id_data
+        key = tree.as_pointer()
+        if key not in self._of_trees:
+            self._of_trees[key] = {link.to_socket.as_pointer(): link for link in tree.links}
+        return self._of_trees[key].get(socket.as_pointer())
+
+    def source(self, path: Path, socket: bpy.types.NodeSocket) -> Source:
+        """Where an input's value comes from. Cycles converts it to the type of each socket on the way."""
+        own, own_path, types = socket, path, [socket.type]
+        for _ in range(MAX_LINKS):
+            link = self._link_to(socket)
+            if link is None or link.is_muted or not link.is_valid:
                 break
-            socket = passed
-        elif node.type == "GROUP":
-            output = active_output(node.node_tree) if node.node_tree is not None else None
-            inside = socket_of(output.inputs, from_socket.identifier) if output is not None else None
-            if inside is None:
-                break
-            path, socket = (*path, node), inside
-            own, own_path = socket, path
-        elif node.bl_idname == "NodeGroupInput":
-            outside = socket_of(path[-1].inputs, from_socket.identifier) if path else None
-            if outside is None:
-                break
-            path, socket = path[:-1], outside
-            own, own_path = socket, path
-        else:
-            return Source(path, from_socket, (from_socket.type, *reversed(types)), True)
-        types.append(socket.type)
-    return Source(own_path, own, tuple(reversed(types)), False)
+            from_socket, node = link.from_socket, link.from_node
+            if node.bl_idname == "NodeReroute":
+                socket = node.inputs[0]
+            elif node.mute:
+                inner = (each.from_socket for each in node.internal_links if each.to_socket == from_socket)
+                if (passed := next(inner, None)) is None:
+                    break
+                socket = passed
+            elif node.type == "GROUP":
+                output = active_output(node.node_tree) if node.node_tree is not None else None
+                inside = socket_of(output.inputs, from_socket.identifier) if output is not None else None
+                if inside is None:
+                    break
+                path, socket = (*path, node), inside
+                own, own_path = socket, path
+            elif node.bl_idname == "NodeGroupInput":
+                outside = socket_of(path[-1].inputs, from_socket.identifier) if path else None
+                if outside is None:
+                    break
+                path, socket = path[:-1], outside
+                own, own_path = socket, path
+            else:
+                return Source(path, from_socket, (from_socket.type, *reversed(types)), True)
+            types.append(socket.type)
+        return Source(own_path, own, tuple(reversed(types)), False)
+
+    def upstream(self, path: Path, socket: bpy.types.NodeSocket) -> Iterator[tuple[Path, bpy.types.Node]]:
+        """All nodes that a socket depends on, each after those that it depends on. Circles are cut."""
+        entered, stack = set[NodeKey](), list[tuple[Path, bpy.types.Node, Iterator[Source]]]()
+
+        def enter(found: Source) -> None:
+            key = NodeKey.of(found.path, found.socket.node)
+            if found.is_linked and key not in entered:
+                entered.add(key)
+                node = found.socket.node
+                sources = (self.source(found.path, each) for each in node.inputs if each.enabled and not each.is_unavailable)
+                stack.append((found.path, node, sources))
+
+        enter(self.source(path, socket))
+        while stack:
+            node_path, node, sources = stack[-1]
+            following = next(sources, None)
+            if following is None:
+                stack.pop()
+                yield node_path, node
+            else:
+                enter(following)
 
 
 def active_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
@@ -77,26 +113,3 @@ def active_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
 def socket_of(sockets: bpy.types.NodeInputs, identifier: str) -> bpy.types.NodeSocket | None:
     """The socket with an identifier."""
     return next((socket for socket in sockets if socket.identifier == identifier), None)
-
-
-def upstream(path: Path, socket: bpy.types.NodeSocket) -> Iterator[tuple[Path, bpy.types.Node]]:
-    """All nodes that a socket depends on, each after those that it depends on. Circles are cut."""
-    entered, stack = set[NodeKey](), list[tuple[Path, bpy.types.Node, Iterator[Source]]]()
-
-    def enter(found: Source) -> None:
-        key = NodeKey.of(found.path, found.socket.node)
-        if found.is_linked and key not in entered:
-            entered.add(key)
-            node = found.socket.node
-            sources = (source(found.path, each) for each in node.inputs if each.enabled and not each.is_unavailable)
-            stack.append((found.path, node, sources))
-
-    enter(source(path, socket))
-    while stack:
-        node_path, node, sources = stack[-1]
-        following = next(sources, None)
-        if following is None:
-            stack.pop()
-            yield node_path, node
-        else:
-            enter(following)

@@ -13,7 +13,7 @@ from ....scene import MATERIAL_INPUTS
 from ....shading.builder import Builder, Value, constant
 from ..geometry.attributes import Attribute, AttributeSource
 from ..materials.nodes import color
-from .links import NodeKey, Path, Source, source, upstream
+from .links import Links, NodeKey, Path, Source
 
 #: What is said of a node that is not known, with its label and the name of the input.
 OWN_VALUE = "Materials whose {1} is given by a node '{0}' have the socket's own value"
@@ -108,7 +108,7 @@ class GraphReader:
         #: The normal of the surface if displacement changes it.
         self.displaced_normal: Value | None = None
         self._image = image
-        self._converters = converters
+        self._converters, self._links = converters, Links()
         self._luminance = constant(luminance)
         self._contents: dict[tuple[NodeKey, str], Content] = {}
         self._converted: set[NodeKey] = set()
@@ -126,7 +126,7 @@ class GraphReader:
 
     def convert(self, socket: bpy.types.NodeSocket) -> None:
         """Convert all nodes that an input outside of groups depends on: `value` and `closures` are then known."""
-        for path, node in upstream((), socket):
+        for path, node in self._links.upstream((), socket):
             key = NodeKey.of(path, node)
             converter = self._converters.get(node.bl_idname)
             if key in self._converted or converter is None:
@@ -139,7 +139,7 @@ class GraphReader:
         self, path: Path, socket: bpy.types.NodeSocket, default: Value | None = None, note: str = OWN_VALUE
     ) -> Value:
         """The value of an input, of the type that sockets of its type have. `default` and `note`: see NodeView."""
-        found = source(path, socket)
+        found = self._links.source(path, socket)
         if default is not None and not found.is_linked:
             return default
         value: Content | None = self._content(found) if found.is_linked else self.own_value(found.socket)
@@ -152,7 +152,7 @@ class GraphReader:
 
     def closures(self, path: Path, socket: bpy.types.NodeSocket) -> list[Closure]:
         """The closures of a shader's input. A node that is not known is a closure of that name."""
-        found = source(path, socket)
+        found = self._links.source(path, socket)
         if not found.is_linked:
             return []
         content = self._content(found)
