@@ -3,7 +3,7 @@
 
 import math
 
-from .operations import register
+from .operations import register, set_cost
 
 
 def divide(a: float, b: float) -> float:
@@ -83,8 +83,8 @@ register(
     math_add=lambda a, b: a + b,
     math_subtract=lambda a, b: a - b,
     math_multiply=lambda a, b: a * b,
-    math_divide=divide,
     math_power=power,
+    math_divide=divide,
     math_logarithm=lambda a, b: divide(math.log(a), math.log(b)) if a > 0.0 and b > 0.0 else 0.0,
     math_minimum=min,
     math_maximum=max,
@@ -120,3 +120,4 @@ register(
         math.floor(fraction(a, low, high) * (steps + 1.0)) / steps if steps > 0.0 else 0.0
     ),
 )
+set_cost(3, "math_power")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .operations import register
+from .operations import register, set_cost
 
 
 def mix(t: float, a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -215,3 +215,5 @@ register(
     rgb_curves=curves(extrapolate=False),
     rgb_curves_extrapolated=curves(extrapolate=True),
 )
+set_cost(8, "gamma")
+set_cost(4, "hue_saturation")

@@ -59,6 +59,11 @@ class NodeGraph:
         return any(each.operation.startswith(operation) for each in self.instructions)
 
     @cached_property
+    def cost(self) -> int:
+        """How long it takes to compile; that grows with the square of it."""
+        return sum(OPERATIONS[each.operation].cost for each in self.instructions)
+
+    @cached_property
     def changes_normals(self) -> bool:
         """Whether any closure has another normal than the mesh."""
         normals = (each.operands[-1] for each in self.instructions if each.operation == "closure_diffuse")

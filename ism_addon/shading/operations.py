@@ -30,15 +30,22 @@ class Operation(NamedTuple):
     has_parameter: bool = False
     #: Operands that the function gets with their differences from pixel to pixel, in x and in y.
     with_differences: tuple[int, ...] = ()
+    #: How long it takes to compile, relative to an addition of vectors.
+    cost: int = 1
 
 
 OPERATIONS: dict[str, Operation] = {}
 
 
-def register(file: str, operands: str, result: str, **references: Callable[..., Any]) -> None:
+def register(file: str, operands: str, result: str, /, **references: Callable[..., Any]) -> None:
     """Register operations by name, with their references. `operands`: types separated by spaces."""
     types = tuple(operands.split())
     OPERATIONS.update({name: Operation(types, result, file, function) for name, function in references.items()})
+
+
+def set_cost(cost: int, *names: str) -> None:
+    """Set the cost of operations."""
+    OPERATIONS.update({name: OPERATIONS[name]._replace(cost=cost) for name in names})
 
 
 def evaluate(name: str, *operands: Constant) -> Constant:

@@ -7,7 +7,7 @@ from operator import itemgetter
 import numpy as np
 
 from . import arithmetic
-from .operations import OPERATIONS, register
+from .operations import OPERATIONS, register, set_cost
 
 
 def by_component(function: Callable[..., float]) -> Callable[..., np.ndarray]:
@@ -132,3 +132,4 @@ register(
     "vec3",
     rotate_axis=lambda v, centre, axis, angle: about_axis(v - centre, axis, angle) + centre,
 )
+set_cost(8, "vector_power")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node trees as graphs: groups and muted nodes, trees that cannot be drawn, and what changes of constants leave alone."""
+"""Node trees as graphs: groups and muted nodes, trees that cannot be drawn, and changes of constants."""
 
 import bpy
 import numpy as np
@@ -134,19 +134,38 @@ def test_a_circle_of_nodes_is_cut(surface, read_scene):
     assert np.isfinite(read_scene().materials.base_color).all()
 
 
-def test_a_thousand_nodes(surface, read_scene):
+@pytest.mark.parametrize(("type_", "is_drawn"), [("Invert", True), ("Gamma", False)])
+def test_long_graphs_are_drawn_unless_compilers_would_take_seconds(surface, read_scene, type_, is_drawn):
     material, shader = surface()
     tree, previous = material.node_tree, None
     image = texture(material, shader.inputs["Base Color"], new_image())
-    for _ in range(1000):
-        added = node(tree, "Gamma")
+    for _ in range(500):
+        added = node(tree, type_)
         tree.links.new((previous or image).outputs[0], added.inputs["Color"])
         previous = added
     tree.links.new(previous.outputs[0], shader.inputs["Base Color"])
     scene = read_scene()
-    assert len(scene.graphs[0].instructions) == 1000 + 5
-    for _, found in links.Links().upstream((), shader.inputs["Base Color"]):
-        assert found.bl_idname in ("ShaderNodeGamma", "ShaderNodeTexImage")
+    if is_drawn:
+        assert scene.warnings == () and len(scene.graphs[0].instructions) == 500 + len(IMAGE_GRAPH)
+    else:
+        warning = "Materials with too many nodes for one shader are drawn in one colour: 'Paint'."
+        assert scene.warnings == (warning,) and scene.graphs == ()
+
+
+#: Operations of an image that is reflected.
+IMAGE_GRAPH = "uv_map", "image_linear", "color_of", "geometry_normal", "closure_diffuse"
+
+
+def test_a_thousand_nodes_are_followed(surface):
+    material, shader = surface()
+    tree, previous = material.node_tree, None
+    for _ in range(1000):
+        added = node(tree, "Gamma")
+        if previous is not None:
+            tree.links.new(previous.outputs[0], added.inputs["Color"])
+        previous = added
+    tree.links.new(previous.outputs[0], shader.inputs["Base Color"])
+    assert len(list(links.Links().upstream((), shader.inputs["Base Color"]))) == 1000
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e38])

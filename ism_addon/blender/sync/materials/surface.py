@@ -20,6 +20,9 @@ from .nodes import color
 #: The colour that each closure reflects diffusely, by the closure's name.
 DIFFUSE_COLORS = {"diffuse": "color", "translucent": "color", "principled": "base_color"}
 
+#: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
+MAX_COST = 800
+
 #: Weight of all closures that are not transparent from which on they are drawn opaque.
 MIN_WEIGHT = 1e-3
 
@@ -67,6 +70,9 @@ class Surface:
                 return Reflection(mean, image)
         closures = [self._builder.call("closure_diffuse", *term) for term in terms]
         graph, constants = self._builder.finish(closures)
+        if graph.cost > MAX_COST:
+            findings.warn("Materials with too many nodes for one shader are drawn in one colour", self._material.name)
+            return Reflection(mean)
         return Reflection(mean, -1, graph, constants)
 
     def _diffuse_terms(self, findings: Diagnostics) -> list[_Term]:

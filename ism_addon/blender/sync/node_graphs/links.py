@@ -90,7 +90,9 @@ class Links:
             if found.is_linked and key not in entered:
                 entered.add(key)
                 node = found.socket.node
-                sources = (self.source(found.path, each) for each in node.inputs if each.enabled and not each.is_unavailable)
+                sources = (
+                    self.source(found.path, each) for each in node.inputs if each.enabled and not each.is_unavailable
+                )
                 stack.append((found.path, node, sources))
 
         enter(self.source(path, socket))
