@@ -19,9 +19,12 @@ from .settings import SECTIONS, Control, Settings, setting_fields
 #: Maximum filter width, px. Wider filters are slow and only blur; Blender allows 500.
 WIDEST_FILTER = 50.0
 
-#: Width and maximum height of a texture with all images and their mip levels, which every OpenGL 4.1 supports. The
-#: height is not a power of two, see material_buffers.py.
-TEXTURE_WIDTH, MAX_TEXTURE_LINES = 1 << 14, (1 << 14) - 1
+#: Width and maximum height of a layer of the texture with all images and their mip levels, which every OpenGL 4.1
+#: supports. The height is not a power of two, see driver_variants.py.
+TEXTURE_WIDTH, LAYER_LINES = 1 << 14, (1 << 11) - 1
+
+#: Maximum of lines of all images, of 8-bit texels: Mesa's software driver refuses textures of 2 GB.
+MAX_TEXTURE_LINES = 15 * LAYER_LINES
 
 
 def within_limits(settings: Settings) -> Settings:
@@ -58,12 +61,15 @@ def view_beyond_limits(view: View) -> tuple[str, ...]:
 def images_within_limits(images: Sequence[Image]) -> list[int]:
     """Number of times that each image is halved so that all fit, the largest first; 0: full size."""
     sizes = [image.texels.shape[:2] for image in images]
-    halved, excess = [0] * len(sizes), sum(lines_for(size, 0) for size in sizes) - MAX_TEXTURE_LINES
+    lengths = [image.texels.itemsize for image in images]  # of lines, relative to those of 8-bit texels
+    lines = sum(length * lines_for(size, 0) for size, length in zip(sizes, lengths, strict=True))
+    halved, excess = [0] * len(sizes), lines - MAX_TEXTURE_LINES
     largest = [(-height * width, index) for index, (height, width) in enumerate(sizes)]
     heapq.heapify(largest)
     while excess > 0 and largest:
         _, index = heapq.heappop(largest)
-        excess += lines_for(sizes[index], halved[index] + 1) - lines_for(sizes[index], halved[index])
+        less = lines_for(sizes[index], halved[index]) - lines_for(sizes[index], halved[index] + 1)
+        excess -= lengths[index] * less
         halved[index] += 1
         height, width = level(sizes[index], halved[index])
         if height * width > 1:

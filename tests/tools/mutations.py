@@ -126,7 +126,11 @@ MUTATIONS = (
         "normalize(linear * smooth_normal)",
         ("test_gbuffer",),
     ),
-    Mutation("sRGB texels are taken for linear ones", "0x8C43", "0x8058", ("test_images", "test_gbuffer")),
+    Mutation(
+        "sRGB texels are taken for linear ones", "SRGB_BYTES ? linear", "SRGB_BYTES ? stored.rgb", ("test_images",)
+    ),
+    Mutation("graphs read other constants", "at_y, material.first_constant)", "at_y, 0)", ("test_node_graphs",)),
+    Mutation("graphs draw other tiles", "uint(graph + 1 & 31);", "uint(graph + 2 & 31);", ("test_node_graphs",)),
     Mutation(
         "a box that is partly out of the picture is culled",
         "planes[..., 3] + np.einsum",

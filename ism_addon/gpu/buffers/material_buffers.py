@@ -8,7 +8,7 @@ import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
 from ...scene import MATERIAL_INPUTS, Encoding, Image, Materials, NodeGraph
-from ...setting_limits import TEXTURE_WIDTH, images_within_limits, level
+from ...setting_limits import LAYER_LINES, TEXTURE_WIDTH, images_within_limits, level
 from ..gl import driver_variants
 from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
@@ -16,12 +16,15 @@ from ..gl.shader_compiler import Include
 from ..gl.shader_records import IMAGE, MATERIAL
 from ..materials import compiler
 
-#: OpenGL's internal format and moderngl's dtype of texels.
-FORMATS = {Encoding.SRGB: (0x8C43, "f1"), Encoding.LINEAR: (0x8058, "f1"), Encoding.FLOAT: (0x881A, "f2")}
+#: Types of texels by the sampler's name.
+TEXELS: dict[str, np.dtype] = {"byte_texels": np.dtype(np.uint8), "float_texels": np.dtype(np.float16)}
 
 
 class TextureBuffer:
-    """All images with their mip levels, in one texture per encoding. If they exceed a limit, the largest are halved."""
+    """All images with their mip levels, in one texture of 8-bit texels and one of 16-bit floats, line after line.
+
+    If they exceed a limit, the largest are halved. A texture has several layers if one cannot hold all lines.
+    """
 
     def __init__(self, device: Device, images: tuple[Image, ...]):
         self.images = images
@@ -31,20 +34,21 @@ class TextureBuffer:
         self.levels = [len(chain) for chain in chains]
         self.sizes = [level(image.texels.shape[:2], first) for image, first in zip(images, first_levels, strict=True)]
         self.first_lines = [0] * len(images)
-        #: Only of encodings that any image has.
-        self.textures: dict[Encoding, moderngl.Texture] = {}
-        for encoding in dict.fromkeys(image.encoding for image in images):
-            indices = [index for index, image in enumerate(images) if image.encoding is encoding]
+        #: By the sampler's name; only of texels that any image has.
+        self.textures: dict[str, moderngl.TextureArray] = {}
+        for name, dtype in TEXELS.items():
+            indices = [index for index, image in enumerate(images) if image.texels.dtype == dtype]
+            if not indices:
+                continue
             ends = np.cumsum([0] + [len(blocks[index]) // TEXTURE_WIDTH for index in indices]).tolist()
-            # Not a buffer texture, because those do not decode sRGB.
-            internal, dtype = FORMATS[encoding]
-            size = TEXTURE_WIDTH, lines_for(ends[-1])
-            texture = device.gl.texture(size, 4, dtype=dtype, internal_format=internal)
+            layers = -(-ends[-1] // LAYER_LINES)
+            lines = LAYER_LINES if layers > 1 else lines_for(ends[-1])
+            texture = device.gl.texture_array((TEXTURE_WIDTH, lines, layers), 4, dtype=f"f{dtype.itemsize}")
             driver_variants.never_filtered(texture)
             for index, line in zip(indices, ends[:-1], strict=True):
                 self.first_lines[index] = line
-                texture.write(blocks[index], viewport=(0, line, TEXTURE_WIDTH, len(blocks[index]) // TEXTURE_WIDTH))
-            self.textures[encoding] = texture
+                write_lines(texture, blocks[index], line)
+            self.textures[name] = texture
         table = np.zeros(len(images), IMAGE.dtype)
         for row, image in zip(table, images, strict=True):
             row["encoding"], row["repeat"] = list(Encoding).index(image.encoding), image.repeat
@@ -55,15 +59,16 @@ class TextureBuffer:
         self.bytes = table.nbytes + sum(block.nbytes for block in blocks)
 
     @property
-    def samplers(self) -> dict[str, moderngl.Texture | BufferTexture]:
+    def samplers(self) -> dict[str, moderngl.TextureArray | BufferTexture]:
         """The table and the textures by sampler name in textures/image.glsl."""
-        textures = {f"{encoding.lower()}_texels": texture for encoding, texture in self.textures.items()}
-        return {"images": self.table, **textures}
+        return {"images": self.table, **self.textures}
 
     @property
     def constants(self) -> dict[str, int]:
-        """Constants of shader variants: which encodings are present."""
-        return {f"{encoding.lower()}_images": int(encoding in self.textures) for encoding in Encoding}
+        """Constants of shader variants: the size of layers, and which texels are present."""
+        return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
+            f"has_{name}": int(name in self.textures) for name in TEXELS
+        }
 
 
 class MaterialShader(NamedTuple):
@@ -121,7 +126,7 @@ class MaterialBuffers:
                 "graph": int(node_graph is not None),
                 **({"several_graphs": 1} if len(self.graphs) > 1 else {}),
                 "images": int(has_images),
-                **({"width": TEXTURE_WIDTH, **self.texels.constants} if has_images else {}),
+                **(self.texels.constants if has_images else {}),
             },
             samplers={
                 **(self.texels.samplers if has_images else {}),
@@ -131,6 +136,17 @@ class MaterialBuffers:
             reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),
             reads_objects=node_graph is not None and node_graph.reads_objects,
         )
+
+
+def write_lines(texture: moderngl.TextureArray, texels: np.ndarray, first: int) -> None:
+    """Write complete lines of texels (N,4), which may continue in the next layers, from line `first` on."""
+    done, count = 0, len(texels) // TEXTURE_WIDTH
+    while done < count:
+        layer, line = divmod(first + done, LAYER_LINES)
+        lines = min(count - done, LAYER_LINES - line)
+        portion = texels[done * TEXTURE_WIDTH : (done + lines) * TEXTURE_WIDTH]
+        texture.write(np.ascontiguousarray(portion), viewport=(0, line, layer, TEXTURE_WIDTH, lines, 1))
+        done += lines
 
 
 def lines_for(lines: int) -> int:

@@ -68,7 +68,7 @@ def use_all_samplers(gl: moderngl.Context) -> None:
     gl.vertex_array(program, []).render(moderngl.POINTS, vertices=1)
 
 
-def never_filtered(texture: moderngl.Texture) -> None:
+def never_filtered(texture: moderngl.Texture | moderngl.TextureArray) -> None:
     """Nearest texel, clamped, one mip level: the sampler state of all our textures.
 
     Integer textures use the nearest mip level in any case, so all others do too.

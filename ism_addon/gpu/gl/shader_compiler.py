@@ -164,6 +164,8 @@ def bind(program: moderngl.Program, **values: object) -> None:
             if is_new(current_values, name, unit):
                 value.set_sampler(program, name, unit)
         else:
-            content = state.unit_with(name, value) if isinstance(value, moderngl.Texture) else value
+            content = (
+                state.unit_with(name, value) if isinstance(value, moderngl.Texture | moderngl.TextureArray) else value
+            )
             if is_new(current_values, name, content):
                 uniform.value = content

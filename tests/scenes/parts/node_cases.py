@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import bpy
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,15 @@ def wavy(node: bpy.types.Node, socket: str, scale: float = 9.0) -> None:
     links.new(product.outputs[0], node.inputs[socket])
 
 
+def picture(node: bpy.types.Node, data: bool = False, floats: bool = False) -> None:
+    """Give an Image Texture 5×4 random pixels, half of which are transparent."""
+    image = bpy.data.images.new("Picture", 5, 4, alpha=True, is_data=data, float_buffer=floats)
+    pixels = np.random.default_rng(0).random((20, 4), np.float32)
+    pixels[::2, 3] = 1.0
+    image.pixels.foreach_set(pixels.reshape(-1))
+    node.image = image
+
+
 def bend(node: bpy.types.Node) -> None:
     """Curves that are not straight."""
     for curve in node.mapping.curves:
@@ -196,3 +206,9 @@ def cases() -> Iterator[NodeCase]:
     for options in options_of("ShaderNodeNormalMap", "space"):
         fixed = {"Strength": 0.7}
         yield NodeCase("ShaderNodeNormalMap", options, varied=("Color",), fixed=fixed, low=0.1, high=0.9)
+    for options in options_of("ShaderNodeTexImage", "interpolation", "extension"):
+        for output in range(2):
+            yield NodeCase("ShaderNodeTexImage", options, output, varied=(0,), prepare=picture, low=-0.7, high=1.6)
+    for label, encoding in (("data", {"data": True}), ("floats", {"floats": True})):
+        prepare = partial(picture, **encoding)
+        yield NodeCase("ShaderNodeTexImage", varied=(0,), prepare=prepare, label=label, low=-0.7, high=1.6)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon import setting_limits
+from ism_addon.gpu.buffers import material_buffers
 from ism_addon.gpu.buffers.material_buffers import mip_chain
 from ism_addon.scene import Image
 from ism_addon.setting_limits import images_beyond_limits, images_within_limits, lines_for
@@ -73,8 +74,23 @@ def test_a_halved_image_is_drawn_like_an_image_of_that_size(device, monkeypatch)
     assert np.array_equal(color[:, :128], full_size[:, :128])
 
 
+def test_images_of_several_layers_are_drawn_at_their_size(device, monkeypatch):
+    """Layers of 3 lines: an image of 2^18 texels has 16 lines, and its levels more."""
+    images = tuple(noise(512, 512, seed=k) for k in range(3))
+    expected = draw(device, *textured_quads(*images)).color
+    monkeypatch.setattr(material_buffers, "LAYER_LINES", 3)
+    color = draw(device, *textured_quads(*(Image(image.texels) for image in images))).color
+    assert np.array_equal(color, expected)
+
+
+def test_sixteen_images_of_4096_pixels_and_one_of_16384_fit():
+    texels = np.broadcast_to(np.uint8(0), (4096, 4096, 4)), np.broadcast_to(np.uint8(0), (16384, 16384, 4))
+    assert images_beyond_limits([Image(texels[0])] * 16) == ()
+    assert images_beyond_limits([Image(texels[1])]) == ()
+    assert images_beyond_limits([Image(texels[1])] * 2) != ()
+
+
 def test_three_images_of_4096_pixels_are_drawn_at_their_size(device):
-    """One texture with lines of 4096 texels could not hold them."""
     images = tuple(Image(np.full((4096, 4096, 4), value, np.uint8)) for value in (64, 128, 255))
     assert images_beyond_limits(images) == ()
     color = draw(device, *textured_quads(*images)).color

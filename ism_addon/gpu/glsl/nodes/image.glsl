@@ -9,7 +9,7 @@ vec4 image_closest(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
     Image one = fetch_Image(images, int(image));
     MipLevel level = mip_level(one, int(footprint_level(one, dx.xy, dy.xy)));
     ivec2 texel = ivec2(floor(inside_image(at.xy, extension) * vec2(level.size)));
-    return extended_texel(one, level, texel, extension);
+    return decoded(one, extended_texel(one, level, texel, extension));
 }
 
 // By cubic B-splines.
@@ -25,5 +25,5 @@ vec4 image_cubic(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
         for (int x = 0; x < 4; ++x)
             sum += weights[x].x * weights[y].y *
                    extended_texel(one, level, ivec2(corner) + ivec2(x, y) - 1, extension);
-    return sum;
+    return decoded(one, sum);
 }

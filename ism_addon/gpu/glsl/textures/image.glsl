@@ -1,9 +1,11 @@
-// Filtered look-up in an image. The texels of its mip levels are stored one after another, WIDTH texels to a line.
-// There is one texture for each encoding.
+// Filtered look-up in an image. The texels of its mip levels are stored one after another, WIDTH texels to a line, and
+// LAYER_LINES lines to a layer.
 uniform usamplerBuffer images;
-uniform sampler2D srgb_texels;
-uniform sampler2D linear_texels;
-uniform sampler2D float_texels;
+uniform sampler2DArray byte_texels;
+uniform sampler2DArray float_texels;
+
+// Of Image.encoding.
+const int SRGB_BYTES = 0, LINEAR_BYTES = 1, FLOATS = 2;
 
 // What is beyond an image's border.
 const int REPEAT = 0, EXTEND = 1, CLIP = 2, MIRROR = 3;
@@ -28,20 +30,25 @@ float footprint_level(Image image, vec2 dx, vec2 dy) {
     return clamp(log2(max(footprint, 1e-6)), 0.0, float(image.levels - 1));
 }
 
+// A texel's values as they are stored, see `decoded`.
 vec4 texel(Image image, MipLevel level, ivec2 texel) {
-    int index = level.first + texel.y * level.size.x + texel.x;
-    ivec2 at = ivec2(index % WIDTH, image.first_line + index / WIDTH);
-    vec4 color = vec4(0.0);
-#if SRGB_IMAGES
-    if (image.encoding == 0) color = fetch(srgb_texels, at);
+    int index = level.first + texel.y * level.size.x + texel.x, line = image.first_line + index / WIDTH;
+    ivec3 at = ivec3(index % WIDTH, line % LAYER_LINES, line / LAYER_LINES);
+    vec4 stored = vec4(0.0);
+#if HAS_BYTE_TEXELS
+    if (image.encoding != FLOATS) stored = texelFetch(byte_texels, at, 0);
 #endif
-#if LINEAR_IMAGES
-    if (image.encoding == 1) color = fetch(linear_texels, at);
+#if HAS_FLOAT_TEXELS
+    if (image.encoding == FLOATS) stored = texelFetch(float_texels, at, 0);
 #endif
-#if FLOAT_IMAGES
-    if (image.encoding == 2) color = fetch(float_texels, at);
-#endif
-    return color;
+    return stored;
+}
+
+// Linear values. Cycles decodes after it has interpolated.
+vec4 decoded(Image image, vec4 stored) {
+    vec3 bright = pow((max(stored.rgb, 0.04045) + 0.055) / 1.055, vec3(2.4));
+    vec3 linear = mix(stored.rgb / 12.92, bright, greaterThan(stored.rgb, vec3(0.04045)));
+    return vec4(image.encoding == SRGB_BYTES ? linear : stored.rgb, stored.a);
 }
 
 // The part of a texture coordinate that is within the image, or less than a texel beside it.
@@ -66,7 +73,7 @@ vec4 bilinear(Image image, MipLevel level, vec2 uv, int extension) {
     vec4 colors[4];
     for (int k = 0; k < 4; ++k)
         colors[k] = extended_texel(image, level, low + ivec2(k & 1, k >> 1), extension);
-    return mix(mix(colors[0], colors[1], f.x), mix(colors[2], colors[3], f.x), f.y);
+    return decoded(image, mix(mix(colors[0], colors[1], f.x), mix(colors[2], colors[3], f.x), f.y));
 }
 
 // dx, dy: derivatives of uv by pixel.
