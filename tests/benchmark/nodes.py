@@ -18,6 +18,7 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.jobs.png import display_from_linear, write_png
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
+from tests.docs.node_table import rows
 from tests.scenes.cycles import direct_light
 from tests.scenes.parts.node_cases import NodeCase, build, cases
 from tests.tools.new_file import open_empty_file
@@ -41,8 +42,7 @@ def main() -> int:
         errors = measure(chosen, options.samples, options.output)
     finally:
         addon.unregister()
-    for name, error in sorted(errors.items(), key=lambda pair: -pair[1]):
-        print(f"{error:.4f}  {name}")
+    print(rows(errors))
     print(record.write(options.output, "nodes", open_device().name, {"samples": options.samples, "rmse": errors}))
     return 0
 
