@@ -134,6 +134,8 @@ class Builder:
             return operands[1]
         if name in MIXES and operands[0].equals(1.0):
             return operands[2]
+        if name == "noise_distorted" and operands[1].equals(0.0):
+            return operands[0]
         if name in ("math_multiply", "vector_multiply", "vector_scale"):
             for one, other in (operands, operands[::-1]):
                 if one.equals(0.0):

@@ -32,6 +32,8 @@ class Operation(NamedTuple):
     with_differences: tuple[int, ...] = ()
     #: How long it takes to compile, relative to an addition of vectors.
     cost: int = 1
+    #: About the mean of the result, where it is not evaluated.
+    mean: float = 0.0
 
 
 OPERATIONS: dict[str, Operation] = {}

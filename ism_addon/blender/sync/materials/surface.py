@@ -112,7 +112,7 @@ class Surface:
             for note in self._builder.notes(roots):
                 findings.warn(note, name)
             if any(not self._builder.known(root).is_constant for root in roots):
-                findings.warn("Surfaces that emit an image emit its mean colour", name)
+                findings.warn("Surfaces whose emission nodes give emit about its mean", name)
             emitted = self._mean(strength)
             if is_principled and bpy.app.version >= (5, 0):
                 emitted = np.maximum(emitted, 0.0)  # as in Cycles, which subtracted light before
@@ -128,7 +128,7 @@ class Surface:
         def unknown(name: str, operands: tuple[Constant, ...]) -> Constant:
             if name.startswith("image"):
                 return self._mean_texel(int(operands[0]))
-            return np.zeros(NUMBERS[OPERATIONS[name].result])
+            return np.full(NUMBERS.get(OPERATIONS[name].result, 1), OPERATIONS[name].mean)
 
         return self._builder.estimate(value, unknown)
 

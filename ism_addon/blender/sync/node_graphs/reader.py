@@ -38,6 +38,14 @@ BASE_COLOR = MATERIAL_INPUTS["base_color"]
 #: What a socket has: a value, or the closures of a shader.
 Content = Value | list[Closure]
 
+#: A value in place of another, or what makes it if it is needed: it may have meshes read an attribute.
+Default = Value | Callable[[], Value]
+
+
+def made(default: Default) -> Value:
+    """The value itself."""
+    return default if isinstance(default, Value) else default()
+
 
 @dataclass
 class NodeView:
@@ -59,7 +67,7 @@ class NodeView:
             return inputs[key] if key < len(inputs) else None
         return next((each for each in inputs if each.identifier == key), None) or inputs.get(key)
 
-    def value(self, key: str | int, default: Value | None = None, note: str = OWN_VALUE) -> Value:
+    def value(self, key: str | int, default: Default | None = None, note: str = OWN_VALUE) -> Value:
         """The value of an input; 0 if this release has none.
 
         The default, if there is one, is the value of an input that is not linked, or whose node is not known. The note
@@ -136,15 +144,15 @@ class GraphReader:
                 self._contents[key, name] = content
 
     def value(
-        self, path: Path, socket: bpy.types.NodeSocket, default: Value | None = None, note: str = OWN_VALUE
+        self, path: Path, socket: bpy.types.NodeSocket, default: Default | None = None, note: str = OWN_VALUE
     ) -> Value:
         """The value of an input, of the type that sockets of its type have. `default` and `note`: see NodeView."""
         found = self._links.source(path, socket)
         if default is not None and not found.is_linked:
-            return default
+            return made(default)
         value: Content | None = self._content(found) if found.is_linked else self.own_value(found.socket)
         if not isinstance(value, Value):
-            fallback = self.own_value(socket) if default is None else default
+            fallback = self.own_value(socket) if default is None else made(default)
             return self.builder.substitute(fallback, note.format(found.socket.node.bl_label, socket.name))
         for source_type, type_ in pairwise(found.types):
             value = self._converted_value(value, source_type, type_)

@@ -2,6 +2,7 @@
 """Converts textures and the nodes that place them."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
@@ -59,9 +60,8 @@ def image_texture(view: NodeView) -> Mapping[str, Value]:
     node, image = view.node, view.reader.image(view.node)
     if image is None:
         return {"Color": MAGENTA, "Alpha": constant(1.0)}
-    vector = view.value(
-        "Vector", view.reader.uv(""), "Textures placed by a node '{}' lie on the active UV map as it is"
-    )
+    note = "Textures placed by a node '{}' lie on the active UV map as it is"
+    vector = view.value("Vector", partial(view.reader.uv, ""), note)
     operation = INTERPOLATIONS[node.interpolation]
     extension = EXTENSIONS.index(node.extension)
     color = view.call(operation, image, placed(view, vector), parameter=extension)
