@@ -163,6 +163,7 @@ def test_targets_describe_their_texel_format():
         "r32f": (1, "f4"),
         "rg16f": (2, "f2"),
         "rg32f": (2, "f4"),
+        "r32ui": (1, "u4"),
         "rg32ui": (2, "u4"),
         "rg8": (2, "f1"),
         "rgba32f": (4, "f4"),

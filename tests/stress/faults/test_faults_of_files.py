@@ -22,7 +22,7 @@ from tests.tools import project
 from tests.tools.new_file import open_empty_file, open_factory_file
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="fills the disk as it is done on Linux")
-IMAGE_WARNING = "Images that are missing or cannot be read are left out, and the base colour is drawn: 'gone.png'."
+IMAGE_WARNING = "Images that are missing or cannot be read are magenta, as in Blender: 'gone.png'."
 
 
 @pytest.fixture
@@ -156,7 +156,7 @@ def test_a_picture_into_a_pipe(snapshot_path):
 
 
 def test_images_that_are_missing(blender, tmp_path):
-    """A warning says that the base colour is drawn instead."""
+    """A warning says that they are magenta, as in Blender."""
     image = bpy.data.images.new("gone.png", 2, 2)
     image.source, image.filepath = "FILE", str(tmp_path / "gone.png")
     material = bpy.data.materials.new("Painted")
