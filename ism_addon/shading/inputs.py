@@ -38,7 +38,9 @@ OPERATIONS.update(
         for interpolation in ("linear", "closest", "cubic")
     }
 )
-# Strength and distance, the height, the position, and the normal that is changed.
-OPERATIONS["bump"] = Operation(("float", "float", "float", "vec3", "vec3"), "vec3", "normals", with_differences=(2, 3))
+# Strength and distance, the height, the position, the normal that is changed, and the filter's width in pixels.
+OPERATIONS["bump"] = Operation(
+    ("float", "float", "float", "vec3", "vec3", "float"), "vec3", "normals", with_differences=(2, 3), filter_width=5
+)
 # Weight, color and normal.
 OPERATIONS["closure_diffuse"] = Operation(("float", "vec3", "vec3"), "", "closures")

@@ -30,6 +30,9 @@ class Operation(NamedTuple):
     has_parameter: bool = False
     #: Operands that the function gets with their differences from pixel to pixel, in x and in y.
     with_differences: tuple[int, ...] = ()
+    #: The operand that says how many pixels away these differences are taken, as Cycles takes them for bumps. It is a
+    #: constant. None: a pixel's footprint.
+    filter_width: int | None = None
     #: How long it takes to compile, relative to an addition of vectors.
     cost: int = 1
     #: About the mean of the result, where it is not evaluated.

@@ -129,7 +129,12 @@ MUTATIONS = (
     Mutation(
         "sRGB texels are taken for linear ones", "SRGB_BYTES ? linear", "SRGB_BYTES ? stored.rgb", ("test_images",)
     ),
-    Mutation("graphs read other constants", "at_y, material.first_constant)", "at_y, 0)", ("test_node_graphs",)),
+    Mutation(
+        "graphs read other constants",
+        "differentials, material.first_constant)",
+        "differentials, 0)",
+        ("test_node_graphs",),
+    ),
     Mutation("graphs draw other tiles", "uint(graph + 1 & 31);", "uint(graph + 2 & 31);", ("test_node_graphs",)),
     Mutation(
         "a box that is partly out of the picture is culled",

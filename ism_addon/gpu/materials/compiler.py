@@ -2,8 +2,11 @@
 """Translates node graphs to GLSL: a function with a line for each instruction.
 
 Operations that need differences, such as the footprint of an image, have operands that are evaluated three times: at
-the point of the surface, and a pixel further in x and in y.
+the point of the surface, and a pixel further in x and in y. Bumps have points of their own, further by their filters'
+widths.
 """
+
+from collections.abc import Iterator
 
 from ...shading.node_graph import Instruction, NodeGraph
 from ...shading.operations import OPERATIONS
@@ -12,8 +15,9 @@ from ..gl.shader_compiler import GENERATED, Include
 FILE = "surfaces/node_graph.glsl"
 GENERATED[FILE] = lambda _constants: ""  # of shaders without a graph
 
-#: The points at which an instruction may be evaluated, by their names in GLSL.
-POINTS = CENTRE, _, _ = "at", "at_x", "at_y"
+#: The point at which instructions are evaluated, and those for the differences between pixels: their names in GLSL.
+CENTRE = "at"
+FOOTPRINT = "at_x", "at_y"
 
 #: Components of constants that are part of a row, by type.
 SWIZZLES = {"float": 1, "image": 1, "vec3": 3, "vec4": 4}
@@ -27,25 +31,45 @@ def glsl(graph: NodeGraph) -> Include:
     rows = sorted({location.row for location, type_ in types if type_ != "table"})
     lines = [
         *(f'#include "nodes/{file}.glsl"' for file in files),
-        "Closures evaluate_graph(ShadingPoint at, ShadingPoint at_x, ShadingPoint at_y, int first_constant) {",
+        "Closures evaluate_graph(ShadingPoint at, Differentials differentials, int first_constant) {",
         "    Closures closures = Closures(vec3(0.0), vec3(0.0));",
         *(f"    vec4 row{row} = texelFetch(graph_constants, first_constant + {row});" for row in rows),
     ]
+    lines += shifted_points(graph)
     for index, instruction in enumerate(graph.instructions):
-        lines += (line(graph, index, instruction, point) for point in POINTS if (index, point) in needed)
+        lines += (line(graph, index, instruction, point) for point in sorted(needed[index]))
     return Include(FILE, "\n".join([*lines, "    return closures;", "}"]))
 
 
-def needed_points(graph: NodeGraph) -> set[tuple[int, str]]:
-    """The instructions that have to be evaluated, with the points where."""
-    needed = {(index, CENTRE) for index, each in enumerate(graph.instructions) if not OPERATIONS[each.operation].result}
+def difference_points(graph: NodeGraph, index: int) -> tuple[str, str]:
+    """The points whose differences from the centre an instruction takes."""
+    if OPERATIONS[graph.instructions[index].operation].filter_width is None:
+        return FOOTPRINT
+    return f"at_x{index}", f"at_y{index}"
+
+
+def shifted_points(graph: NodeGraph) -> Iterator[str]:
+    """The lines that make the points of differences."""
+    for point, way in zip(FOOTPRINT, ("dx", "dy"), strict=True):
+        yield f"    ShadingPoint {point} = shifted(at, differentials.{way}, 1.0);"
+    for index, instruction in enumerate(graph.instructions):
+        width = OPERATIONS[instruction.operation].filter_width
+        if width is not None:
+            value = operand_name(graph, instruction.operands[width], CENTRE)
+            for point, way in zip(difference_points(graph, index), ("tangent", "bitangent"), strict=True):
+                yield f"    ShadingPoint {point} = shifted(at, differentials.{way}, {value});"
+
+
+def needed_points(graph: NodeGraph) -> list[set[str]]:
+    """The points where each instruction has to be evaluated."""
+    needed = [set() if OPERATIONS[each.operation].result else {CENTRE} for each in graph.instructions]
     for index in reversed(range(len(graph.instructions))):
-        points = [point for point in POINTS if (index, point) in needed]
         instruction = graph.instructions[index]
         for position, operand in enumerate(instruction.operands):
-            if operand >= 0 and points:
-                differs = position in OPERATIONS[instruction.operation].with_differences
-                needed.update((operand, point) for point in (POINTS if differs else points))
+            if operand >= 0 and needed[index]:
+                needed[operand] |= needed[index]
+                if position in OPERATIONS[instruction.operation].with_differences:
+                    needed[operand] |= {CENTRE, *difference_points(graph, index)}
     return needed
 
 
@@ -58,8 +82,9 @@ def line(graph: NodeGraph, index: int, instruction: Instruction, point: str) -> 
     for position, operand in enumerate(instruction.operands):
         arguments.append(operand_name(graph, operand, point))
         if position in operation.with_differences:
-            here, *others = (operand_name(graph, operand, each) for each in POINTS)
-            arguments += [f"{other} - {here}" for other in others]
+            here = operand_name(graph, operand, CENTRE)
+            others = difference_points(graph, index)
+            arguments += [f"{operand_name(graph, operand, other)} - {here}" for other in others]
     if operation.has_parameter:
         arguments.append(str(instruction.parameter))
     call = f"{instruction.operation}({', '.join(arguments)});"

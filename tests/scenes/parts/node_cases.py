@@ -208,8 +208,10 @@ def cases() -> Iterator[NodeCase]:
     for output in range(7):
         yield NodeCase("ShaderNodeLightPath", output=output)
     for options in options_of("ShaderNodeBump", "invert"):
-        height = partial(wavy, socket="Height")
-        yield NodeCase("ShaderNodeBump", options, varied=(), prepare=height, fixed={"Distance": 0.1, "Strength": 0.7})
+        height, fixed = partial(wavy, socket="Height"), {"Distance": 0.1, "Strength": 0.7}
+        yield NodeCase("ShaderNodeBump", options, varied=(), prepare=height, fixed=fixed)
+        wide = {**fixed, "Filter Width": 3.0}
+        yield NodeCase("ShaderNodeBump", options, varied=(), prepare=height, fixed=wide, label="wide filter")
     for options in options_of("ShaderNodeNormalMap", "space"):
         fixed = {"Strength": 0.7}
         yield NodeCase("ShaderNodeNormalMap", options, varied=("Color",), fixed=fixed, low=0.1, high=0.9)

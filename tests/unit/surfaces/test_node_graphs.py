@@ -38,7 +38,7 @@ def bumpy_graph():
     builder = Builder()
     position, one = builder.call("geometry_position"), constant(1.0)
     normal = builder.call("geometry_normal")
-    bump = builder.call("bump", one, one, builder.call("separate_x", position), position, normal)
+    bump = builder.call("bump", one, one, builder.call("separate_x", position), position, normal, constant(0.1))
     return builder.finish([builder.call("closure_diffuse", one, constant((0.5, 0.5, 0.5)), bump)])
 
 

@@ -17,6 +17,10 @@ SPACES = {
     "BLENDER_WORLD": "normal_map_world",
 }
 
+#: Pixels over which Cycles takes differences of heights. Blender 4.3 made it an input, whose default displacement has.
+WHOLE_PIXEL = 1.0
+DISPLACEMENT_FILTER_WIDTH = WHOLE_PIXEL if bpy.app.version < (4, 3) else 0.1
+
 
 def bump(view: NodeView) -> Mapping[str, Value]:
     """Bump."""
@@ -24,7 +28,9 @@ def bump(view: NodeView) -> Mapping[str, Value]:
     if view.node.invert:
         distance = view.call("math_multiply", distance, constant(-1.0))
     operands = view.value("Strength"), distance, view.value("Height"), view.call("geometry_position")
-    return {"Normal": view.call("bump", *operands, view.value("Normal", view.reader.normal()))}
+    socket, normal = view.socket("Filter Width"), view.value("Normal", view.reader.normal())
+    width = constant(WHOLE_PIXEL if socket is None else socket.default_value)
+    return {"Normal": view.call("bump", *operands, normal, width)}
 
 
 def normal_map(view: NodeView) -> Mapping[str, Value]:
@@ -58,7 +64,8 @@ def displaced_normal(reader: GraphReader, output: bpy.types.Node) -> Value | Non
     reader.convert(socket)
     call = reader.builder.call
     one, position, normal = constant(1.0), call("geometry_position"), call("geometry_normal")
-    return call("bump", one, one, call("vector_dot_product", reader.value((), socket), normal), position, normal)
+    height = call("vector_dot_product", reader.value((), socket), normal)
+    return call("bump", one, one, height, position, normal, constant(DISPLACEMENT_FILTER_WIDTH))
 
 
 CONVERTERS: dict[str, Converter] = {

@@ -1,9 +1,10 @@
 // The nodes Bump and Normal Map. As in Cycles.
 #include "nodes/object.glsl"
 
-// The normal of a surface that is raised by a height times a distance (Mikkelsen 2010). `_dx`, `_dy`: differences.
+// The normal of a surface that is raised by a height times a distance (Mikkelsen 2010). `_dx`, `_dy`: differences
+// over the filter's width.
 vec3 bump(float strength, float scale, float height, float height_dx, float height_dy, vec3 position, vec3 position_dx,
-          vec3 position_dy, vec3 normal) {
+          vec3 position_dy, vec3 normal, float filter_width) {
     vec3 across_y = cross(position_dy, normal), across_x = cross(normal, position_dx);
     float det = dot(position_dx, across_y);
     vec3 slope = height_dx * across_y + height_dy * across_x;

@@ -16,6 +16,18 @@ struct ShadingPoint {
     int instance;
 };
 
+// A way along the triangle's plane.
+struct Shift { vec3 position; vec3 barycentric; };
+
+ShadingPoint shifted(ShadingPoint at, Shift shift, float scale) {
+    at.position += scale * shift.position;
+    at.barycentric += scale * shift.barycentric;
+    return at;
+}
+
+// From a point to the next pixel's in x and y; and two ways of a pixel's size that are at right angles.
+struct Differentials { Shift dx; Shift dy; Shift tangent; Shift bitangent; };
+
 mat3x2 corner_uvs(int triangle) {
     return mat3x2(texelFetch(uvs, 3 * triangle).xy, texelFetch(uvs, 3 * triangle + 1).xy,
                   texelFetch(uvs, 3 * triangle + 2).xy);

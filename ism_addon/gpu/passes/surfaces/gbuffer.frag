@@ -63,6 +63,30 @@ vec3 nearest_edge_barycentric(Ray ray, vec3 a, vec3 u, vec3 v) {
     return nearest;
 }
 
+#if GRAPH
+// A unit vector at right angles to another, as Cycles chooses it: differences of bumps are taken along it.
+vec3 orthogonal(vec3 n) {
+    return normalize(n.x != n.y || n.x != n.z ? cross(vec3(1.0), n) : cross(vec3(-1.0, 1.0, 1.0), n));
+}
+
+// Of a pixel at a distance from the camera. The mean of both sides.
+float pixel_size(Ray ray, vec2 pixel, float distance) {
+    Ray x = view_ray(pixel + vec2(1.0, 0.0)), y = view_ray(pixel + vec2(0.0, 1.0));
+    vec3 direction = normalize(ray.direction);
+    float angles = length(normalize(x.direction) - direction) + length(normalize(y.direction) - direction);
+    return 0.5 * (length(x.origin - ray.origin) + length(y.origin - ray.origin) + distance * angles);
+}
+
+// Barycentric coordinates of a way along the plane of u and v.
+vec3 in_plane(vec3 way, vec3 u, vec3 v) {
+    vec3 n = cross(u, v), scaled = n / dot(n, n);
+    float s = dot(cross(way, v), scaled), t = dot(cross(u, way), scaled);
+    return vec3(-s - t, s, t);
+}
+
+Shift shift(vec3 barycentric, vec3 u, vec3 v) { return Shift(u * barycentric.y + v * barycentric.z, barycentric); }
+#endif
+
 void main() {
     vec2 pixel = gl_FragCoord.xy + visibility_texel_and_offset.zw;
     uvec2 id = visible_triangle(floor(gl_FragCoord.xy));
@@ -125,12 +149,12 @@ void main() {
 #if GRAPH
     ShadingPoint at = ShadingPoint(p, b, shading_normal, side * geometric_normal, -normalize(ray.direction),
                                    side < 0.0, triangle, int(id.y));
-    ShadingPoint at_x = at, at_y = at;
-    at_x.position += u * dx.y + v * dx.z;
-    at_x.barycentric += dx;
-    at_y.position += u * dy.y + v * dy.z;
-    at_y.barycentric += dy;
-    Closures closures = evaluate_graph(at, at_x, at_y, material.first_constant);
+    vec3 tangent = orthogonal(at.geometric_normal), bitangent = cross(at.geometric_normal, tangent);
+    float size = pixel_size(ray, pixel, length(to_p));
+    Differentials differentials =
+        Differentials(shift(dx, u, v), shift(dy, u, v), shift(in_plane(size * tangent, u, v), u, v),
+                      shift(in_plane(size * bitangent, u, v), u, v));
+    Closures closures = evaluate_graph(at, differentials, material.first_constant);
     base_color.rgb = closures.diffuse;
     if (closures.normal != vec3(0.0)) shading_normal = normalize(closures.normal);
 #elif IMAGES
