@@ -80,10 +80,10 @@ def rgb_from_hsv(hsv: np.ndarray) -> np.ndarray:
 
 
 def hsl_from_rgb(rgb: np.ndarray) -> np.ndarray:
-    """Hue, saturation and lightness (3,)."""
-    high, low = min(float(rgb.max()), 1.0), float(rgb.min())
+    """Hue, saturation and lightness (3,). Of colours brighter than 1 only the lightness is limited."""
+    high, low = float(rgb.max()), float(rgb.min())
     hue, _, _ = hsv_from_rgb(rgb)
-    lightness, delta = (high + low) / 2.0, high - low
+    lightness, delta = min((high + low) / 2.0, 1.0), high - low
     most = 2.0 - high - low if lightness > 0.5 else high + low
     return np.array([hue, delta / most, lightness]) if delta and most else np.array([0.0, 0.0, lightness])
 

@@ -6,6 +6,12 @@ from .operations import OPERATIONS, Operation
 #: What is beyond an image's border, as Blender names it, in the order of textures/image.glsl.
 EXTENSIONS = "REPEAT", "EXTEND", "CLIP", "MIRROR"
 
+#: How images are interpolated.
+INTERPOLATIONS = "linear", "closest", "cubic"
+
+#: What the node Vector Transform transforms.
+VECTOR_TYPES = "point", "vector", "normal"
+
 
 def at_point(file: str, result: str, *names: str, operands: str = "", parameter: bool = False) -> None:
     """Register operations that depend on the point. `operands`: types separated by spaces."""
@@ -24,18 +30,28 @@ at_point(
 at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
 at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", "layer_weight_facing", operands="float vec3")
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
-at_point("object", "vec3", "direction_from_object", operands="vec3")
 at_point("object", "vec4", "object_color")
 at_point("object", "float", "object_index", "object_random")
+at_point("point_inputs", "vec3", "coordinate_of_object", operands="vec4 vec4 vec4")  # rows of a matrix
+at_point("object", "vec3", *(f"object_from_world_{vector_type}" for vector_type in VECTOR_TYPES), operands="vec3")
+at_point("object", "vec3", "world_from_object_point", "world_from_object_vector", operands="vec3")
+at_point("normals", "vec3", "world_from_object_normal", "surface_tangent", operands="vec3")
 at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4")
 at_point("normals", "vec3", "normal_map_object", "normal_map_world", operands="float vec3")
+OPERATIONS.update(
+    {
+        f"{name}_{vector_type}": Operation(("vec3",), "vec3", "point_inputs")
+        for name in ("camera_from_world", "world_from_camera")
+        for vector_type in VECTOR_TYPES
+    }
+)
 OPERATIONS.update(
     {
         # The parameter is what is beyond the border, an index of EXTENSIONS.
         f"image_{interpolation}": Operation(
             ("image", "vec3"), "vec4", "image", has_parameter=True, with_differences=(1,)
         )
-        for interpolation in ("linear", "closest", "cubic")
+        for interpolation in INTERPOLATIONS
     }
 )
 # Strength and distance, the height, the position, the normal that is changed, and the filter's width in pixels.

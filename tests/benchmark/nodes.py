@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error of each shader node with each of its options, beside Cycles' picture of it: `dev.py bench nodes`.
 
-Planes of 32×32 pixels, 64 in a picture, each with a material that shows one case of tests/scenes/parts/node_cases.py.
-A sun lights them such that their radiance is their colour.
+Squares of 32×32 pixels, 64 in a picture, each with a material that shows one case of tests/scenes/nodes.
+A sun lights them such that the radiance of level ones is their colour.
 """
 
 import argparse
@@ -20,12 +20,13 @@ from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
 from tests.docs.node_table import rows
 from tests.scenes.cycles import direct_light
-from tests.scenes.parts.node_cases import NodeCase, build, cases
+from tests.scenes.nodes.case import NodeCase, add_object, build
+from tests.scenes.nodes.cases import cases
 from tests.tools.new_file import open_empty_file
 
 from .files import FILTER_WIDTH, our_render
 
-#: Pixels along the sides of a plane, planes along the sides of a picture, and pixels at a plane's border left out.
+#: Pixels along the sides of a square, squares along the sides of a picture, and pixels at a square's border left out.
 SIDE, COLUMNS, BORDER = 32, 8, 3
 
 
@@ -70,17 +71,13 @@ def measure(chosen: Sequence[NodeCase], samples: int, output: Path | None = None
 
 
 def arrange(sheet: Sequence[NodeCase]) -> list[bool]:
-    """Open a file with a plane for each case, from the lower left, and say which of them could be built."""
+    """Open a file with an object for each case, from the lower left, and say which of them could be built."""
     scene, built = open_empty_file(), []
     for index, case in enumerate(sheet):
         material = bpy.data.materials.new(case.name)
         built.append(build(case, material))
-        mesh = bpy.data.meshes.new(case.name)
         y, x = divmod(index, COLUMNS)
-        mesh.from_pydata([(x, y, 0), (x + 1, y, 0), (x + 1, y + 1, 0), (x, y + 1, 0)], [], [(0, 1, 2, 3)])
-        mesh.uv_layers.new(name="UVMap").uv.foreach_set("vector", np.float32([0, 0, 1, 0, 1, 1, 0, 1]))
-        mesh.materials.append(material)
-        scene.collection.objects.link(bpy.data.objects.new(case.name, mesh))
+        add_object(scene, case.shape, case.name, material, x, y)
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy, sun.data.angle = np.pi, 0.0
     scene.collection.objects.link(sun)

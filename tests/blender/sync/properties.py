@@ -34,10 +34,10 @@ READ: dict[str, dict[str, object]] = {
     "view_layer": {"material_override": "other material", "world_override": "other world", "use_sky": False,
                    "use_solid": False},
     "layer_collection": {"exclude": True, "indirect_only": True},
-    "ImageTexture": {"extension": "EXTEND", "image": None, "interpolation": "Closest"},
+    "ImageTexture": {"extension": "EXTEND", "image": None, "interpolation": "Closest", "projection": "SPHERE"},
     "ImageTexture.texture_mapping": {
         "translation": (1, 0, 0), "rotation": (1, 0, 0), "scale": (2, 1, 1), "mapping_x": "Y", "mapping_y": "X",
-        "mapping_z": "X", "use_min": True, "use_max": True,
+        "mapping_z": "X",
     },
     "UVMap": {"uv_map": "Second"},
     "MaterialOutput": {"target": "EEVEE"},
@@ -50,7 +50,6 @@ REPORTED: dict[str, dict[str, object]] = {
     "object": {"is_holdout": True, "is_shadow_catcher": True},
     "layer_collection": {"holdout": True},
     "view_layer": {"use_freestyle": True, "use_motion_blur": True},
-    "ImageTexture": {"projection": "BOX"},
     "UVMap": {"from_instancer": True},
 }
 
@@ -193,8 +192,11 @@ IRRELEVANT: dict[str, dict[str, str]] = {
     "view_layer.eevee": {EEVEE: "ambient_occlusion_distance use_pass_bloom use_pass_transparent "
                          "use_pass_volume_direct"},
     "layer_collection": {BY_BLENDER: "children collection hide_viewport is_visible"},
-    "ImageTexture": {INDIRECT: "color_mapping image_user texture_mapping", UNSUPPORTED: "projection_blend"},
-    "ImageTexture.texture_mapping": {INDIRECT: "max min vector_type", "of another renderer's textures": "mapping"},
+    "ImageTexture": {INDIRECT: "color_mapping image_user projection_blend texture_mapping"},
+    "ImageTexture.texture_mapping": {
+        INDIRECT: "vector_type", "of another renderer's textures": "mapping",
+        "Cycles ignores them": "max min use_max use_min",
+    },
     "ImageTexture.color_mapping": {
         "no window of Blender shows it": "blend_color blend_factor blend_type brightness color_ramp contrast "
         "saturation use_color_ramp"

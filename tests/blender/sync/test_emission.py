@@ -82,11 +82,11 @@ def test_an_image_is_emitted_as_its_mean(emitter, read_scene):
 
 def test_other_nodes_are_reported(emitter, read_scene):
     material, color, strength = emitter
-    checker = material.node_tree.nodes.new("ShaderNodeTexChecker")
-    for output, socket in (("Color", color), ("Fac", strength)):
-        material.node_tree.links.new(checker.outputs[output], socket)
+    particle = material.node_tree.nodes.new("ShaderNodeParticleInfo")
+    for output, socket in (("Velocity", color), ("Age", strength)):
+        material.node_tree.links.new(particle.outputs[output], socket)
     assert read_scene().warnings == tuple(
-        f"Materials whose {socket.name} is given by a node 'Checker Texture' have the socket's own value: 'Paint'."
+        f"Materials whose {socket.name} is given by a node 'Particle Info' have the socket's own value: 'Paint'."
         for socket in (color, strength)
     )
 

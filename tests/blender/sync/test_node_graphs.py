@@ -8,7 +8,8 @@ import pytest
 from ism_addon.blender.sync import scene_reader
 from ism_addon.blender.sync.node_graphs import links
 from tests.benchmark.nodes import measure
-from tests.scenes.parts.node_cases import NodeCase, cases
+from tests.scenes.nodes.case import NodeCase
+from tests.scenes.nodes.cases import cases
 
 from .test_materials import new_image, texture
 from .test_materials import surface as surface
@@ -22,7 +23,7 @@ def test_the_nodes_of_each_type_look_like_cycles(registered):
     first: dict[str, NodeCase] = {}
     for case in cases():
         first.setdefault(case.type, case)
-    errors = measure(list(first.values()), samples=16)
+    errors = measure(list(first.values()), samples=32)
     assert {name: error for name, error in errors.items() if error > MOST} == {}
 
 

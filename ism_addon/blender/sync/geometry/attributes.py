@@ -15,6 +15,7 @@ class AttributeSource(Enum):
 
     UV = "UV map"
     NAMED = "attribute of the mesh"
+    NUMBER = "attribute of the mesh as one number"
     COLOR = "color attribute; without a name, the one that renders"
     GENERATED = "position in the mesh's texture space, before modifiers"
     TANGENT = "tangent of a UV map, and in the fourth number the side of the bitangent"
@@ -71,7 +72,7 @@ def slots_of_corners(source: bpy.types.Mesh, slots: int) -> np.ndarray:
 
 
 def corners_of(source: bpy.types.Mesh, attribute: Attribute) -> np.ndarray:
-    """(L,4) float32: an attribute at each corner, zero if the mesh has none."""
+    """(L,4) float32: an attribute at each corner; if the mesh has none, zero, and named ones are opaque."""
     origin, name = attribute
     if origin is AttributeSource.GENERATED:
         return generated(source)
@@ -87,8 +88,14 @@ def corners_of(source: bpy.types.Mesh, attribute: Attribute) -> np.ndarray:
     else:
         stored = source.attributes.get(name)
     if stored is None or stored.data_type not in PROPERTIES:
-        return np.zeros((len(source.loops), 4), np.float32)
-    return finite(at_corners(source, stored))
+        result = np.zeros((len(source.loops), 4), np.float32)
+        result[:, 3] = origin is AttributeSource.NAMED
+        return result
+    result = finite(at_corners(source, stored))
+    if origin is AttributeSource.NUMBER:  # Cycles takes the mean of all components, but the first of two
+        components = 1 if stored.data_type == "FLOAT2" else 3
+        result[:, :3] = result[:, :components].mean(1, keepdims=True)
+    return result
 
 
 def at_corners(source: bpy.types.Mesh, stored: bpy.types.Attribute) -> np.ndarray:
@@ -101,13 +108,23 @@ def at_corners(source: bpy.types.Mesh, stored: bpy.types.Attribute) -> np.ndarra
     four[:, : 3 if size == 1 else size] = values
     if stored.domain == "CORNER":
         return four
-    corners = len(source.loops)
-    if stored.domain == "POINT":
-        return four[triangulate.read(source.attributes[".corner_vert"].data, "value", corners, np.int32)]
+    if stored.domain == "FACE":
+        return four.repeat(triangulate.read(source.polygons, "loop_total", len(source.polygons), np.int32), 0)
     if stored.domain == "EDGE":
-        return four[triangulate.read(source.attributes[".corner_edge"].data, "value", corners, np.int32)]
-    faces = len(source.polygons)
-    return four.repeat(triangulate.read(source.polygons, "loop_total", faces, np.int32), 0)
+        four = at_vertices(source, four, stored.data_type)
+    return four[triangulate.read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32)]
+
+
+def at_vertices(source: bpy.types.Mesh, four: np.ndarray, data_type: str) -> np.ndarray:
+    """(V,4) float32 of values (E,4) of edges, as Blender converts them: means, or whether any edge has a flag."""
+    edges, vertices = len(source.edges), len(source.vertices)
+    ends = triangulate.read(source.edges, "vertices", (edges, 2), np.int32).ravel()
+    counts = np.maximum(np.bincount(ends, minlength=vertices), 1)
+    means = [np.bincount(ends, column.repeat(2), vertices) / counts for column in four.T]
+    result = np.stack(means, 1).astype(np.float32)
+    if data_type == "BOOLEAN":
+        return np.ceil(result)
+    return np.sign(result) * np.floor(np.abs(result) + 0.5) if data_type in DTYPES else result
 
 
 def generated(source: bpy.types.Mesh) -> np.ndarray:
@@ -125,7 +142,8 @@ def tangents(source: bpy.types.Mesh, layer: str) -> np.ndarray:
     corners = len(source.loops)
     names = [each.name for each in source.uv_layers if each.name == layer or (not layer and each.active_render)]
     result = np.zeros((corners, 4), np.float32)
-    if not names or any(len(face.vertices) > 4 for face in source.polygons):
+    sides = triangulate.read(source.polygons, "loop_total", len(source.polygons), np.int32)
+    if not names or sides.max(initial=0) > 4:
         return result
     source.calc_tangents(uvmap=names[0])
     result[:, :3] = triangulate.read(source.loops, "tangent", (corners, 3))

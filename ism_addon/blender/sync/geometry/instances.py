@@ -16,6 +16,7 @@ from ..diagnostics import Diagnostics
 from ..light_linking import LightLinks, warn_of_many_groups
 from ..materials.materials import MaterialReader, Needs
 from . import meshes
+from .random_ids import random_number
 from .raw_meshes import Raw
 
 #: Thickness of objects that are scaled to nothing in one direction, relative to their largest scale.
@@ -56,7 +57,6 @@ class _Row(NamedTuple):
     linked_by: tuple[int, ...]  # session_uids of the object, and of its instancer
     name: str
     unsupported: Diagnostics  # of the object, shared with its other instances
-    random_id: int  # Blender's, 32 bits
 
 
 class InstanceReader:
@@ -98,15 +98,15 @@ class InstanceReader:
         owners = (source, instance.parent) if instance.is_instance else (source,)
         if not instance.is_instance:
             self._object_rows[source.original.session_uid] = len(self._rows)
-        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer, instance.random_id))
+        random_id = instance.random_id if instance.is_instance else None
+        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer, random_id))
 
     def update(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
         """Read an object that is not an instance again; ignored if it was not added, so it is not visible."""
         index = self._object_rows.get(source.original.session_uid)
         if index is not None:
             self._unsupported.pop(source.original.session_uid, None)
-            random_id = self._rows[index].random_id
-            self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer, random_id)
+            self._rows[index] = self._row(source, source.matrix_world, (source,), view_layer)
 
     def tables(self, findings: Diagnostics) -> tuple[tuple[Mesh, ...], Instances]:
         """All meshes with instances, and the instances. Meshes without instances are released."""
@@ -158,7 +158,7 @@ class InstanceReader:
         world_from_object: Matrix,
         owners: tuple[bpy.types.Object, ...],
         view_layer: bpy.types.ViewLayer,
-        random_id: int,
+        random_id: int | None = None,
     ) -> _Row:
         uid = source.original.session_uid
         if uid not in self._unsupported:
@@ -169,7 +169,7 @@ class InstanceReader:
         materials = self._slots(source, view_layer)
         info = None
         if any(self._materials.needs(index).objects for index in materials):
-            info = tuple(source.color), source.pass_index, random_id / 2.0**32
+            info = tuple(owners[-1].color), source.pass_index, random_number(random_id, source.name)
         return _Row(
             self._mesh(source, owners, materials),
             world_from_object.copy(),
@@ -182,7 +182,6 @@ class InstanceReader:
             tuple(each.original.session_uid for each in owners),
             source.name,
             self._unsupported[uid],
-            random_id,
         )
 
     def _slots(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> tuple[int, ...]:

@@ -73,5 +73,3 @@ def warn_of_mapping(material: bpy.types.Material, node: bpy.types.ShaderNodeTexI
     mapped_by = nodes.source(node.inputs["Vector"])
     if mapped_by is not None and getattr(mapped_by.node, "from_instancer", False):
         findings.warn("Textures placed by what makes instances stand lie on the mesh's own UV map", material.name)
-    if node.projection != "FLAT":
-        findings.warn("Textures projected otherwise than flat lie on the active UV map", material.name)

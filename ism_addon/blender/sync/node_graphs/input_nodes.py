@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from ....shading.builder import Value, constant
 from ..geometry.attributes import AttributeSource
+from .pattern_nodes import radial_tangent
 from .reader import Converter, NodeView
 
 ZERO, ONE = constant(0.0), constant(1.0)
@@ -17,20 +18,27 @@ IS_CAMERA_RAY = "Is Camera Ray"
 def attribute(view: NodeView) -> Mapping[str, Value]:
     """Attribute of the mesh. Those of objects and of the view layer are not known."""
     node = view.node
-    return from_attribute(view, AttributeSource.NAMED, node.attribute_name) if node.attribute_type == "GEOMETRY" else {}
+    if node.attribute_type != "GEOMETRY":
+        return {}
+    outputs = {}
+    if view.is_used("Fac"):
+        number = view.reader.attribute(AttributeSource.NUMBER, node.attribute_name)
+        outputs["Fac"] = view.call("separate_x", view.call("color_of", number))
+    if any(map(view.is_used, ("Color", "Vector", "Alpha"))):
+        numbers = view.reader.attribute(AttributeSource.NAMED, node.attribute_name)
+        outputs |= color_and_alpha(view, numbers)
+        outputs["Vector"] = outputs["Color"]
+    return outputs
 
 
 def color_attribute(view: NodeView) -> Mapping[str, Value]:
     """Color Attribute."""
-    return from_attribute(view, AttributeSource.COLOR, view.node.layer_name)
+    return color_and_alpha(view, view.reader.attribute(AttributeSource.COLOR, view.node.layer_name))
 
 
-def from_attribute(view: NodeView, origin: AttributeSource, name: str) -> Mapping[str, Value]:
-    """The outputs of nodes that read an attribute."""
-    numbers = view.reader.attribute(origin, name)
-    color = view.call("color_of", numbers)
-    average = view.call("average", color)
-    return {"Color": color, "Vector": color, "Fac": average, "Alpha": view.call("alpha_of", numbers)}
+def color_and_alpha(view: NodeView, numbers: Value) -> dict[str, Value]:
+    """Two outputs of four numbers."""
+    return {"Color": view.call("color_of", numbers), "Alpha": view.call("alpha_of", numbers)}
 
 
 def geometry(view: NodeView) -> Mapping[str, Value]:
@@ -43,16 +51,17 @@ def geometry(view: NodeView) -> Mapping[str, Value]:
         "Parametric": "parametric",
         "Backfacing": "backfacing",
     }
-    return {output: view.call(f"geometry_{name}") for output, name in names.items()}
+    outputs = {output: view.call(f"geometry_{name}") for output, name in names.items()}
+    if view.is_used("Tangent"):
+        outputs["Tangent"] = radial_tangent(view, "Z")
+    return outputs
 
 
 def object_info(view: NodeView) -> Mapping[str, Value]:
     """Object Info."""
-    color = view.call("object_color")
     return {
         "Location": view.call("object_location"),
-        "Color": view.call("color_of", color),
-        "Alpha": view.call("alpha_of", color),
+        **color_and_alpha(view, view.call("object_color")),
         "Object Index": view.call("object_index"),
         "Material Index": constant(float(view.reader.material.pass_index)),
         "Random": view.call("object_random"),

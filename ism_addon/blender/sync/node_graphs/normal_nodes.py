@@ -53,7 +53,7 @@ def displacement(view: NodeView) -> Mapping[str, Value]:
     if view.node.space == "WORLD":
         return {"Displacement": view.call("vector_scale", normal, height)}
     offset = view.call("vector_scale", view.call("coordinate_normal"), height)
-    return {"Displacement": view.call("direction_from_object", offset)}
+    return {"Displacement": view.call("world_from_object_vector", offset)}
 
 
 def displaced_normal(reader: GraphReader, output: bpy.types.Node) -> Value | None:

@@ -8,12 +8,11 @@ import bpy
 from ....shading.builder import Value, constant
 from ....shading.textures import METRICS, voronoi_options
 from .reader import Converter, NodeView
-from .texture_nodes import placed
+from .texture_nodes import texture_vector
 
 NO_VECTOR = constant((0.0, 0.0, 0.0))
 #: From this release on, Cycles hashes the cells of Voronoi textures as integers.
 INTEGER_HASH = (5, 0)
-NOTE = "Textures placed by a node '{}' lie on generated coordinates"
 
 
 def available(view: NodeView, key: str) -> Value:
@@ -24,7 +23,7 @@ def available(view: NodeView, key: str) -> Value:
 
 def point(view: NodeView, dimensions: int, scale: Value) -> Value:
     """Where a texture is evaluated: its vector, or generated coordinates, and a fourth number."""
-    vector = NO_VECTOR if dimensions == 1 else placed(view, view.value("Vector", view.reader.generated, NOTE))
+    vector = NO_VECTOR if dimensions == 1 else texture_vector(view)
     return view.call("texture_point", vector, available(view, "W"), scale, parameter=dimensions)
 
 
@@ -34,7 +33,9 @@ def noise(view: NodeView) -> Mapping[str, Value]:
     dimensions = int(node.noise_dimensions[0])
     at = point(view, dimensions, view.value("Scale"))
     at = view.call("noise_distorted", at, view.value("Distortion"), parameter=dimensions)
-    operands = [available(view, key) for key in ("Detail", "Roughness", "Lacunarity", "Offset", "Gain")]
+    roughness = view.call("math_maximum", available(view, "Roughness"), constant(0.0))
+    others = (available(view, key) for key in ("Lacunarity", "Offset", "Gain"))
+    operands = available(view, "Detail"), roughness, *others
     name = f"noise_{node.noise_type.lower()}"
     if node.noise_type == "FBM" and node.normalize:
         name += "_normalized"

@@ -37,7 +37,6 @@ BASE_COLOR = MATERIAL_INPUTS["base_color"]
 
 #: What a socket has: a value, or the closures of a shader.
 Content = Value | list[Closure]
-
 #: A value in place of another, or what makes it if it is needed: it may have meshes read an attribute.
 Default = Value | Callable[[], Value]
 
@@ -77,9 +76,8 @@ class NodeView:
         return constant(0.0) if socket is None else self.reader.value(self.path, socket, default, note)
 
     def is_used(self, output: str) -> bool:
-        """Whether anything is linked to an output, by its name."""
-        socket = self.node.outputs.get(output)
-        return socket is not None and bool(socket.is_linked)
+        """Whether anything is linked to an output, by its identifier."""
+        return any(each.is_linked for each in self.node.outputs if each.identifier == output)
 
     def closures(self, key: str | int) -> list[Closure]:
         """The closures of a shader's input."""

@@ -13,8 +13,8 @@ from .reader import Converter, NodeView
 #: Blender's colour of images that are missing.
 MAGENTA = constant((1.0, 0.0, 1.0))
 
-#: Operations by Blender's interpolations.
-INTERPOLATIONS = {"Linear": "image_linear", "Closest": "image_closest", "Cubic": "image_cubic", "Smart": "image_cubic"}
+#: Names of interpolations in operations, by Blender's.
+INTERPOLATIONS = {"Linear": "linear", "Closest": "closest", "Cubic": "cubic", "Smart": "cubic"}
 
 
 def uv_map(view: NodeView) -> Mapping[str, Value]:
@@ -23,19 +23,23 @@ def uv_map(view: NodeView) -> Mapping[str, Value]:
 
 
 def texture_coordinate(view: NodeView) -> Mapping[str, Value]:
-    """Texture Coordinate. Those of another object, and of what makes instances, are not known."""
+    """Texture Coordinate. Those of what makes instances are not known."""
     outputs = {name: view.call(f"coordinate_{name.lower()}") for name in ("Normal", "Camera", "Window", "Reflection")}
     if view.is_used("UV") and not view.node.from_instancer:
         outputs["UV"] = view.reader.uv("")
     if view.is_used("Generated") and not view.node.from_instancer:
         outputs["Generated"] = view.reader.generated()
-    if view.node.object is None:
+    other = view.node.object
+    if other is None:
         outputs["Object"] = view.call("coordinate_object")
+    else:
+        rows = np.array(other.matrix_world.inverted_safe())[:3]
+        outputs["Object"] = view.call("coordinate_of_object", *map(constant, rows))
     return outputs
 
 
 def placed(view: NodeView, vector: Value) -> Value:
-    """A vector as the node's own mapping changes it, which old files have."""
+    """A vector as the node's own mapping changes it, which old files have. As in Cycles, its limits have no effect."""
     own = view.node.texture_mapping
     is_identity = not any(own.translation) and not any(own.rotation) and tuple(own.scale) == (1.0, 1.0, 1.0)
     axes = np.zeros((3, 3))
@@ -48,11 +52,13 @@ def placed(view: NodeView, vector: Value) -> Value:
     if not is_identity:
         location, rotation, scale = (constant(tuple(each)) for each in (own.translation, own.rotation, own.scale))
         vector = view.call(f"mapping_{own.vector_type.lower()}", vector, location, rotation, scale)
-    if own.use_min:
-        vector = view.call("vector_maximum", vector, constant(tuple(own.min)))
-    if own.use_max:
-        vector = view.call("vector_minimum", vector, constant(tuple(own.max)))
     return vector
+
+
+def texture_vector(view: NodeView) -> Value:
+    """Where a procedural texture is evaluated."""
+    note = "Textures placed by a node '{}' lie on generated coordinates"
+    return placed(view, view.value("Vector", view.reader.generated, note))
 
 
 def image_texture(view: NodeView) -> Mapping[str, Value]:
@@ -61,10 +67,12 @@ def image_texture(view: NodeView) -> Mapping[str, Value]:
     if image is None:
         return {"Color": MAGENTA, "Alpha": constant(1.0)}
     note = "Textures placed by a node '{}' lie on the active UV map as it is"
-    vector = view.value("Vector", partial(view.reader.uv, ""), note)
-    operation = INTERPOLATIONS[node.interpolation]
+    vector = placed(view, view.value("Vector", partial(view.reader.uv, ""), note))
+    interpolation = INTERPOLATIONS[node.interpolation]
+    projection = "" if node.projection == "FLAT" else f"{node.projection.lower()}_"
+    blend = [constant(node.projection_blend)] if node.projection == "BOX" else []
     extension = EXTENSIONS.index(node.extension)
-    color = view.call(operation, image, placed(view, vector), parameter=extension)
+    color = view.call(f"image_{projection}{interpolation}", image, *blend, vector, parameter=extension)
     return {"Color": view.call("color_of", color), "Alpha": view.call("alpha_of", color)}
 
 

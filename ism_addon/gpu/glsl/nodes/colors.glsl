@@ -52,9 +52,10 @@ vec3 hsv_from_rgb(vec3 rgb) {
 vec3 pure_hue(float hue) { return clamp(abs(mod(hue * 6.0 + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0); }
 vec3 rgb_from_hsv(vec3 hsv) { return hsv.z * (1.0 - hsv.y * (1.0 - pure_hue(hsv.x))); }
 
+// Of colours brighter than 1 only the lightness is limited.
 vec3 hsl_from_rgb(vec3 rgb) {
-    float high = min(max(max(rgb.r, rgb.g), rgb.b), 1.0), low = min(min(rgb.r, rgb.g), rgb.b);
-    float lightness = 0.5 * (high + low), delta = high - low;
+    float high = max(max(rgb.r, rgb.g), rgb.b), low = min(min(rgb.r, rgb.g), rgb.b);
+    float lightness = min(0.5 * (high + low), 1.0), delta = high - low;
     float most = lightness > 0.5 ? 2.0 - high - low : high + low;
     return delta != 0.0 && most != 0.0 ? vec3(hsv_from_rgb(rgb).x, delta / most, lightness)
                                        : vec3(0.0, 0.0, lightness);

@@ -1,4 +1,4 @@
-// The nodes Bump and Normal Map. As in Cycles.
+// Normals and tangents of object space, and the nodes Bump and Normal Map. As in Cycles.
 #include "nodes/object.glsl"
 
 // The normal of a surface that is raised by a height times a distance (Mikkelsen 2010). `_dx`, `_dy`: differences
@@ -16,12 +16,17 @@ vec3 bump(float strength, float scale, float height, float height_dx, float heig
 vec3 unflipped(ShadingPoint at, vec3 normal) { return at.is_back ? -normal : normal; }
 
 // A normal of object space, transformed by the cofactor matrix.
-vec3 world_from_normal(ShadingPoint at, vec3 n) {
+vec3 world_from_object_normal(ShadingPoint at, vec3 n) {
     mat3 m = anchor_from_object(at);
     float size = max(max(length(m[0]), length(m[1])), length(m[2]));
     m /= max(size, 1e-30);
     return vector_normalize(mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * n *
                             (determinant(m) < 0.0 ? -1.0 : 1.0));
+}
+
+// The direction in the surface that is nearest to one of object space.
+vec3 surface_tangent(ShadingPoint at, vec3 v) {
+    return cross(at.normal, vector_normalize(cross(world_from_object_normal(at, v), at.normal)));
 }
 
 vec3 or_surface_normal(ShadingPoint at, vec3 n) { return n == vec3(0.0) ? at.normal : n; }
@@ -31,7 +36,7 @@ vec3 normal_map_tangent(ShadingPoint at, float strength, vec3 color, vec4 tangen
     vec3 mapped = 2.0 * color - 1.0, n = vector_normalize(unflipped(at, at.normal) * anchor_from_object(at));
     mapped = vec3(mapped.xy * strength, mix(1.0, mapped.z, saturate(strength)));
     vec3 result = mapped.x * tangent.xyz + mapped.y * tangent.w * cross(n, tangent.xyz) + mapped.z * n;
-    return or_surface_normal(at, unflipped(at, world_from_normal(at, result)));
+    return or_surface_normal(at, unflipped(at, world_from_object_normal(at, result)));
 }
 
 vec3 mixed_with_surface(ShadingPoint at, float strength, vec3 n) {
@@ -40,7 +45,7 @@ vec3 mixed_with_surface(ShadingPoint at, float strength, vec3 n) {
 }
 
 vec3 normal_map_object(ShadingPoint at, float strength, vec3 color) {
-    return mixed_with_surface(at, strength, world_from_normal(at, 2.0 * color - 1.0));
+    return mixed_with_surface(at, strength, world_from_object_normal(at, 2.0 * color - 1.0));
 }
 
 vec3 normal_map_world(ShadingPoint at, float strength, vec3 color) {

@@ -18,12 +18,25 @@ mat3 anchor_from_object(ShadingPoint at) {
     return transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
 }
 
-// A direction of object space, with its length.
-vec3 direction_from_object(ShadingPoint at, vec3 direction) {
-    return anchor_from_object(at) * (direction / fetch_ObjectInfo(object_info, at.instance).metres_per_quantum);
+vec3 object_from_world_normal(ShadingPoint at, vec3 n) { return vector_normalize(n * anchor_from_object(at)); }
+vec3 coordinate_normal(ShadingPoint at) { return object_from_world_normal(at, at.normal); }
+
+// Columns: the object's axes in world space, metres.
+mat3 world_axes(ShadingPoint at) {
+    return anchor_from_object(at) / fetch_ObjectInfo(object_info, at.instance).metres_per_quantum;
 }
 
-vec3 coordinate_normal(ShadingPoint at) { return vector_normalize(at.normal * anchor_from_object(at)); }
+vec3 world_from_object_vector(ShadingPoint at, vec3 v) { return world_axes(at) * v; }
+vec3 object_from_world_vector(ShadingPoint at, vec3 v) { return inverse(world_axes(at)) * v; }
+
+vec3 world_from_object_point(ShadingPoint at, vec3 p) {
+    return world_axes(at) * p + fetch_ObjectInfo(object_info, at.instance).location;
+}
+
+vec3 object_from_world_point(ShadingPoint at, vec3 p) {
+    return inverse(world_axes(at)) * (p - fetch_ObjectInfo(object_info, at.instance).location);
+}
+
 vec3 object_location(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).location; }
 vec4 object_color(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).color; }
 float object_index(ShadingPoint at) { return fetch_ObjectInfo(object_info, at.instance).index; }

@@ -11,7 +11,7 @@ struct ShadingPoint {
     vec3 normal;
     vec3 geometric_normal;
     vec3 incoming; // unit vector to the camera
-    bool is_back;  // whether the camera sees the triangle's back
+    bool is_back;  // whether the camera sees the back of the object's surface
     int triangle;
     int instance;
 };

@@ -147,8 +147,9 @@ void main() {
     vec3 dy = scale * (barycentric(view_ray(pixel + vec2(0.0, 1.0)), a, u, v, cross(u, v)) - exact);
 #endif
 #if GRAPH
+    bool is_mirrored = determinant(linear) < 0.0; // its triangles' backs are the object's front
     ShadingPoint at = ShadingPoint(p, b, shading_normal, side * geometric_normal, -normalize(ray.direction),
-                                   side < 0.0, triangle, int(id.y));
+                                   (side < 0.0) != is_mirrored, triangle, int(id.y));
     vec3 tangent = orthogonal(at.geometric_normal), bitangent = cross(at.geometric_normal, tangent);
     float size = pixel_size(ray, pixel, length(to_p));
     Differentials differentials =

@@ -123,7 +123,7 @@ float fractal_noise(int type, PARAMETERS) {
             add_ridged_multifractal(all, noise, share, offset, gain);
         else
             add_fbm(all, noise, share, type == FBM_NORMALIZED);
-        all.amplitude *= max(roughness, 0.0);
+        all.amplitude *= roughness;
         p *= lacunarity;
     }
     return all.value;

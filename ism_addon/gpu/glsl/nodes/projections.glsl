@@ -1,0 +1,116 @@
+// Images that are projected onto surfaces from a sphere, a tube or the sides of a box. As in Cycles.
+#include "nodes/object.glsl"
+#include "nodes/image.glsl"
+
+const int LINEAR = 0, CLOSEST = 1, CUBIC = 2;
+const float HALF_CIRCLE = radians(180.0);
+
+vec4 image_interpolated(int interpolation, float image, vec3 at, vec3 dx, vec3 dy, int extension) {
+    if (interpolation == CLOSEST) return image_closest(image, at, dx, dy, extension);
+    if (interpolation == CUBIC) return image_cubic(image, at, dx, dy, extension);
+    return image_linear(image, at, dx, dy, extension);
+}
+
+// Longitude in 0 to 1, of points around the middle of a unit cube.
+float longitude(vec2 p) { return p == vec2(0.0) ? 0.0 : 0.5 - 0.5 * atan(p.x, p.y) / HALF_CIRCLE; }
+
+vec3 sphere_uv(vec3 p) {
+    float radius = length(p);
+    return radius > 0.0 ? vec3(longitude(p.xy), 1.0 - acos(clamp(p.z / radius, -1.0, 1.0)) / HALF_CIRCLE, 0.0)
+                        : vec3(0.0);
+}
+
+vec3 tube_uv(vec3 p) { return p.xy == vec2(0.0) ? vec3(0.0) : vec3(longitude(p.xy), 0.5 * p.z + 0.5, 0.0); }
+
+// Longitudes on both sides of the seam are next to each other.
+vec3 around(vec3 difference) { return vec3(difference.x - round(difference.x), difference.yz); }
+vec3 from_middle(vec3 p) { return 2.0 * p - 1.0; }
+
+vec4 image_sphere(int interpolation, float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    vec3 uv = sphere_uv(from_middle(p));
+    return image_interpolated(interpolation, image, uv, around(sphere_uv(from_middle(p + dx)) - uv),
+                              around(sphere_uv(from_middle(p + dy)) - uv), extension);
+}
+
+vec4 image_tube(int interpolation, float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    vec3 uv = tube_uv(from_middle(p));
+    return image_interpolated(interpolation, image, uv, around(tube_uv(from_middle(p + dx)) - uv),
+                              around(tube_uv(from_middle(p + dy)) - uv), extension);
+}
+
+// How much of the sides along x, y and z a point shows: one side, or within `blend` of their edges and corners several.
+vec3 box_weights(vec3 normal, float blend) {
+    vec3 n = abs(normal), weights = vec3(0.0);
+    n /= max(n.x + n.y + n.z, 1e-30);
+    float limit = 0.5 + 0.5 * blend;
+    for (int k = 0; k < 3; ++k) {
+        int next = (k + 1) % 3, last = (k + 2) % 3;
+        if (n[k] > limit * (n[k] + n[next]) && n[k] > limit * (n[k] + n[last])) {
+            weights[k] = 1.0;
+            return weights;
+        }
+    }
+    if (blend <= 0.0) return vec3(1.0, 0.0, 0.0);
+    for (int k = 0; k < 3; ++k) {
+        int one = (k + 1) % 3, other = (k + 2) % 3;
+        float sum = n[one] + n[other];
+        if (n[k] < (1.0 - limit) * sum) {
+            weights[one] = saturate((n[one] / sum - 0.5 + 0.5 * blend) / blend);
+            weights[other] = 1.0 - weights[one];
+            return weights;
+        }
+    }
+    return ((2.0 - limit) * n + limit - 1.0) / (2.0 * limit - 1.0);
+}
+
+vec3 box_side(vec3 p, int axis) { return vec3(axis == 0 ? p.yz : axis == 1 ? p.xz : p.yx, 0.0); }
+
+vec4 image_box(ShadingPoint at, int interpolation, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
+    vec3 n = coordinate_normal(at), weights = box_weights(n, blend);
+    bvec3 is_mirrored = bvec3(n.x < 0.0, n.y > 0.0, n.z > 0.0);
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 3; ++k) {
+        if (weights[k] <= 0.0) continue;
+        vec3 uv = box_side(p, k);
+        if (is_mirrored[k]) uv.x = 1.0 - uv.x;
+        sum += weights[k] *
+               image_interpolated(interpolation, image, uv, box_side(dx, k), box_side(dy, k), extension);
+    }
+    return sum;
+}
+
+vec4 image_sphere_linear(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_sphere(LINEAR, image, p, dx, dy, extension);
+}
+
+vec4 image_sphere_closest(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_sphere(CLOSEST, image, p, dx, dy, extension);
+}
+
+vec4 image_sphere_cubic(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_sphere(CUBIC, image, p, dx, dy, extension);
+}
+
+vec4 image_tube_linear(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_tube(LINEAR, image, p, dx, dy, extension);
+}
+
+vec4 image_tube_closest(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_tube(CLOSEST, image, p, dx, dy, extension);
+}
+
+vec4 image_tube_cubic(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_tube(CUBIC, image, p, dx, dy, extension);
+}
+
+vec4 image_box_linear(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_box(at, LINEAR, image, blend, p, dx, dy, extension);
+}
+
+vec4 image_box_closest(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_box(at, CLOSEST, image, blend, p, dx, dy, extension);
+}
+
+vec4 image_box_cubic(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
+    return image_box(at, CUBIC, image, blend, p, dx, dy, extension);
+}
