@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .resource_types import Channel, Lifetime, Resource, Target
-from .scene import MATERIAL_INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -110,10 +109,13 @@ NORMAL = Target(
     label="Normal",
 )
 BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
-MATERIAL_VALUES = tuple(
-    Target(f"material_values_{k}", "Inputs of the nearest surface's material but its base color, four components each")
-    for k in range(-(-sum(each.components for name, each in MATERIAL_INPUTS.items() if name != BASE_COLOR.name) // 4))
-)
+# Of glossy surfaces, if there are any, see surfaces/gloss_packing.glsl.
+GLOSS_REFLECTANCE = Target("gloss_reflectance", "Reflectance at normal incidence, its rise", format="rgba32ui", divisor=0)
+GLOSS_RISE = Target("gloss_rise", "Other changes of it, fraction that the lobe reflects", format="rgba32ui", divisor=0)
+GLOSS_LTC = Target("gloss_ltc", "Transform that makes the lobe a cosine, see surfaces/gloss.glsl", divisor=0)
+COAT = Target("coat", "A coat above that lobe, with its normal", format="rgba32ui", divisor=0)
+COAT_LTC = Target("coat_ltc", "The coat's transform", divisor=0)
+RARE_LOBES = Target("rare_lobes", "Sheen, anisotropy and diffuse roughness", format="rgba32ui", divisor=0)
 TERMINATOR_OFFSET = Channel(
     "terminator_offset", "Height of shadow rays' origins above a triangle with smooth normals, in metres", of=BASE_COLOR
 )
@@ -291,8 +293,9 @@ DOUBLING_DIFFERENCE = _of_tiles(
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
 #: Resources by name.
-_ALL = (*globals().values(), *MATERIAL_VALUES)
-RESOURCES: dict[str, Resource[Any]] = {each.name: each for each in _ALL if isinstance(each, Resource)}
+RESOURCES: dict[str, Resource[Any]] = {
+    each.name: each for each in tuple(globals().values()) if isinstance(each, Resource)
+}
 
 #: Targets that are debug views; the render is first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [

@@ -11,6 +11,7 @@ from ..resource_types import Target
 from ..resources import SHADOW_MAP_SPLATS, SHADOW_MAPS, SUBSAMPLE_EMISSION, VISIBILITY_BUFFER, VISIBILITY_DEPTH
 from ..sampling.pixel_grid import has_wide_filter
 from ..scene import View
+from .material_inputs import ALL_LOBES
 from .passes.film.accumulate import ROWS, SAMPLES
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
@@ -34,7 +35,7 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
     texels = {VISIBILITY_BUFFER: fine_pixels, VISIBILITY_DEPTH: fine_pixels, SHADOW_MAP_SPLATS: map_texels}
     texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
-    texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | {SUBSAMPLE_EMISSION: pixels}
+    texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | dict.fromkeys((SUBSAMPLE_EMISSION, *ALL_LOBES), pixels)
     target_bytes = sum(
         target.texel_bytes * (pixels / target.divisor**2 if target.divisor else texels[target]) for target in targets
     )

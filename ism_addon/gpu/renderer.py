@@ -28,6 +28,7 @@ from .gl.context import Device
 from .graph import Graph
 from .lights.world import with_world
 from .memory_estimate import check, needed
+from .material_inputs import ALL_LOBES, lobe_targets
 from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
@@ -208,6 +209,7 @@ class Renderer:
         targets = {
             output for pass_type in pass_types_of(chosen) for output in pass_type.outputs if isinstance(output, Target)
         }
+        targets -= set(ALL_LOBES) - set(lobe_targets(scene))
         required = needed(targets, view, fine_pixels, lights, map_texels)
         check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 

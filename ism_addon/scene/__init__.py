@@ -77,6 +77,21 @@ class Scene:
         sizes = np.array([len(mesh.triangles) for mesh in self.meshes], np.int64)
         return int(sizes[self.instances.mesh].sum()) if len(sizes) else 0
 
+    @property
+    def has_gloss(self) -> bool:
+        """Whether any material has other lobes than Lambert's."""
+        return any(graph.has_gloss for graph in self.graphs)
+
+    @property
+    def has_coat(self) -> bool:
+        """Whether any material has a lobe above the others."""
+        return any(graph.has_coat for graph in self.graphs)
+
+    @property
+    def has_extra(self) -> bool:
+        """Whether any material has anisotropy, sheen or a rough diffuse lobe."""
+        return any(graph.has_extra for graph in self.graphs)
+
     def reusing(self, other: Self) -> Self:
         """This scene, with equal objects replaced by the other's; if all are equal, the other scene itself."""
         tables = {name: getattr(self, name) for name in ("instances", "materials", "lights", "world")}

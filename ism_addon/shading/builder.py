@@ -59,7 +59,7 @@ class Builder:
     """
 
     def __init__(self, simplify: bool = True) -> None:
-        self._simplify = simplify
+        self.simplifies = simplify
         self._operations: list[tuple[str, tuple[Value, ...], int]] = []
         self._indices: dict[tuple, int] = {}
         #: What is to be said where a value stands for one that is not known, by the substitute's index.
@@ -72,7 +72,7 @@ class Builder:
         assert types == operation.operands, f"{name} of {types}"
         if operation.reference is not None and all(operand.is_constant for operand in operands):
             return Value(operation.result, constant=evaluate(name, *(operand.constant for operand in operands)))
-        if self._simplify and (simpler := self._simplified(name, operands)) is not None:
+        if self.simplifies and (simpler := self._simplified(name, operands)) is not None:
             return simpler
         index = len(self._operations)
         if not any(operand.is_constant for operand in operands):  # others are alike only until one of them is changed

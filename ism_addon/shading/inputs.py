@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operations that depend on the point of a surface, and those that add to its closures: they have no references."""
+"""Operations that depend on the point of a surface: they have no references."""
 
 from .operations import OPERATIONS, Operation
 
@@ -58,5 +58,3 @@ OPERATIONS.update(
 OPERATIONS["bump"] = Operation(
     ("float", "float", "float", "vec3", "vec3", "float"), "vec3", "normals", with_differences=(2, 3), filter_width=5
 )
-# Weight, color and normal.
-OPERATIONS["closure_diffuse"] = Operation(("float", "vec3", "vec3"), "", "closures")

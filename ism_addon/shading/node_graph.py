@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from .closures import COAT, EXTRA, GLOSSY
 from .operations import OPERATIONS
 
 #: Numbers of a constant of each type. Constants are stored in rows of four numbers.
@@ -66,8 +67,23 @@ class NodeGraph:
     @cached_property
     def changes_normals(self) -> bool:
         """Whether any closure has another normal than the mesh."""
-        normals = (each.operands[-1] for each in self.instructions if each.operation == "closure_diffuse")
+        normals = (each.operands[-1] for each in self.instructions if not OPERATIONS[each.operation].result)
         return any(operand < 0 or self.instructions[operand].operation != "geometry_normal" for operand in normals)
+
+    @cached_property
+    def has_gloss(self) -> bool:
+        """Whether it has other closures than Lambert's."""
+        return self.has_coat or self.has_extra or any(each.operation in GLOSSY for each in self.instructions)
+
+    @cached_property
+    def has_coat(self) -> bool:
+        """Whether it has a lobe above the others."""
+        return any(each.operation in COAT for each in self.instructions)
+
+    @cached_property
+    def has_extra(self) -> bool:
+        """Whether it has anisotropy, sheen or rough diffuse closures."""
+        return any(each.operation in EXTRA for each in self.instructions)
 
     @property
     def reads_objects(self) -> bool:

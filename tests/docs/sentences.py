@@ -15,7 +15,7 @@ ADDON = project.ROOT / "ism_addon"
 #: Functions, by name, that show users an argument: its index, or its keyword.
 CALLS: dict[str, int | str] = {"warn": 0, "report": 1, "end": 1, "notify": "error", "label": "text", "value": 2}
 #: Variables that hold only messages or issues. Texts of tuples and dictionaries are messages too.
-NAMES = {"issue", "kind", "why", "sentence", "GLOSS", "PLAIN", "LEFT_OUT", "OWN_VALUE", "NOTE", "note"}
+NAMES = {"issue", "kind", "why", "sentence", "ALWAYS", "PLAIN", "LEFT_OUT", "OWN_VALUE", "NOTE", "note"}
 #: A text with fewer words is a name or a part of a message.
 MIN_WORDS = 3
 #: Exceptions that users never see: programming errors, and those that are always caught.
@@ -61,6 +61,9 @@ def texts(value: ast.AST | None) -> Iterator[str]:
     elif isinstance(value, ast.JoinedStr):
         parts = (part.value if isinstance(part, ast.Constant) else "…" for part in value.values)
         yield "".join(map(str, parts))
+    elif isinstance(value, ast.Dict):
+        for each in value.values:
+            yield from texts(each)
     elif isinstance(value, ast.Call) and name(value.func) == "tuple":
         yield from texts(value.args[0])
     elif value is not None and not isinstance(value, ast.Call | ast.Subscript | ast.Compare):

@@ -14,7 +14,6 @@ RETIRED = {
     "Shares LightPoints": "WeighLights PlaceVirtualLights",
     "Splat PullPush Gather": "SplatMaps FillHoles GatherLight",
     "Halves": "EstimateError",
-    "albedo": "base_color terminator_offset",
     "far_lowest far_highest far_facing": "far_tile_min far_tile_max far_tile_normal_cone",
     "foreseen": "probe_prediction prediction_surface",
     "splats": "shadow_map_splats shadow_maps",

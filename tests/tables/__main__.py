@@ -4,16 +4,20 @@
 import numpy as np
 
 from ism_addon.gpu.materials.lobe_tables import FILE
-from tests.tables import albedo, ltc
+from tests.demo.figure6 import quiet_stdout
+from tests.tables import albedo, ltc, sheen
 
 
 def main() -> None:
+    with quiet_stdout():  # of Cycles
+        sheen_table = sheen.table()
     tables = {
         "ltc": ltc.table(),
         "albedo": albedo.albedo_table(),
         "mean_albedo": albedo.mean_albedo_table(),
         "dielectric": albedo.dielectric_table(),
         "schlick": albedo.schlick_table(),
+        "sheen": sheen_table,
     }
     np.savez_compressed(FILE, **{name: np.asarray(table, np.float32) for name, table in tables.items()})
 

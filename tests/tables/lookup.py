@@ -45,3 +45,8 @@ def dielectric_s(roughness: np.ndarray, cosine: np.ndarray, eta: np.ndarray) -> 
 
 def schlick_s(roughness: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     return interpolate(tables()["schlick"], roughness, cosine)
+
+
+def sheen_ltc(roughness: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """(N,3) a, b and the albedo."""
+    return interpolate(tables()["sheen"], roughness, cosine)

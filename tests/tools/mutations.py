@@ -192,8 +192,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
-        "bsdf_unshadowed(surface, light, irradiance) / tile_probability",
-        "bsdf_unshadowed(surface, light, irradiance)",
+        "unshadowed_diffuse(surface, light, irradiance) / tile_probability",
+        "unshadowed_diffuse(surface, light, irradiance)",
         ("test_faint_lights",),
     ),
     Mutation(

@@ -159,6 +159,7 @@ def test_targets_describe_their_texel_format():
     formats = {target.format: (target.components, target.dtype) for target in targets}
     assert formats == {
         "r8": (1, "f1"),
+        "rgba32ui": (4, "u4"),
         "r16f": (1, "f2"),
         "r32f": (1, "f4"),
         "rg16f": (2, "f2"),

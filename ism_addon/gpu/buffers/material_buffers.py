@@ -80,6 +80,7 @@ class MaterialShader(NamedTuple):
     reads_uvs: bool
     reads_attributes: bool
     reads_objects: bool
+    has_gloss: bool
 
 
 class MaterialBuffers:
@@ -119,11 +120,13 @@ class MaterialBuffers:
     def shader(self, graph: int) -> MaterialShader:
         """What draws the materials of a graph, or for -1 of none."""
         node_graph = self._node_graphs[graph] if graph >= 0 else None
+        has_gloss = node_graph is not None and node_graph.has_gloss
         has_images = self._has_images if node_graph is None else node_graph.uses("image")
         return MaterialShader(
             includes=() if node_graph is None else (self._sources[graph],),
             constants={
                 "graph": int(node_graph is not None),
+                "glossy": int(has_gloss),
                 **({"several_graphs": 1} if len(self.graphs) > 1 else {}),
                 "images": int(has_images),
                 **(self.texels.constants if has_images else {}),
@@ -131,10 +134,12 @@ class MaterialBuffers:
             samplers={
                 **(self.texels.samplers if has_images else {}),
                 **({} if node_graph is None else {"graph_constants": self.constants}),
+
             },
             reads_uvs=has_images if node_graph is None else node_graph.uses("uv_map"),
             reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),
             reads_objects=node_graph is not None and node_graph.reads_objects,
+            has_gloss=has_gloss,
         )
 
 

@@ -64,18 +64,29 @@ def expand(path: Path, files: list[Path], constants: Constants, includes: tuple[
 
     `constants` and `includes`: of the shader.
     """
+    return _expand(path, files, constants, includes, {path})
+
+
+def _expand(
+    path: Path, files: list[Path], constants: Constants, includes: tuple[Include, ...], present: set[Path]
+) -> str:
+    """`present`: the files whose text comes before for all constants. Others may be repeated: #if may leave them out."""
     files.append(path)
-    start = len(files) * LINES_PER_FILE
-    lines = [f"#line {start + 1}"]
+    start, depth = len(files) * LINES_PER_FILE, 0
+    guard = "FILE_" + re.sub(r"\W", "_", os.path.relpath(path, FOLDER)).upper()
+    lines = [f"#ifndef {guard}", f"#define {guard}", f"#line {start + 1}"]
     for count, line in enumerate(text_of(path, constants, includes).splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
+            depth += line.startswith("#if") - line.startswith("#endif")
             lines.append(line)
             if line.startswith("#endif"):  # an include may have been skipped, with its line numbers
                 lines.append(f"#line {start + count + 1}")
-        elif (included := Path(os.path.normpath(FOLDER / "glsl" / include[1]))) not in files:
-            lines += [expand(included, files, constants, includes), f"#line {start + count + 1}"]
-    return "\n".join(lines)
+        elif (included := Path(os.path.normpath(FOLDER / "glsl" / include[1]))) not in present:
+            known = present if depth == 0 else set(present)
+            known.add(included)
+            lines += [_expand(included, files, constants, includes, known), f"#line {start + count + 1}"]
+    return "\n".join([*lines, "#endif"])
 
 
 def head(records: tuple[Record, ...], constants: Constants) -> str:

@@ -138,6 +138,12 @@ GLSL_INTERFACE = (
     ("float", "virtual_weight", "vec3 v, vec3 n, vec3 axis"),  # of a virtual light; v: from it, in the light's space
 )
 
+#: Those of shaders for glossy surfaces.
+GLOSS_INTERFACE = (
+    ("bool", "is_delta", "vec3 p"),  # whether its light comes from one direction only
+    ("float", "transformed_irradiance", "vec3 p, mat3 m"),  # of a receiver of normal z, at p = 0, all else times m
+)
+
 
 def by_type(lights: Lights) -> Iterator[tuple[LightType, np.ndarray, Lights]]:
     """For each type that has lights: the type, the rows (K,) of its lights, and a table of only these."""
@@ -223,10 +229,12 @@ def shader_variant(lights: Lights, light: int) -> dict[str, int]:
     """Constants of a shader for one light: those of mixed_variant, and how exact its predictions are; found once."""
     by_light, light_type = variants_of(lights).by_light, type_of(lights, light)
     if light not in by_light:
-        by_light[light] = mixed_variant(lights, [light]) | {
+        variant = mixed_variant(lights, [light])
+        by_light[light] = variant | {
             "exact": int(is_exact(lights, light)),
             "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
             "max_rays": light_type.max_rays,
+            "lobe_candidates": int(not variant["meshes_with_bvh"]),
         }
     return by_light[light]
 
@@ -251,11 +259,16 @@ def switch(result: str, function: str, parameters: str, types: Sequence[LightTyp
 
 def glsl(constants: shader_compiler.Constants) -> str:
     """The generated file lights/light.glsl: the interface of the types that mixed_variant names."""
-    types = [each for each in LIGHT_TYPES if constants.get(f"has_{each.name}", 1)]
+    types, gloss = [each for each in LIGHT_TYPES if constants.get(f"has_{each.name}", 1)], constants.get("gloss", 0)
     lines = [LIGHT_SAMPLE, LIGHT_TABLES]
     lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
+    lines += [f"#define REFLECTED {gloss}"]
+    if gloss:  # before the types' files, which include it for some of their variants only
+        lines += ['#include "closed_forms/transformed_cap.glsl"']
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in types]
-    lines += [switch(*function, types) for function in GLSL_INTERFACE]
+    if gloss:
+        lines += ['#include "lights/transformed_irradiance.glsl"']
+    lines += [switch(*function, types) for function in (*GLSL_INTERFACE, *(GLOSS_INTERFACE if gloss else ()))]
     return "\n".join([*lines, '#include "lights/modulation.glsl"', '#include "lights/light_image.glsl"'])
 
 

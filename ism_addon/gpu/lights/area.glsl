@@ -21,6 +21,14 @@
 
 bool is_rectangle(Light light) { return ELLIPSES == 0 || (RECTANGLES == 1 && light.shape == 0); }
 
+// The irradiance of the light's shape about `centre`, from a receiver of normal n at the origin. `normal`: of its plane.
+float area_shape_irradiance(Light light, vec3 centre, vec3 u, vec3 v, vec3 n, vec3 normal) {
+#if ELLIPSES
+    if (!is_rectangle(light)) return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, normal);
+#endif
+    return polygon_irradiance(centre, u, v, n, normal);
+}
+
 // Unshadowed irradiance of a light of radiance 1 without spread.
 float area_irradiance_without_spread(Light light, vec3 p, vec3 n) {
     vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
@@ -29,10 +37,7 @@ float area_irradiance_without_spread(Light light, vec3 p, vec3 n) {
     centre *= scale;
     u *= scale;
     v *= scale;
-#if ELLIPSES
-    if (!is_rectangle(light)) return ellipse_irradiance(centre, 0.5 * u, 0.5 * v, n, light.normal);
-#endif
-    return polygon_irradiance(centre, u, v, n, light.normal);
+    return area_shape_irradiance(light, centre, u, v, n, light.normal);
 }
 
 // Factor of the spread on the radiance of a point of the light. The receiver is `height` above the light's plane, and

@@ -32,7 +32,7 @@ def glsl(graph: NodeGraph) -> Include:
     lines = [
         *(f'#include "nodes/{file}.glsl"' for file in files),
         "Closures evaluate_graph(ShadingPoint at, Differentials differentials, int first_constant) {",
-        "    Closures closures = Closures(vec3(0.0), vec3(0.0));",
+        "    Closures closures = no_closures();",
         *(f"    vec4 row{row} = texelFetch(graph_constants, first_constant + {row});" for row in rows),
     ]
     lines += shifted_points(graph)

@@ -8,10 +8,12 @@ albedo       (32,32)     Directional albedo E of GGX without Fresnel, single sca
 mean_albedo  (32,)       Cosine-weighted mean of E
 dielectric   (16,16,16)  s of a dielectric's albedo mix(F0, F90, s). The last index is √√F0, of the IOR
 schlick      (16,16)     s of the albedo with Schlick's Fresnel, mix(F0, 1, s)
+sheen        (32,32,3)   The transformed cosine of Cycles' sheen: a, b of [[a,0,b],[0,a,0],[0,0,1]], and its albedo R
 
 All but `ltc` are on the grids of Cycles' tables and interpolated linearly as there, with the same errors. So pictures
 agree within .1 %, also where these tables differ from the lobe's integrals: E by up to .09 (r .1, cosine .01) and s by
-up to .05, but for cosines above .15 by less than .004 (Schlick's .006). Cycles 4.2 to 5.0 have the same tables.
+up to .05, but for cosines above .15 by less than .004 (Schlick's .006). Cycles 4.2 to 5.2 have the same tables.
+tests/tables/layers.py says how Cycles computes layers from them.
 """
 
 import functools
@@ -40,10 +42,10 @@ def row_groups() -> dict[str, np.ndarray]:
     pairs = np.stack([dielectric[..., :-1], dielectric[..., 1:]], -1).transpose(2, 0, 1, 3)
     schlick = np.broadcast_to(by_name["schlick"][..., None], (*pairs.shape[:-1], 1))
     columns = {
-        "LTC": by_name["ltc"],
-        "ALBEDO": by_name["albedo"][..., None],
-        "MEAN_ALBEDO": by_name["mean_albedo"][..., None],
-        "SHAPE": np.concatenate([pairs, schlick], -1),
+        "LTC_ROWS": by_name["ltc"],
+        "ALBEDO_ROWS": np.concatenate([by_name["sheen"], by_name["albedo"][..., None]], -1),
+        "MEAN_ALBEDO_ROWS": by_name["mean_albedo"][..., None],
+        "SHAPE_ROWS": np.concatenate([pairs, schlick], -1),
     }
     rows = {name: each.reshape(-1, each.shape[-1]) for name, each in columns.items()}
     return {name: np.pad(each, ((0, 0), (0, 4 - each.shape[1]))) for name, each in rows.items()}

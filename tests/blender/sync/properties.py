@@ -214,11 +214,11 @@ IRRELEVANT: dict[str, dict[str, str]] = {
 #: Inputs of drawn nodes and of output nodes: those that are read, and those that are reported when linked.
 INPUTS: dict[str, tuple[str, str]] = {
     "Principled": (
-        "Base Color|Normal",
-        "Metallic|Roughness|IOR|Alpha|Diffuse Roughness|Subsurface Weight|Specular IOR Level|Anisotropic|"
-        "Transmission Weight|Coat Weight|Sheen Weight|Emission Strength|Thin Film Thickness",
+        "Base Color|Normal|Metallic|Roughness|IOR|Diffuse Roughness|Specular IOR Level|Anisotropic|Coat Weight|"
+        "Sheen Weight",
+        "Alpha|Subsurface Weight|Transmission Weight|Emission Strength|Thin Film Thickness",
     ),
-    "Diffuse": ("Color|Normal", "Roughness"),
+    "Diffuse": ("Color|Normal|Roughness", ""),
     "Emission": ("Color|Strength", ""),
     "Background": ("Color|Strength", ""),
     "ImageTexture": ("", "Vector"),

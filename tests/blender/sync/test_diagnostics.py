@@ -29,18 +29,10 @@ def principled(material):
 
 
 SOCKETS = [
-    ("Metallic", 1.0, "Metal is drawn as if it were none"),
     ("Alpha", 0.5, "Transparent materials are drawn opaque"),
-    ("Transmission Weight", 1.0, "Transmission is not drawn"),
-    ("Subsurface Weight", 0.5, "Subsurface scattering is not drawn"),
-    ("Diffuse Roughness", 0.5, "Diffuse roughness is not drawn"),
-    ("Coat Weight", 0.5, "Coats and sheen are not drawn"),
-    ("Sheen Weight", 0.5, "Coats and sheen are not drawn"),
-    ("Roughness", 0.25, "Gloss is not drawn"),
-    ("IOR", 2.0, "Gloss is not drawn"),
-    ("Specular IOR Level", 0.75, "Gloss is not drawn"),
-    ("Anisotropic", 0.5, "Gloss is not drawn"),
-    ("Thin Film Thickness", 300.0, "Gloss is not drawn"),
+    ("Transmission Weight", 1.0, "What materials transmit is not drawn"),
+    ("Subsurface Weight", 0.5, "Subsurface scattering is drawn as diffuse reflection"),
+    ("Thin Film Thickness", 300.0, "Thin films are not drawn"),
 ]
 
 
@@ -63,10 +55,10 @@ def test_each_socket_that_is_not_drawn_is_reported(material, read_scene, name, v
 
 def test_a_value_node_is_read_as_the_sockets_own_number(material, read_scene):
     value = material.node_tree.nodes.new("ShaderNodeValue")
-    material.node_tree.links.new(value.outputs[0], principled(material).inputs["Metallic"])
+    material.node_tree.links.new(value.outputs[0], principled(material).inputs["Transmission Weight"])
     assert read_scene().warnings == ()
     value.outputs[0].default_value = 1.0
-    assert read_scene().warnings == ("Metal is drawn as if it were none: 'Paint'.",)
+    assert read_scene().warnings == ("What materials transmit is not drawn: 'Paint'.",)
 
 
 def test_what_has_no_effect_is_not_reported(material, read_scene):

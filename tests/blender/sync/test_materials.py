@@ -87,12 +87,12 @@ def test_an_override_of_the_view_layer_replaces_all_materials(surface, read_scen
 
 
 def test_another_surface_is_drawn_in_the_viewport_colour_and_reported(surface, read_scene):
-    material, _ = surface("ShaderNodeBsdfGlass")
+    material, _ = surface("ShaderNodeBsdfToon")
     material.diffuse_color = (0.5, 0.25, 0.125, 1)
     scene = read_scene()
     assert scene.materials.base_color.tolist() == [[0.5, 0.25, 0.125]]
     assert scene.warnings == (
-        "Materials whose surface is a node 'Glass BSDF' are drawn in their viewport colour: 'Paint'.",
+        "Materials whose surface is a node 'Toon BSDF' are drawn in their viewport colour: 'Paint'.",
     )
 
 
@@ -143,8 +143,8 @@ def test_a_colour_component_that_is_no_number_or_too_large_is_grey(surface, read
 
 
 def test_a_generated_image_is_the_base_colour(surface, read_scene):
-    material, node = surface()
-    texture(material, node.inputs["Base Color"], new_image())
+    material, node = surface("ShaderNodeBsdfDiffuse")
+    texture(material, node.inputs["Color"], new_image())
     scene = read_scene()
     assert scene.materials.image.tolist() == [0]
     assert scene.images[0].texels.tolist() == STORED
@@ -208,8 +208,8 @@ def test_an_image_texture_without_an_image_is_magenta(surface, read_scene):
 def test_images_are_shared_except_between_extensions(surface, read_scene):
     image = new_image()
     for extension in ("REPEAT", "EXTEND", "REPEAT"):
-        material, node = surface()
-        texture(material, node.inputs["Base Color"], image).extension = extension
+        material, node = surface("ShaderNodeBsdfDiffuse")
+        texture(material, node.inputs["Color"], image).extension = extension
     scene = read_scene()
     assert scene.materials.image.tolist() == [0, 1, 0]
     assert [each.repeat for each in scene.images] == [True, False]

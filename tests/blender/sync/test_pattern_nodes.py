@@ -34,10 +34,11 @@ def test_generated_coordinates_are_read_only_where_a_texture_has_no_others(show,
     assert mesh.attributes.size == 0
 
 
-def test_a_projected_image_is_no_plain_image(show, read_scene):
+def test_a_projected_image_is_another_operation(show, read_scene):
     node = show("ShaderNodeTexImage")
     node.image = bpy.data.images.new("Picture", 2, 2)
-    assert read_scene().graphs == ()
+    (graph,) = read_scene().graphs
+    assert graph.uses("image_linear")
     node.projection = "BOX"
     (graph,) = read_scene().graphs
     assert graph.uses("image_box_linear")

@@ -15,6 +15,7 @@ FUNCTIONS = {
     "ggx_mean_albedo": 1,
     "dielectric_s": 3,
     "schlick_s": 2,
+    "sheen_ltc": 2,
 }
 
 

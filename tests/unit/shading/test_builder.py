@@ -40,7 +40,7 @@ TEXTURE = ["uv_map", "image_linear", "color_of", "geometry_normal", "closure_dif
 
 
 def closure(builder, color):
-    return builder.call("closure_diffuse", constant(1.0), color, builder.call("geometry_normal"))
+    return builder.call("closure_diffuse", color, builder.call("geometry_normal"))
 
 
 def finished(builder, color):
@@ -114,7 +114,7 @@ def test_a_substitute_is_reported_only_where_it_is_used():
     color = builder.call("grey", used)
     graph, constants = builder.finish([closure(builder, color)])
     assert operations(graph) == ["math_add", "grey", "geometry_normal", "closure_diffuse"]
-    assert sorted(constants.ravel()[:3].tolist()) == [0.25, 0.25, 1.0]
+    assert sorted(constants.ravel()[:3].tolist()) == [0.0, 0.25, 0.25]
 
 
 def test_the_estimate_of_a_value():

@@ -39,11 +39,11 @@ def bumpy_graph():
     position, one = builder.call("geometry_position"), constant(1.0)
     normal = builder.call("geometry_normal")
     bump = builder.call("bump", one, one, builder.call("separate_x", position), position, normal, constant(0.1))
-    return builder.finish([builder.call("closure_diffuse", one, constant((0.5, 0.5, 0.5)), bump)])
+    return builder.finish([builder.call("closure_diffuse", constant((0.5, 0.5, 0.5)), bump)])
 
 
 def finished(builder, color):
-    closure = builder.call("closure_diffuse", constant(1.0), color, builder.call("geometry_normal"))
+    closure = builder.call("closure_diffuse", color, builder.call("geometry_normal"))
     return builder.finish([closure])
 
 

@@ -15,33 +15,23 @@ from ....shading.node_graph import NUMBERS
 from ....shading.operations import OPERATIONS, Constant
 from ..diagnostics import Diagnostics
 from ..node_graphs.reader import UNKNOWN, Closure, GraphReader
+from .lobes import ONE, Lobe, Lobes
 from .nodes import color
-
-#: The colour that each closure reflects diffusely, by the closure's name.
-DIFFUSE_COLORS = {"diffuse": "color", "translucent": "color", "principled": "base_color"}
 
 #: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
 MAX_COST = 800
 
 #: Weight of all closures that are not transparent from which on they are drawn opaque.
-MIN_WEIGHT = 1e-3
+MIN_WEIGHT = constant(1e-3)
 
 
 class Reflection(NamedTuple):
-    """What a surface reflects diffusely."""
+    """What a surface reflects."""
 
     base_color: np.ndarray  # (3,), or the mean of what the graph computes
     image: int = -1
     graph: NodeGraph | None = None
     constants: np.ndarray = np.zeros((0, 4), np.float32)
-
-
-class _Term(NamedTuple):
-    """What one closure reflects."""
-
-    weight: Value
-    color: Value
-    normal: Value
 
 
 #: The mean of an image's texels by its index: (4,) linear colour and alpha.
@@ -57,45 +47,49 @@ class Surface:
 
     def reflection(self, findings: Diagnostics) -> Reflection:
         """What the surface reflects, and sentences about what it is not drawn with."""
-        terms = self._diffuse_terms(findings)
-        for note in self._builder.notes(value for term in terms for value in term):
+        lobes = self._lobes(findings)
+        for note in self._builder.notes(lobe.operation for lobe in lobes):
             findings.warn(note, self._material.name)
-        terms = [_Term(*map(self._builder.known, term)) for term in terms]
-        mean = sum((self._mean(term.weight) * self._mean(term.color) for term in terms), np.zeros(3))
-        mean, plain_normal = np.maximum(mean, 0.0), self._builder.call("geometry_normal")
-        if all(term.normal == plain_normal for term in terms):
-            if all(term.weight.is_constant and term.color.is_constant for term in terms):
+        mean = np.maximum(sum((self._mean(each.weight) * self._mean(each.color) for each in lobes), np.zeros(3)), 0.0)
+        if all(map(self._is_plain, lobes)):
+            if all(each.weight.is_constant and each.color.is_constant for each in lobes):
                 return Reflection(mean)
-            if len(terms) == 1 and terms[0].weight.equals(1.0) and (image := self._plain_image(terms[0].color)) >= 0:
+            if len(lobes) == 1 and lobes[0].weight.equals(1.0) and (image := self._plain_image(lobes[0].color)) >= 0:
                 return Reflection(mean, image)
-        closures = [self._builder.call("closure_diffuse", *term) for term in terms]
-        graph, constants = self._builder.finish(closures)
+        graph, constants = self._builder.finish([each.operation for each in lobes])
         if graph.cost > MAX_COST:
             findings.warn("Materials with too many nodes for one shader are drawn in one colour", self._material.name)
             return Reflection(mean)
         return Reflection(mean, -1, graph, constants)
 
-    def _diffuse_terms(self, findings: Diagnostics) -> list[_Term]:
+    def _is_plain(self, lobe: Lobe) -> bool:
+        """Whether a lobe is diffuse, with the mesh's own normals."""
+        name, (*_, normal), _ = self._builder.operation_of(lobe.operation)
+        return name == "closure_diffuse" and normal == self._builder.call("geometry_normal")
+
+    def _lobes(self, findings: Diagnostics) -> list[Lobe]:
         """What is reflected, with weights divided by that of what is not transparent."""
-        builder, name, opaque = self._builder, self._material.name, constant(1.0)
-        terms: list[_Term] = []
-        for closure in self._closures:
+        builder, name, opaque = self._builder, self._material.name, ONE
+        shaders = [each for each in self._closures if each.name != "transparent"]
+        if len(shaders) < len(self._closures):
+            findings.warn("Transparent materials are drawn opaque", name)
+            for closure in self._closures:
+                if closure.name == "transparent":
+                    opaque = builder.call("math_subtract", opaque, closure.weight)
+        maker, lobes = Lobes(builder, self._normal), list[Lobe]()
+        for closure in shaders:
+            weight = closure.weight
+            if not opaque.equals(1.0):
+                weight = builder.call("math_divide", weight, builder.call("math_maximum", opaque, MIN_WEIGHT))
+            scale = builder.call("grey", weight)
             if closure.name == UNKNOWN:
                 label = closure.node.bl_label
                 findings.warn(f"Materials whose surface is a node '{label}' are drawn in their viewport colour", name)
                 viewport_color = color(self._material.diffuse_color, MATERIAL_INPUTS["base_color"].default)
-                terms.append(_Term(closure.weight, constant(viewport_color), self._normal))
-            elif closure.name == "transparent":
-                findings.warn("Transparent materials are drawn opaque", name)
-                opaque = builder.call("math_subtract", opaque, closure.weight)
-            elif closure.name in DIFFUSE_COLORS:
-                inputs = closure.inputs
-                color_input = inputs[DIFFUSE_COLORS[closure.name]]
-                terms.append(_Term(closure.weight, color_input, inputs.get("normal", self._normal)))
-        if opaque.equals(1.0):
-            return terms
-        opaque = builder.call("math_maximum", opaque, constant(MIN_WEIGHT))
-        return [each._replace(weight=builder.call("math_divide", each.weight, opaque)) for each in terms]
+                lobes += maker.diffuse(scale, constant(viewport_color), self._normal)
+            else:
+                lobes += maker.of(closure, scale)
+        return lobes
 
     def emission(self, findings: Diagnostics) -> np.ndarray:
         """(3,) W/(sr m²): the radiance of the surface, the mean of what varies."""

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Warnings about features of materials that this engine does not draw.
-
-A new Principled BSDF has some gloss. Only more gloss than that has a warning: otherwise each file would have one.
-"""
+"""Warnings about features of materials that this engine does not draw."""
 
 import bpy
 
@@ -12,21 +9,23 @@ from . import nodes
 #: By the shader's type: sockets with the value that is drawn, and the warning about other values and linked nodes.
 PLAIN: dict[str, dict[str, tuple[float, str]]] = {
     "ShaderNodeBsdfPrincipled": {
-        "Metallic": (0.0, "Metal is drawn as if it were none"),
         "Alpha": (1.0, "Transparent materials are drawn opaque"),
-        "Transmission Weight": (0.0, "Transmission is not drawn"),
-        "Subsurface Weight": (0.0, "Subsurface scattering is not drawn"),
-        "Diffuse Roughness": (0.0, "Diffuse roughness is not drawn"),
-        "Coat Weight": (0.0, "Coats and sheen are not drawn"),
-        "Sheen Weight": (0.0, "Coats and sheen are not drawn"),
+        "Transmission Weight": (0.0, "What materials transmit is not drawn"),
+        "Subsurface Weight": (0.0, "Subsurface scattering is drawn as diffuse reflection"),
+        "Thin Film Thickness": (0.0, "Thin films are not drawn"),
     },
-    "ShaderNodeBsdfDiffuse": {"Roughness": (0.0, "Diffuse roughness is not drawn")},
+    "ShaderNodeBsdfMetallic": {"Thin Film Thickness": (0.0, "Thin films are not drawn")},
 }
 
-#: Limits of a Principled BSDF without a warning about gloss: the values of a new one.
-MIN_ROUGHNESS = 0.5
-MAX_GLOSS = {"IOR": 1.5, "Specular IOR Level": 0.5, "Anisotropic": 0.0, "Thin Film Thickness": 0.0}
-GLOSS = "Gloss is not drawn"
+#: By the shader's type: warnings about any of them.
+ALWAYS = {
+    "ShaderNodeBsdfGlass": "What materials transmit is not drawn",
+    "ShaderNodeBsdfTranslucent": "Translucent materials are drawn as diffuse ones",
+    "ShaderNodeSubsurfaceScattering": "Subsurface scattering is drawn as diffuse reflection",
+}
+
+#: Distributions of microfacets that are drawn.
+DISTRIBUTIONS = {"GGX", "MULTI_GGX"}
 
 
 def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:
@@ -40,32 +39,22 @@ def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, 
 
 
 def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, findings: Diagnostics) -> None:
-    """Warn about inputs of the surface's shader other than its colour."""
+    """Warn about what is not drawn of a shader."""
     for name, (plain, issue) in PLAIN.get(shader.bl_idname, {}).items():
         socket = shader.inputs.get(name)
         if socket is not None and not _is(socket, plain):
             findings.warn(issue, material.name)
-    if shader.bl_idname == "ShaderNodeBsdfPrincipled" and _is_glossy(shader):
-        findings.warn(GLOSS, material.name)
+    if shader.bl_idname in ALWAYS:
+        findings.warn(ALWAYS[shader.bl_idname], material.name)
+    if getattr(shader, "distribution", "GGX") not in DISTRIBUTIONS:
+        findings.warn("Glossy shaders of other distributions are drawn with that of GGX", material.name)
+    if getattr(shader, "fresnel_type", "F82") != "F82":
+        findings.warn("Metals of a complex index of refraction are drawn in their base color", material.name)
 
 
 def _is(socket: bpy.types.NodeSocket, expected: float) -> bool:
     value, node = nodes.number(socket)
     return node is None and value == expected
-
-
-def _is_glossy(shader: bpy.types.Node) -> bool:
-    """Whether a Principled BSDF may have more gloss than a new one. Blender's sockets are float32."""
-    if _is(shader.inputs["Specular IOR Level"], 0.0):
-        return False
-    roughness, node = nodes.number(shader.inputs["Roughness"])
-    if node is not None or roughness < MIN_ROUGHNESS:
-        return True
-    for name, limit in MAX_GLOSS.items():
-        value, node = nodes.number(shader.inputs[name]) if name in shader.inputs else (limit, None)
-        if node is not None or value > limit:
-            return True
-    return False
 
 
 def warn_of_mapping(material: bpy.types.Material, node: bpy.types.ShaderNodeTexImage, findings: Diagnostics) -> None:

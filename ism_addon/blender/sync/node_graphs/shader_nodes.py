@@ -4,6 +4,7 @@
 from collections.abc import Mapping
 
 from ....shading.builder import Value, constant
+from .pattern_nodes import radial_tangent
 from .reader import Closure, Converter, NodeView
 
 ONE = constant(1.0)
@@ -14,8 +15,11 @@ def shader(name: str, output: str, **inputs: str) -> Converter:
 
     def convert(view: NodeView) -> Mapping[str, list[Closure]]:
         values = {key: view.value(socket) for key, socket in inputs.items() if view.socket(socket) is not None}
-        if view.socket("Normal") is not None:
-            values["normal"] = view.value("Normal", view.reader.normal())
+        for key, socket in (("normal", "Normal"), ("coat_normal", "Coat Normal")):
+            if view.socket(socket) is not None:
+                values[key] = view.value(socket, view.reader.normal())
+        if view.socket("Tangent") is not None and not values["anisotropy"].equals(0.0):
+            values["tangent"] = view.value("Tangent", lambda: radial_tangent(view, "Z"))
         return {output: [Closure(name, ONE, values, view.node)]}
 
     return convert
@@ -44,10 +48,41 @@ CONVERTERS: dict[str, Converter] = {
     "ShaderNodeEmission": shader("emission", "Emission", color="Color", strength="Strength"),
     "ShaderNodeBsdfTransparent": shader("transparent", "BSDF", color="Color"),
     "ShaderNodeBsdfTranslucent": shader("translucent", "BSDF", color="Color"),
+    "ShaderNodeSubsurfaceScattering": shader("subsurface", "BSSRDF", color="Color"),
+    "ShaderNodeBsdfAnisotropic": shader(
+        "glossy", "BSDF", color="Color", roughness="Roughness", anisotropy="Anisotropy", rotation="Rotation"
+    ),
+    "ShaderNodeBsdfMetallic": shader(
+        "metallic",
+        "BSDF",
+        base_color="Base Color",
+        edge_tint="Edge Tint",
+        roughness="Roughness",
+        anisotropy="Anisotropy",
+        rotation="Rotation",
+    ),
+    "ShaderNodeBsdfSheen": shader("sheen", "BSDF", color="Color", roughness="Roughness"),
+    "ShaderNodeBsdfGlass": shader("glass", "BSDF", color="Color", roughness="Roughness", ior="IOR"),
     "ShaderNodeBsdfPrincipled": shader(
         "principled",
         "BSDF",
         base_color="Base Color",
+        metallic="Metallic",
+        roughness="Roughness",
+        ior="IOR",
+        specular_ior_level="Specular IOR Level",
+        specular_tint="Specular Tint",
+        diffuse_roughness="Diffuse Roughness",
+        anisotropy="Anisotropic",
+        rotation="Anisotropic Rotation",
+        transmission="Transmission Weight",
+        coat="Coat Weight",
+        coat_roughness="Coat Roughness",
+        coat_ior="Coat IOR",
+        coat_tint="Coat Tint",
+        sheen="Sheen Weight",
+        sheen_roughness="Sheen Roughness",
+        sheen_tint="Sheen Tint",
         alpha="Alpha",
         emission_color="Emission Color",
         emission_strength="Emission Strength",

@@ -101,3 +101,10 @@ float light_emitted(Light light, vec3 p, vec3 wi) {
 float light_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
     return plain_light_virtual_weight(light, v, n, axis) * light_falloff(light, length(v)) * light_profile(light, v);
 }
+
+#if REFLECTED
+float light_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    float irradiance = plain_light_transformed_irradiance(light, p, m) * light_falloff(light, light_mean_distance(light, p));
+    return irradiance == 0.0 ? 0.0 : irradiance * light_profile(light, p - light.position);
+}
+#endif

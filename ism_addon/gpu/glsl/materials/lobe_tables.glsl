@@ -15,37 +15,42 @@ vec4 lobe_table(int first, int size, float x, float y) {
 }
 
 // The inverse matrix of the linearly transformed cosine that approximates GGX without Fresnel, times the cosine of the
-// light: a, b, c, d of [[a, 0, b], [0, 1, 0], [c, 0, d]]. z is the normal, x is the viewer's direction projected onto the
+// light: a, b, c, d of [[a, 0, b], [0, 1, 0], [c, 0, d]]. z is the normal, x the viewer's direction projected onto the
 // surface. Its integral is 1; the lobe's is ggx_albedo. Use a roughness of .01 or more: at .01, float32 already moves a
 // light by a thousandth of the lobe's width.
 vec4 ltc_inverse(float roughness, float cos_view) {
     float cosine = clamp(cos_view, 0.0, 1.0), sine = sqrt(1.0 - cosine * cosine), alpha = roughness * roughness;
     // In coordinates where z is the mirror direction.
-    vec4 m = lobe_table(LTC, LTC_SIZE, roughness, sqrt(1.0 - cosine)) * vec4(1.0, vec3(alpha));
+    vec4 m = lobe_table(LTC_ROWS, LTC_SIZE, roughness, sqrt(1.0 - cosine)) * vec4(1.0, vec3(alpha));
     return vec4(m.x * cosine - m.y * sine, m.x * sine + m.y * cosine, m.z * cosine - m.w * sine,
                 m.z * sine + m.w * cosine);
 }
 
 // Directional albedo of GGX without Fresnel, single scattering.
 float ggx_albedo(float roughness, float cos_view) {
-    return lobe_table(ALBEDO, ALBEDO_SIZE, roughness, cos_view).x;
+    return lobe_table(ALBEDO_ROWS, ALBEDO_SIZE, roughness, cos_view).w;
 }
 
 // Its mean over directions, weighted by the cosine.
 float ggx_mean_albedo(float roughness) {
     float at = clamp(roughness, 0.0, 1.0) * float(ALBEDO_SIZE - 1);
-    int cell = min(int(at), ALBEDO_SIZE - 2);
-    float low = texelFetch(lobe_tables, MEAN_ALBEDO + cell).x, high = texelFetch(lobe_tables, MEAN_ALBEDO + cell + 1).x;
-    return mix(low, high, at - float(cell));
+    int cell = min(int(at), ALBEDO_SIZE - 2), row = MEAN_ALBEDO_ROWS + cell;
+    return mix(texelFetch(lobe_tables, row).x, texelFetch(lobe_tables, row + 1).x, at - float(cell));
 }
 
 // A dielectric's albedo is mix(f0, f90, s) times that of GGX with multiple scattering. eta: its index of refraction.
 float dielectric_s(float roughness, float cos_view, float eta) {
     float at = clamp(sqrt(abs((eta - 1.0) / (eta + 1.0))), 0.0, 1.0) * float(SHAPE_SIZE - 1);
     int slice = min(int(at), SHAPE_SIZE - 2);
-    vec4 pair = lobe_table(SHAPE + slice * SHAPE_SIZE * SHAPE_SIZE, SHAPE_SIZE, roughness, cos_view);
+    vec4 pair = lobe_table(SHAPE_ROWS + slice * SHAPE_SIZE * SHAPE_SIZE, SHAPE_SIZE, roughness, cos_view);
     return mix(pair.x, pair.y, at - float(slice));
 }
 
 // The same for Schlick's Fresnel.
-float schlick_s(float roughness, float cos_view) { return lobe_table(SHAPE, SHAPE_SIZE, roughness, cos_view).z; }
+float schlick_s(float roughness, float cos_view) { return lobe_table(SHAPE_ROWS, SHAPE_SIZE, roughness, cos_view).z; }
+
+// Sheen: a, b of the inverse matrix [[a, 0, b], [0, a, 0], [0, 0, 1]], coordinates as above, and its albedo. Here
+// roughness is Blender's.
+vec3 sheen_ltc(float roughness, float cos_view) {
+    return lobe_table(ALBEDO_ROWS, ALBEDO_SIZE, roughness, cos_view).xyz;
+}

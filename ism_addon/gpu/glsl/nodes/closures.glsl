@@ -1,11 +1,50 @@
 // What a graph's shaders add up to.
-struct Closures {
-    vec3 diffuse;
-    vec3 normal; // sum of the shaders' normals, weighted by what they reflect
+#include "nodes/point.glsl"
+
+// The sums of glossy shaders, see surfaces/gloss.glsl; of roughness and eta they are weighted, by the sums beside them.
+struct GlossyClosures {
+    vec3 f0;
+    vec3 schlick;
+    vec3 dielectric;
+    vec3 edge;
+    float roughness;
+    float roughness_weight;
+    float eta;
+    float eta_weight;
 };
 
-void closure_diffuse(inout Closures closures, float weight, vec3 color, vec3 normal) {
-    vec3 reflected = max(weight * color, 0.0);
+struct Closures {
+    vec3 diffuse;
+    float diffuse_roughness; // weighted by what diffuse shaders reflect
+    float diffuse_weight;    // likewise: the rough shaders' weights
+    vec3 normal;             // sum of the shaders' normals, weighted by what they reflect
+    GlossyClosures glossy;
+    float anisotropy;
+    vec3 tangent;
+    GlossyClosures coat;
+    vec3 coat_normal;
+    vec3 sheen;
+    vec2 sheen_shape; // see surfaces/sheen.glsl
+};
+
+Closures no_closures() {
+    GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+    return Closures(vec3(0.0), 0.0, 0.0, vec3(0.0), none, 0.0, vec3(0.0), none, vec3(0.0), vec3(0.0), vec2(0.0));
+}
+
+float sum_of(vec3 color) { return color.r + color.g + color.b; }
+
+void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance, vec3 normal) {
+    vec3 reflected = max(reflectance, 0.0);
     closures.diffuse += reflected;
-    closures.normal += (reflected.r + reflected.g + reflected.b) * normal;
+    closures.normal += sum_of(reflected) * normal;
+}
+
+// Rough as by Oren & Nayar 1994.
+void closure_rough_diffuse(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float roughness,
+                           vec3 normal) {
+    float reflected = sum_of(max(weight * color, 0.0));
+    closure_diffuse(closures, at, weight * color, normal);
+    closures.diffuse_roughness += reflected * clamp(roughness, 0.0, 1.0);
+    closures.diffuse_weight += reflected * sum_of(weight) / 3.0;
 }

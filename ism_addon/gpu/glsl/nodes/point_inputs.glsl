@@ -1,6 +1,7 @@
 // Operations of nodes that give what is known of a point: its surface and the camera. As in Cycles.
 #include "nodes/point.glsl"
 #include "nodes/vectors.glsl"
+#include "surfaces/fresnel.glsl"
 
 vec3 geometry_position(ShadingPoint at) { return at.position + anchor.xyz; }
 vec3 geometry_normal(ShadingPoint at) { return at.normal; }
@@ -40,22 +41,14 @@ vec3 coordinate_of_object(ShadingPoint at, vec4 row0, vec4 row1, vec4 row2) {
     return vec3(dot(row0, world), dot(row1, world), dot(row2, world));
 }
 
-// Reflectance of a dielectric with a ratio of refractive indices, at the cosine of the angle of incidence.
-float fresnel_dielectric(float cosine, float eta) {
-    float c = abs(cosine), square = eta * eta - 1.0 + c * c;
-    if (square <= 0.0) return 1.0;
-    float g = sqrt(square), a = (g - c) / (g + c), b = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
-    return 0.5 * a * a * (1.0 + b * b);
-}
-
 float fresnel(ShadingPoint at, float ior, vec3 normal) {
     float eta = max(ior, 1e-5);
-    return fresnel_dielectric(dot(at.incoming, normal), at.is_back ? 1.0 / eta : eta);
+    return fresnel_dielectric(abs(dot(at.incoming, normal)), at.is_back ? 1.0 / eta : eta);
 }
 
 float layer_weight_fresnel(ShadingPoint at, float blend, vec3 normal) {
     float eta = max(1.0 - blend, 1e-5);
-    return fresnel_dielectric(dot(at.incoming, normal), at.is_back ? eta : 1.0 / eta);
+    return fresnel_dielectric(abs(dot(at.incoming, normal)), at.is_back ? eta : 1.0 / eta);
 }
 
 float layer_weight_facing(ShadingPoint at, float blend, vec3 normal) {

@@ -23,6 +23,8 @@ uvec2 ray_shift(float index) {
 
 struct ScheduledRays { float first; float count; }; // indices among the pixel's rays
 
+const float RAYLESS = 1048576.0; // the first index of samples that take no ray
+
 // Number of rays a sample, on average, to a light of this predicted visibility and unshadowed luminance.
 float ray_rate(float unshadowed, float visibility, bool uncertain) {
     float uncertainty = uncertain ? sqrt(max(visibility * (1.0 - visibility), 0.05)) : MIN_DOUBT;

@@ -25,11 +25,15 @@ RECORDS = *LIGHT_RECORDS, CASTER, MEMBERSHIP
 
 
 def shader_constants(
-    variant: dict[str, int], rays: int, subpixel_offsets: int, min_probability: float
+    variant: dict[str, int], rays: int, correct: int, subpixel_offsets: int, min_probability: float
 ) -> dict[str, Any]:
-    """Constants of the shader for a variant of lights. `rays`: 1 if it traces rays, or 0."""
+    """Constants of the shader for a variant of lights.
+
+    `rays`: 1 if it traces rays, or 0; `correct`: 1 if it corrects glossy reflections even without rays, or 0.
+    """
     return {
         "trace": rays,
+        "correct": correct,
         "subpixel_offsets": subpixel_offsets,
         "min_doubt": MIN_DOUBT,
         "min_probability": min_probability,
@@ -50,6 +54,18 @@ def ray_sequence(is_round: bool = False) -> Mapping[str, tuple[int, ...]]:
         "late_ray_steps": fixed_increments(Dimension.LIGHT_POINT, "late_ray" if is_round else "ray"),
         "schedule_steps": tuple(step for steps in increments for step in steps),
     }
+
+
+@cache
+def lobe_sequence() -> Mapping[str, tuple[int, ...]]:
+    """Uniforms: increments of the sequence of candidates for glossy lobes."""
+    return {f"lobe_{index}_steps": fixed_increments(Dimension.LOBE_POINT, index) for index in ("pixel", "ray", "light")}
+
+
+@cache
+def lobe_shift(light: int) -> tuple[int, ...]:
+    """(3,) start values of this sequence for a light, in 32-bit fixed point."""
+    return fixed_point(draw(Dimension.LOBE_POINT, light=light))
 
 
 @cache

@@ -1,10 +1,9 @@
 // One light at each pixel: its predicted radiance towards the camera, and in some samples a ray that corrects it. To a
-// hard light, a ray replaces an uncertain prediction in each sample, the first one included.
-#include "maths/luminance.glsl"
-#include "surfaces/bsdf.glsl"
+// hard light, a ray replaces an uncertain prediction in each sample, the first one included. CORRECT: samples of glossy
+// lobes correct what is predicted of these, with or without a ray.
 #include "surfaces/receiver_linking.glsl"
-#include "lights/resampled_light_sample.glsl"
 #include "trace/ray_scheduling.glsl"
+#include "lights/reflection_sample.glsl"
 #include "trace/ray_correction.glsl"
 #include "surfaces/predicted_pixel.glsl"
 #if CACHED
@@ -14,18 +13,25 @@ uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
 uniform sampler2D predicted_pixels;   // see match_predictions.frag
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
+#if GLOSS
+uniform uvec3 lobe_shift;             // of the sequence of candidates
+#endif
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // in alpha, upper bound of its luminance's increase
-#if TRACE
+#if TRACE || CORRECT
 layout(location = 1) out vec4 direct_residual; // in alpha, unshadowed luminance of the light, if it is uncertain
-layout(location = 2) out vec2 rays;            // unoccluded, traced
+#endif
+#if TRACE
+layout(location = 2) out vec2 rays; // unoccluded, traced
 #endif
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     direct_prediction = vec4(0.0);
-#if TRACE
+#if TRACE || CORRECT
     direct_residual = vec4(0.0);
+#endif
+#if TRACE
     rays = vec2(0.0);
 #endif
     Surface surface = surface_at(at);
@@ -46,54 +52,105 @@ void main() {
     const bool is_reliable = true;
 #endif
     bool exact = EXACT == 1 && is_reliable;
-    vec3 unshadowed = is_lit ? bsdf_unshadowed(surface, light, irradiance) : vec3(0.0);
+    vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
 #if TRACE
     if (!pixel.similar) predicted.y = 1.0;
 #endif
-    float amount = luminance(unshadowed);
+    vec3 all_unshadowed = unshadowed;
+#if GLOSS
+    Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
+    vec3 glossy = is_lit ? unshadowed_lobes(surface, lobes, light, irradiance) : vec3(0.0);
+    bool corrects_gloss = is_lit && lobes.exist && !light_is_delta(light, surface.position);
+    all_unshadowed += glossy;
+#endif
+    float amount = luminance(all_unshadowed);
     bool uncertain = !exact || predicted.y > 0.0;
-    direct_prediction = vec4(unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
+    direct_prediction = vec4(all_unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if CACHED && TRACE
-    float most = luminance(bsdf_unshadowed(surface, light, 1.0 / INVERSE_PI)); // from all directions
+    float most = luminance(unshadowed_diffuse(surface, light, 1.0 / INVERSE_PI)); // from all directions
     if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif
 #if HARD
-    if (uncertain && amount != 0.0) { // one ray decides: nothing is left to correct
+    bool decides = uncertain && amount != 0.0; // one ray decides: nothing is left to correct
+    if (decides) {
         LightSample from = light_sample(light, surface.position, surface.normal, vec2(0.5));
-        float visible = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
-        direct_prediction = vec4(unshadowed * visible, 0.0);
+        predicted.x = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
+        direct_prediction = vec4(all_unshadowed * predicted.x, 0.0);
 #if TRACE
-        rays = vec2(visible, 1.0);
+        rays = vec2(predicted.x, 1.0);
 #endif
+#if !GLOSS
         return;
+#endif
     }
 #endif
-#if TRACE
-    direct_residual.a = uncertain ? abs(amount) : 0.0;
+#if TRACE || CORRECT
     // If the prediction is certain, a ray only tests it: a correction of weight 1 / probability would be too noisy.
     bool tests = tile_probability > 0.0;
-    float rate = tests ? tile_probability : ray_rate(amount, predicted.x, uncertain);
-    ScheduledRays scheduled = schedule_rays(at, light_uv_shift.z, rate);
-    if (!is_lit || (exact && unshadowed == vec3(0.0))) return;
-    float count = tests ? 1.0 : scheduled.count;
-    for (float k = 0.0; k < count; ++k) {
+    float rate = 1.0, count = 0.0;
+    ScheduledRays scheduled = ScheduledRays(0.0, 0.0);
+#if TRACE
+    direct_residual.a = uncertain ? abs(amount) : 0.0;
+    rate = tests ? tile_probability : ray_rate(amount, predicted.x, uncertain);
+    scheduled = schedule_rays(at, light_uv_shift.z, rate);
+    bool has_light = all_unshadowed != vec3(0.0);
+#if GLOSS
+    has_light = has_light || corrects_gloss;
+#endif
+    if (!is_lit || (exact && !has_light)) return;
+    count = tests ? 1.0 : scheduled.count;
+#if HARD && GLOSS
+    if (decides) {
+        direct_residual.a = count = 0.0;
+        uncertain = true;
+    }
+#endif
+#endif
+    float samples = count;
+#if GLOSS
+    vec3 all_gloss = vec3(0.0);
+    if (corrects_gloss) {
+        samples = max(count, 1.0);
+        direct_prediction.a = 1e30; // the correction has no bound
+        direct_residual.a = max(direct_residual.a, correctable_luminance(lobes, unshadowed, glossy));
+        if (count == 0.0) scheduled.first = RAYLESS + sample_index;
+    }
+#endif
+    for (float k = 0.0; k < samples; ++k) {
         vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(scheduled.first + k));
-        LightSample from = resampled_light_sample(light, surface.position, surface.normal, light_uv, irradiance);
+#if GLOSS
+        vec3 lobe_uv = lobe_sequence(at, lobe_shift, uint(scheduled.first + k));
+        ReflectionSample chosen = reflection_sample(surface, lobes, light, light_uv, lobe_uv, irradiance);
+        all_gloss += chosen.all_gloss;
+#else
+        ReflectionSample chosen = reflection_sample(surface, light, light_uv, irradiance);
+#endif
+#if TRACE
+        LightSample from = chosen.from;
         bool is_lit_from = arrives(surface, from);
-        if (exact && !is_lit_from) continue;
+        if (k >= count || (exact && !is_lit_from)) continue;
         float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
         rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
         if (tests) continue;
-        vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) : vec3(0.0);
+        vec3 estimate = is_lit_from ? chosen.diffuse : vec3(0.0);
         vec3 correction = ray_correction(
             estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, is_reliable);
+#if GLOSS
+        if (is_lit_from) correction += chosen.gloss * (visible - predicted.x);
+#endif
         direct_residual.rgb += correction / rate;
+#endif
     }
+#if TRACE
     if (!uncertain) { // what contradicts a certain prediction is uncertain
         float change = luminance(direct_residual.rgb);
-        direct_residual.a = abs(change);
-        direct_prediction.a = clamp(change, 0.0, headroom(amount, predicted.x));
+        direct_residual.a = max(direct_residual.a, abs(change));
+        direct_prediction.a = max(direct_prediction.a, clamp(change, 0.0, headroom(amount, predicted.x)));
     }
+#endif
+#if GLOSS
+    if (corrects_gloss) direct_residual.rgb += predicted.x * (all_gloss / samples - glossy);
+#endif
 #endif
 }

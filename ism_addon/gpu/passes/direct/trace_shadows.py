@@ -47,10 +47,19 @@ from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
-from ...material_inputs import MATERIAL, material_samplers
+from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
-from .ray_correction import RECORDS, light_shift, light_steps, ray_sequence, ray_threshold, shader_constants
+from .ray_correction import (
+    RECORDS,
+    light_shift,
+    light_steps,
+    lobe_sequence,
+    lobe_shift,
+    ray_sequence,
+    ray_threshold,
+    shader_constants,
+)
 from .tiles_of_lights import TilesOfLights, casts_shadow
 
 # How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
@@ -101,7 +110,10 @@ class TraceShadows(Pass):
 
     def draw_lights(self, frame: Frame) -> set[int]:
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
-        predicted, traced_draws, used = frame.framebuffer(DIRECT_PREDICTION), [], set()
+        # In the first sample, reflections are as predicted, without noise.
+        correct = int(frame.scene.has_gloss and frame.sample > 0)
+        targets = (DIRECT_PREDICTION, DIRECT_RESIDUAL) if correct else (DIRECT_PREDICTION,)
+        predicted, traced_draws, used = frame.framebuffer(*targets), [], set()
         shared, programs, tiles = self.shared_uniforms(frame), set[moderngl.Program](), TilesOfLights(frame)
 
         def bind_light(program: moderngl.Program, **uniforms: Any) -> None:
@@ -116,18 +128,21 @@ class TraceShadows(Pass):
                 continue
             used.add(light)
             variant, uniforms = self.variant(frame, light), self.uniforms(frame, light)
+            is_round = type_of(frame.scene.lights, light).is_round(frame.scene.lights, light)
+            sequences = {"light_uv_shift": light_shift(light), **ray_sequence(is_round)}
+            if frame.scene.has_gloss:
+                sequences |= {"lobe_shift": lobe_shift(light), **lobe_sequence()}
             if len(untraced):
-                program = self.tile_program(*RECORDS, **shader_constants(variant, 0, 1, MIN_RAY_PROBABILITY))
-                bind_light(program, **uniforms)
+                constants = shader_constants(variant, 0, correct, 1, MIN_RAY_PROBABILITY)
+                program = self.tile_program(*RECORDS, **constants)
+                bind_light(program, **uniforms, **(sequences if correct else {}))
                 draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
-                is_round = type_of(frame.scene.lights, light).is_round(frame.scene.lights, light)
-                sequences = {"light_uv_shift": light_shift(light), **ray_sequence(is_round)}
                 traced_draws.append((light, variant, uniforms | sequences, traced))
         threshold = ray_threshold(frame) if traced_draws else 0.0
         for light, variant, uniforms, traced in traced_draws:
-            constants = shader_constants(variant, 1, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
+            constants = shader_constants(variant, 1, correct, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
             program = self.tile_program(*RECORDS, **constants)
             bind_light(program, **uniforms, ray_threshold=threshold)
             draw_tiles(frame, self.framebuffer(frame, light), program, traced, rays=variant["max_rays"])
@@ -140,7 +155,8 @@ class TraceShadows(Pass):
         light_type, variant = type_of(lights, light), shader_variant(lights, light)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cache = (frame.get(IRRADIANCE_CACHE) or {}).get(light)
-        return variant | {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
+        cached = {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
+        return variant | cached | material_constants(frame)
 
     @staticmethod
     def shared_uniforms(frame: Frame) -> dict[str, Any]:
@@ -177,13 +193,15 @@ class TraceShadows(Pass):
     def draw_faint_lights(self, frame: Frame) -> set[int]:
         """Draw faint lights, with one draw for each shader variant. Returns those that were drawn in any tile."""
         rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
+        correct = int(frame.scene.has_gloss and frame.sample > 0)
         frame.counts["pairs_traced"] += rays * len(tiles) * TILE_SIZE**2
         lights = np.unique(tiles["light"]).astype(int)
         variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
         target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
         for variant in {tuple(each.items()): each for each in variants.values()}.values():
-            constants = shader_constants(variant, rays, len(frame.grid.subpixel_offsets), MIN_FAINT_RAY_PROBABILITY)
-            program = self.tile_program(*RECORDS, suffix="faint", **constants)
+            offsets = len(frame.grid.subpixel_offsets)
+            constants = shader_constants(variant, rays, correct, offsets, MIN_FAINT_RAY_PROBABILITY)
+            program = self.tile_program(*RECORDS, suffix="faint", **constants, **material_constants(frame))
             bind(
                 program,
                 **surface_samplers(frame) | material_samplers(frame),
@@ -191,6 +209,7 @@ class TraceShadows(Pass):
                 **mean_points(frame.sample),
                 light_steps=light_steps(),
                 **ray_sequence(),
+                **(lobe_sequence() if correct else {}),
                 ray_threshold=ray_threshold(frame) if rays else 0.0,
                 **(frame[TLAS] if rays else {}),
             )

@@ -1,9 +1,8 @@
 // A faint light: one predicted visibility for all pixels of a tile.
 #define ESTIMATE_NODES 4 // of a light BVH: faint lights are not in the irradiance cache
-#include "maths/luminance.glsl"
-#include "surfaces/bsdf.glsl"
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
+#include "lights/reflection_sample.glsl"
 #include "trace/ray_correction.glsl"
 uniform uvec3 light_steps;
 flat in int tile_light;
@@ -21,26 +20,59 @@ void main() {
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
     float irradiance = light_irradiance(light, surface.position, surface.normal);
-    vec3 unshadowed = bsdf_unshadowed(surface, light, irradiance) / tile_probability;
-    float amount = luminance(unshadowed); // always uncertain: the prediction is from few rays
-    direct_prediction = vec4(unshadowed * visibility, light.casts_shadow == 0 ? 0.0 : headroom(amount, visibility));
-#if TRACE
-    if (light.casts_shadow == 0 || (EXACT == 1 && unshadowed == vec3(0.0))) return;
-    direct_residual.a = abs(amount);
+    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance) / tile_probability, all_unshadowed = unshadowed;
+#if GLOSS
+    Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
+    vec3 glossy = unshadowed_lobes(surface, lobes, light, irradiance) / tile_probability;
+    bool corrects_gloss = lobes.exist && !light_is_delta(light, surface.position);
+    all_unshadowed += glossy;
+#else
+    const bool corrects_gloss = false;
+#endif
+    float amount = luminance(all_unshadowed); // always uncertain: the prediction is from few rays
+    bool casts_shadow = light.casts_shadow != 0;
+    direct_prediction = vec4(all_unshadowed * visibility, casts_shadow ? headroom(amount, visibility) : 0.0);
+#if TRACE || CORRECT
+    if (!corrects_gloss && (!casts_shadow || (EXACT == 1 && all_unshadowed == vec3(0.0)))) return;
     uvec3 start = uint(tile_light + 1) * light_steps;
-    float rate = ray_rate(amount, visibility, EXACT == 0 || visibility < 1.0);
-    // So there are as many rays on average as if all samples drew the light.
-    rate = max(min(rate, 1.0), MIN_PROBABILITY / tile_probability);
-    ScheduledRays scheduled = schedule_rays(at, start.z, rate);
-    if (scheduled.count == 0.0) return;
+    float rate = 1.0;
+    ScheduledRays scheduled = ScheduledRays(0.0, 0.0);
+#if TRACE
+    if (casts_shadow) {
+        direct_residual.a = abs(amount);
+        rate = ray_rate(amount, visibility, EXACT == 0 || visibility < 1.0);
+        // So there are as many rays on average as if all samples drew the light.
+        rate = max(min(rate, 1.0), MIN_PROBABILITY / tile_probability);
+        scheduled = schedule_rays(at, start.z, rate);
+    }
+#endif
+    bool has_ray = scheduled.count > 0.0;
+    if (!has_ray && !corrects_gloss) return;
+    if (!has_ray) scheduled.first = RAYLESS + sample_index;
     vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(scheduled.first));
-    LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
+#if GLOSS
+    vec3 lobe_uv = lobe_sequence(at, uint(tile_light + 1) * lobe_light_steps, uint(scheduled.first));
+    ReflectionSample chosen = reflection_sample(surface, lobes, light, light_uv, lobe_uv, irradiance);
+    if (corrects_gloss) {
+        direct_prediction.a = 1e30; // the correction has no bound
+        direct_residual.a = max(direct_residual.a, correctable_luminance(lobes, unshadowed, glossy));
+        direct_residual.rgb = visibility * (chosen.all_gloss / tile_probability - glossy);
+    }
+#else
+    ReflectionSample chosen = reflection_sample(surface, light, light_uv, irradiance);
+#endif
+#if TRACE
+    LightSample from = chosen.from;
     bool is_lit_from = arrives(surface, from);
-    if (EXACT == 1 && !is_lit_from) return;
+    if (!has_ray || (EXACT == 1 && !is_lit_from)) return;
     float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
-    vec3 estimate = is_lit_from ? bsdf_estimate(surface, light, from) / tile_probability : vec3(0.0);
+    vec3 estimate = is_lit_from ? chosen.diffuse / tile_probability : vec3(0.0);
     vec3 correction =
         ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point, true);
-    direct_residual.rgb = correction / rate;
+#if GLOSS
+    if (is_lit_from) correction += chosen.gloss * ((visible - visibility) / tile_probability);
+#endif
+    direct_residual.rgb = direct_residual.rgb + correction / rate;
+#endif
 #endif
 }

@@ -1,5 +1,9 @@
 // Composition in linear light.
 #include "textures/bilateral_upsample.glsl"
+#if GLOSS
+#include "surfaces/camera_ray.glsl"
+#include "surfaces/lobes.glsl"
+#endif
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
@@ -38,8 +42,19 @@ void main() {
         return;
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
-    // A Lambertian surface reflects the fraction base_color of a world of constant radiance.
-    sample_color = vec4(direct.rgb + surface.material.base_color * ambient * ambient_visibility(at, surface), 1.0);
+    // A surface reflects the fraction of its albedo of a world of constant radiance.
+    vec3 albedo = surface.base_color;
+#if GLOSS
+    Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
+    albedo += reflected_fraction(lobes.gloss, surface.normal, lobes.wo);
+#if COAT
+    albedo += reflected_fraction(lobes.coat, lobes.coat_facets.frame[2], lobes.wo);
+#endif
+#if RARE_LOBES
+    albedo += lobes.rare.sheen;
+#endif
+#endif
+    sample_color = vec4(direct.rgb + albedo * ambient * ambient_visibility(at, surface), 1.0);
     sample_residual = fetch_clamped(direct_residual, at);
     sample_headroom = direct.a;
 }

@@ -8,7 +8,6 @@ from the half-resolution pixels that show the same surface.
 
 from ....resources import (
     AMBIENT_OCCLUSION,
-    BASE_COLOR,
     DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -24,26 +23,28 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...lights.world import has_world
+from ...material_inputs import MATERIAL, material_constants, material_samplers
 
 
 class Shade(Pass):
     """The image of one sample, alpha premultiplied; its residual and its headroom."""
 
     inputs = (
-        *(TILES, POSITION, NORMAL, DEPTH, BASE_COLOR, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
+        *(TILES, POSITION, NORMAL, DEPTH, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
         *(Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
-        program = self.tile_program(occluded=int(not frame.is_neutral(AMBIENT_OCCLUSION)))
+        is_occluded = int(not frame.is_neutral(AMBIENT_OCCLUSION))
+        program = self.tile_program(occluded=is_occluded, **material_constants(frame))
         bind(
             program,
             position=frame[POSITION],
             normal=frame[NORMAL],
             depth=frame[DEPTH],
-            base_color=frame[BASE_COLOR],
+            **material_samplers(frame),
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],
             ambient_occlusion=frame[AMBIENT_OCCLUSION],

@@ -1,6 +1,6 @@
 // Irradiance cache of one light: the ratio of its unshadowed irradiance to the estimate that shaders use. FINE: at each
 // pixel of tiles near the light.
-#include "surfaces/bsdf.glsl"
+#include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 uniform int light_index;
 #if !FINE
@@ -19,7 +19,7 @@ void main() {
 #endif
     Surface surface = surface_at(at);
     irradiance_ratio = NO_RATIO;
-    if (!surface.exists || !is_needed || !reflects(surface)) return;
+    if (!surface.exists || !is_needed || surface.base_color == vec3(0.0)) return;
     Light light = fetch_Light(lights, light_index);
     float estimate = estimate_light_bvh(light, surface.position, surface.normal, 1);
     float accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);

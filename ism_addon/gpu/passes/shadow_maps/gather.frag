@@ -70,7 +70,11 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
 #endif
-    vec3 unshadowed = bsdf_unshadowed(surface, light, irradiance);
+    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance);
+#if GLOSS
+    vec3 wo = direction_to_camera(surface.position);
+    unshadowed += unshadowed_lobes(surface, lobes_at(ivec2(gl_FragCoord.xy), surface, wo), light, irradiance);
+#endif
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.
     LightSample middle_sample = light_sample(light, surface.position, surface.normal, vec2(0.5));

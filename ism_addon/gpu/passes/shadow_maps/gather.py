@@ -39,7 +39,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import mixed_variant, modulation, type_of
-from ...material_inputs import MATERIAL, material_samplers
+from ...material_inputs import MATERIAL, material_constants, material_samplers
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
 VIRTUAL_LIGHTS_PER_RAY = 20
@@ -61,9 +61,10 @@ class GatherLight(Pass):
         """By the constants of the lights it is for, and whether they are in the irradiance cache."""
         return {}
 
-    def shader(self, lights: Lights, drawn: Sequence[int], cached: int) -> moderngl.VertexArray:
+    def shader(self, frame: Frame, drawn: Sequence[int], cached: int) -> moderngl.VertexArray:
         """The shader for the types of these lights. `cached`: the variant of their irradiance cache, or 0."""
-        variant = mixed_variant(lights, drawn)
+        lights = frame.scene.lights
+        variant = mixed_variant(lights, drawn) | material_constants(frame)
         key = cached, *variant.items()
         if key not in self.shaders:
             records = *LIGHT_RECORDS, VIRTUAL_LIGHT, MEMBERSHIP, VIRTUAL_LIGHT_RANGE
@@ -107,7 +108,7 @@ class GatherLight(Pass):
         # Each light of the cache is drawn alone, with its ratios; the others between them are drawn together.
         for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
             indices, drawn = zip(*group, strict=True)
-            shader = self.shader(frame.scene.lights, drawn, 0 if cached is None else cache[cached].variant)
+            shader = self.shader(frame, drawn, 0 if cached is None else cache[cached].variant)
             ratio = {} if cached is None else {"depth": frame[DEPTH], **cache[cached].uniforms}
             bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
             virtual_lights = sum(counts[light] for light in drawn)

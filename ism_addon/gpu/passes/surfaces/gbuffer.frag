@@ -4,9 +4,11 @@
 #include "maths/packed_normal.glsl"
 #include "surfaces/camera_ray.glsl"
 #include "surfaces/instances.glsl"
-#include "surfaces/material_outputs.glsl"
 #include "surfaces/terminator_offset.glsl"
 #include "surfaces/visible_triangle.glsl"
+#if GLOSS
+#include "surfaces/gloss_packing.glsl"
+#endif
 #if IMAGES
 #include "textures/image.glsl"
 #endif
@@ -16,6 +18,9 @@
 #if GRAPH
 #include "surfaces/node_graph.glsl"
 #endif
+#if GLOSSY
+#include "nodes/gloss.glsl"
+#endif
 
 flat in float sample_index;
 uniform usamplerBuffer materials;
@@ -24,11 +29,29 @@ uniform isamplerBuffer corner_normal_buffer;
 uniform int own_graph;        // of the materials that this program draws
 uniform int background_graph; // of the program that draws the background too
 #endif
+#if LAYERS // a second draw for lobes that few scenes have: framebuffers have at most eight targets
+float depth;
+vec4 position, normal, base_color;
+uvec2 primitive;
+#if COAT
+layout(location = 0) out uvec4 coat;
+layout(location = 1) out vec4 coat_ltc;
+#endif
+#if RARE_LOBES
+layout(location = RARE_LOCATION) out uvec4 rare_lobes;
+#endif
+#else
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
 layout(location = 2) out vec4 normal;
 layout(location = 3) out vec4 base_color;
 layout(location = 4) out uvec2 primitive;
+#if GLOSS
+layout(location = 5) out uvec4 gloss_reflectance;
+layout(location = 6) out uvec4 gloss_rise;
+layout(location = 7) out vec4 gloss_ltc;
+#endif
+#endif
 
 const float MAX_RELATIVE_SIZE = 100.0; // a triangle's size over its distance
 
@@ -87,10 +110,47 @@ vec3 in_plane(vec3 way, vec3 u, vec3 v) {
 Shift shift(vec3 barycentric, vec3 u, vec3 v) { return Shift(u * barycentric.y + v * barycentric.z, barycentric); }
 #endif
 
+void clear_lobes() {
+#if LAYERS && COAT
+    coat = uvec4(0u);
+    coat_ltc = vec4(0.0);
+#endif
+#if LAYERS && RARE_LOBES
+    rare_lobes = pack_rare_lobes(RareLobes(vec3(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0));
+#endif
+#if !LAYERS && GLOSS
+    gloss_reflectance = gloss_rise = uvec4(0u);
+    gloss_ltc = vec4(0.0);
+#endif
+}
+
+#if GLOSSY
+void write_lobes(Closures closures, vec3 wo, vec3 n) {
+#if LAYERS && COAT
+    if (closures.coat_normal != vec3(0.0)) {
+        vec3 coat_normal = normalize(closures.coat_normal);
+        Gloss gloss = gloss_of(closures.coat, clamp(dot(wo, coat_normal), 0.0, 1.0));
+        coat = pack_coat(Coat(gloss, coat_normal));
+        coat_ltc = gloss.ltc;
+    }
+#endif
+#if LAYERS && RARE_LOBES
+    rare_lobes = pack_rare_lobes(rare_lobes_of(closures, n));
+#endif
+#if !LAYERS
+    Gloss gloss = gloss_of(closures.glossy, clamp(dot(wo, n), 0.0, 1.0));
+    gloss_reflectance = pack_reflectance(gloss);
+    gloss_rise = pack_rise(gloss);
+    gloss_ltc = gloss.ltc;
+#endif
+}
+#endif
+
 void main() {
     vec2 pixel = gl_FragCoord.xy + visibility_texel_and_offset.zw;
     uvec2 id = visible_triangle(floor(gl_FragCoord.xy));
     primitive = id;
+    clear_lobes();
     TriangleVertices corner = fetch_triangle(max(int(id.x) - 1, 0));
 #ifdef SEVERAL_GRAPHS
     int graph = id.x == 0u ? background_graph : fetch_Material(materials, corner.material).graph;
@@ -99,7 +159,6 @@ void main() {
     if (id.x == 0u) {
         depth = BACKGROUND_DEPTH;
         position = normal = base_color = vec4(0.0);
-        clear_material_inputs();
         return;
     }
     int triangle = int(id.x) - 1;
@@ -139,7 +198,6 @@ void main() {
 
     Material material = fetch_Material(materials, corner.material);
     base_color = vec4(material.base_color, offset_from_triangle);
-    write_material_inputs(material);
 #if IMAGES || GRAPH
     // Footprints shrink with the number of samples: their mean replaces filtering by smaller copies.
     float scale = inversesqrt(1.0 + sample_index);
@@ -158,6 +216,9 @@ void main() {
     Closures closures = evaluate_graph(at, differentials, material.first_constant);
     base_color.rgb = closures.diffuse;
     if (closures.normal != vec3(0.0)) shading_normal = normalize(closures.normal);
+#if GLOSSY
+    write_lobes(closures, at.incoming, shading_normal);
+#endif
 #elif IMAGES
     if (material.image >= 0) {
         Image image = fetch_Image(images, material.image);

@@ -4,10 +4,12 @@
 Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 """
 
+from functools import cached_property
 from typing import Any
 
 import moderngl
 
+from ....resource_types import Target
 from ....resources import (
     ATTRIBUTE_BUFFERS,
     BACKGROUND_DEPTH,
@@ -15,7 +17,6 @@ from ....resources import (
     DEPTH,
     INSTANCE_BUFFERS,
     MATERIAL_BUFFERS,
-    MATERIAL_VALUES,
     MESH_BUFFERS,
     NORMAL,
     POSITION,
@@ -32,9 +33,11 @@ from ...buffers.material_buffers import MaterialBuffers
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl import shader_records
+from ...gl.buffer_texture import BufferTexture
 from ...gl.shader_compiler import ShaderError, bind
 from ...gl.shader_records import INSTANCE, OBJECT_INFO, Record
-from ...material_inputs import MATERIAL
+from ...material_inputs import GLOSS, MATERIAL, layer_targets, lobe_targets, material_constants
+from ...materials import lobe_tables
 from ...surface_inputs import visible_triangle_uniforms
 
 #: Records that the shader fetches.
@@ -52,16 +55,30 @@ class GBuffer(Pass):
         MATERIAL, (MATERIAL_BUFFERS,)
     )
 
+    @cached_property
+    def lobe_tables(self) -> BufferTexture:
+        return self.device.buffer_from(lobe_tables.texture_rows())
+
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        materials, targets = frame[MATERIAL_BUFFERS], (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
-        framebuffer = frame.framebuffer(*targets, *MATERIAL_VALUES)
+        scene, targets = frame.scene, (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
+        for target in lobe_targets(scene):
+            frame.allocate(target, frame.size)
+        self.draw(frame, (*targets, *(GLOSS if scene.has_gloss else ())), layers=0)
+        if layers := layer_targets(scene):
+            self.draw(frame, layers, layers=1)
+
+    def draw(self, frame: Frame, targets: tuple[Target, ...], layers: int) -> None:
+        """Draw targets with the program of each graph. `layers`: 1 for layer_targets, or 0."""
+        materials, framebuffer = frame[MATERIAL_BUFFERS], frame.framebuffer(*targets)
         constants: dict[str, Any] = {
             "background_depth": BACKGROUND_DEPTH,
-            **{f"{each.name}_location": location for location, each in enumerate(MATERIAL_VALUES, len(targets))},
+            "layers": layers,
+            **material_constants(frame),
         }
-        programs = self.programs(frame, materials, constants)
-        for graph, program in programs.items():
+        if frame.scene.has_gloss:
+            constants |= {"rare_location": len(targets) - 1}
+        for graph, program in self.programs(frame, materials, constants).items():
             shader = materials.shader(graph)
             bind(
                 program,
@@ -72,6 +89,7 @@ class GBuffer(Pass):
                 **frame[MESH_BUFFERS].samplers,
                 **({"uvs": frame[UV_BUFFERS].texture} if shader.reads_uvs else {}),
                 **({"object_info": frame[INSTANCE_BUFFERS].info} if shader.reads_objects else {}),
+                **({"lobe_tables": self.lobe_tables} if shader.has_gloss else {}),
                 **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
             )
             if len(materials.graphs) > 1:

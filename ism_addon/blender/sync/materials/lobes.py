@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lobes that closures consist of, as operations of a graph."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import bpy
+
+from ....shading.builder import Builder, Value, constant
+from ..node_graphs.reader import Closure
+
+BLACK = constant((0.0, 0.0, 0.0))
+ONE, ZERO = constant(1.0), constant(0.0)
+
+#: The distribution of microfacets between which light is reflected more than once.
+MULTIPLE = "MULTI_GGX"
+
+#: Whether a coat's microfacets are of that kind in this release of Cycles.
+MULTIPLE_IN_COATS = int(bpy.app.version >= (4, 4))
+
+
+class Lobe(NamedTuple):
+    """One lobe of a surface: an operation that adds it to the closures, and about its color."""
+
+    operation: Value
+    weight: Value
+    color: Value
+
+
+class Lobes:
+    """Makes the lobes of closures, with one builder."""
+
+    def __init__(self, builder: Builder, normal: Value):
+        """`normal`: of shaders without another one."""
+        self._builder, self._normal = builder, normal
+
+    def of(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        """The lobes of a closure of this weight, a color; none of one that is not known, or only emits."""
+        makers = {
+            "diffuse": self._diffuse,
+            "translucent": self._diffuse,
+            "subsurface": self._diffuse,
+            "glossy": self._glossy,
+            "metallic": self._metallic,
+            "glass": self._glass,
+            "sheen": self._sheen,
+            "principled": self._principled,
+        }
+        if closure.name in makers:
+            yield from makers[closure.name](closure, weight)
+
+    def diffuse(self, weight: Value, color: Value, normal: Value, roughness: Value = ZERO) -> Iterator[Lobe]:
+        """A diffuse lobe."""
+        if self._is_nothing(weight) or self._is_nothing(color):
+            return
+        if roughness.equals(0.0):
+            reflectance = self._builder.call("vector_multiply", weight, color)
+            operation = self._builder.call("closure_diffuse", reflectance, normal)
+        else:
+            operation = self._builder.call("closure_rough_diffuse", weight, color, roughness, normal)
+        yield Lobe(operation, weight, color)
+
+    def _diffuse(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        roughness = closure.inputs.get("roughness", ZERO)
+        yield from self.diffuse(weight, closure.inputs["color"], self._normal_of(closure), roughness)
+
+    def _glossy(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        inputs = closure.inputs
+        operands = weight, inputs["color"], inputs["roughness"], self._normal_of(closure)
+        yield self._lobe("closure_glossy", closure, operands, weight, inputs["color"])
+        yield from self._anisotropy(closure)
+
+    def _metallic(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        inputs = closure.inputs
+        yield self._metal(closure, weight, inputs["base_color"], inputs["edge_tint"])
+        yield from self._anisotropy(closure)
+
+    def _metal(self, closure: Closure, weight: Value, color: Value, edge_tint: Value) -> Lobe:
+        operands = weight, color, edge_tint, closure.inputs["roughness"], self._normal_of(closure)
+        return self._lobe("closure_metal", closure, operands, weight, color)
+
+    def _glass(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        inputs = closure.inputs
+        operands = weight, inputs["ior"], constant(0.5), inputs["color"], inputs["roughness"], self._normal_of(closure)
+        yield self._lobe("closure_dielectric", closure, operands, weight, BLACK)
+
+    def _sheen(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        color = self._builder.call("vector_multiply", weight, closure.inputs["color"])
+        operation = self._builder.call("closure_sheen", color, closure.inputs["roughness"], self._normal_of(closure))
+        yield Lobe(operation, weight, closure.inputs["color"])
+
+    def _anisotropy(self, closure: Closure) -> Iterator[Lobe]:
+        """What makes the glossy lobes anisotropic."""
+        inputs = closure.inputs
+        if "tangent" in inputs:
+            operands = inputs["anisotropy"], inputs["rotation"], inputs["tangent"], self._normal_of(closure)
+            yield Lobe(self._builder.call("closure_anisotropy", *operands), ONE, BLACK)
+
+    def _principled(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
+        """Sheen, a coat, metal beside a dielectric, and a diffuse lobe: each has what those above do not reflect."""
+        builder, inputs = self._builder, closure.inputs
+        normal, base_color, tint = self._normal_of(closure), inputs["base_color"], inputs["specular_tint"]
+        coat_normal, roughness = inputs["coat_normal"], inputs["roughness"]
+        if not self._is_nothing(inputs["sheen"]):
+            amount = builder.call("vector_scale", inputs["sheen_tint"], inputs["sheen"])
+            sheen = builder.call("vector_multiply", weight, amount)
+            yield Lobe(builder.call("closure_sheen", sheen, inputs["sheen_roughness"], normal), weight, BLACK)
+            weight = builder.call("below_sheen", weight, amount, inputs["sheen_roughness"], normal)
+        if not self._is_nothing(inputs["coat"]):
+            coat = builder.call("vector_scale", weight, inputs["coat"])
+            operands = coat, inputs["coat_ior"], inputs["coat_roughness"], coat_normal
+            yield Lobe(builder.call("closure_coat", *operands, parameter=MULTIPLE_IN_COATS), weight, BLACK)
+            shape = inputs["coat_ior"], inputs["coat_roughness"], inputs["coat_tint"], coat_normal
+            weight = builder.call("below_coat", weight, inputs["coat"], *shape, parameter=MULTIPLE_IN_COATS)
+        metallic = builder.call("saturate", inputs["metallic"])
+        if not self._is_nothing(metallic):
+            metal = builder.call("vector_scale", weight, metallic)
+            yield self._metal(closure, metal, base_color, tint)
+            weight = builder.call("vector_scale", weight, builder.call("math_subtract", ONE, metallic))
+        yield from self._anisotropy(closure)
+        if self._is_nothing(weight):
+            return
+        level = inputs["specular_ior_level"]
+        if not self._is_nothing(level) and not (builder.simplifies and inputs["ior"].equals(1.0)):
+            dielectric = weight, inputs["ior"], level, tint, roughness, normal
+            yield self._lobe("closure_dielectric", closure, dielectric, weight, BLACK)
+            weight = builder.call("below_dielectric", *dielectric, parameter=multiple(closure))
+        transmission = builder.call("saturate", inputs["transmission"])
+        weight = builder.call("vector_scale", weight, builder.call("math_subtract", ONE, transmission))
+        yield from self.diffuse(weight, base_color, normal, inputs.get("diffuse_roughness", ZERO))
+
+    def _normal_of(self, closure: Closure) -> Value:
+        return closure.inputs.get("normal", self._normal)
+
+    def _lobe(
+        self, operation: str, closure: Closure, operands: tuple[Value, ...], weight: Value, color: Value
+    ) -> Lobe:
+        return Lobe(self._builder.call(operation, *operands, parameter=multiple(closure)), weight, color)
+
+    def _is_nothing(self, value: Value) -> bool:
+        """Whether a lobe of this weight can be left out."""
+        return self._builder.simplifies and value.equals(0.0)
+
+
+def multiple(closure: Closure) -> int:
+    """1 if light is reflected between microfacets more than once, or 0: the parameter of glossy lobes."""
+    return int(getattr(closure.node, "distribution", MULTIPLE) == MULTIPLE)

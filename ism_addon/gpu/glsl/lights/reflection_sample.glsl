@@ -1,0 +1,73 @@
+// A sample of the light that a surface reflects, and what its lobes reflect of it.
+#include "maths/luminance.glsl"
+#include "surfaces/bsdf.glsl"
+#include "lights/resampled_light_sample.glsl"
+
+struct ReflectionSample {
+    LightSample from;
+    vec3 diffuse; // estimates of the radiance that each lobe reflects
+#if GLOSS
+    vec3 gloss;
+    vec3 all_gloss; // the same by both candidates, which takes no ray
+#endif
+};
+
+#if GLOSS
+// The sample is one of two candidates, so that one shadow ray serves both lobes (Talbot, Cline & Egbert 2005): a point of
+// the light, and the direction that a visible microfacet reflects. Their weights are those of the balance heuristic (Veach
+// & Guibas 1995).
+uniform uvec3 lobe_pixel_steps; // of the sequence of a microfacet's normal, and of the choice between the candidates
+uniform uvec3 lobe_ray_steps;
+uniform uvec3 lobe_light_steps;
+
+vec3 lobe_sequence(ivec2 at, uvec3 shift, uint index) {
+    uvec3 fixed_point = shift + pixel_index(at) * lobe_pixel_steps + index * lobe_ray_steps;
+    return vec3(fixed_point >> 8u) / 16777216.0;
+}
+
+ReflectionSample reflection_sample(Surface surface, Lobes lobes, Light light, vec2 light_uv, vec3 lobe_uv,
+                                   float irradiance) {
+    vec3 p = surface.position, n = surface.normal;
+    LightSample by_light = resampled_light_sample(light, p, n, light_uv, irradiance);
+    LobeValue value = LobeValue(vec3(0.0), 0.0);
+    if (lobes.exist) value = evaluate_lobes(lobes, by_light.wi);
+#if LOBE_CANDIDATES
+    bool has_other = lobes.gloss_share >= 0.0;
+#else
+    const bool has_other = false; // the light's density in any direction takes too long
+#endif
+    vec3 light_sum = light.emission * light_color(light, p, by_light.point);
+    light_sum *= by_light.radiance / (by_light.pdf + (has_other ? value.pdf : 0.0));
+    vec3 diffuse = light_sum * evaluate_diffuse(surface, by_light.wi), reflected = light_sum * value.reflected;
+    ReflectionSample kept = ReflectionSample(by_light, diffuse, reflected, reflected);
+#if LOBE_CANDIDATES
+    if (!has_other) return kept;
+    vec3 wi = sample_lobes(lobes, lobe_uv.xy);
+    float radiance = dot(n, wi) > 0.0 ? light_emitted(light, p, wi) : 0.0;
+    if (radiance <= 0.0) return kept;
+    value = evaluate_lobes(lobes, wi);
+    float density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
+    vec3 point = p + light_hit_distance(light, p, wi) * wi;
+    light_sum = light.emission * light_color(light, p, point) * (radiance / density);
+    vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
+    kept.all_gloss += other_gloss;
+    float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
+    float probability = second > 0.0 ? first / (first + second) : 1.0;
+    if (lobe_uv.z >= probability) {
+        kept.from = LightSample(point, wi, radiance, density);
+        kept.diffuse = other_diffuse;
+        kept.gloss = other_gloss;
+        probability = 1.0 - probability;
+    }
+    kept.diffuse /= probability;
+    kept.gloss /= probability;
+#endif
+    return kept;
+}
+#else
+ReflectionSample reflection_sample(Surface surface, Light light, vec2 light_uv, float irradiance) {
+    LightSample from = resampled_light_sample(light, surface.position, surface.normal, light_uv, irradiance);
+    vec3 emission = light.emission * light_color(light, surface.position, from.point);
+    return ReflectionSample(from, emission * evaluate_diffuse(surface, from.wi) * (from.radiance / from.pdf));
+}
+#endif

@@ -1,0 +1,70 @@
+// About the irradiance of lights in transformed spaces, in which a glossy lobe is a cosine (Heitz, Dupuy, Hill & Neubelt
+// 2016; Heitz & Hill 2017): parallelograms and ellipses keep their shapes there.
+
+#if HAS_AREA
+bool area_is_delta(Light light, vec3 p) { return false; }
+
+// In the transformed space too, the light is a parallelogram or an ellipse. About: the spread is that of its middle.
+float area_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    vec3 centre = light.position - p, u = light.axis_u, v = light.axis_v;
+    float height = -dot(light.normal, centre);
+    if (height <= 0.0) return 0.0;
+    float spread = spread_falloff(light, height, length(cross(light.normal, centre)));
+    mat3 transformed = m * mat3(centre, u, v);
+    transformed *= inversesqrt(max(dot(transformed[0], transformed[0]),
+                                   max(dot(transformed[1], transformed[1]), dot(transformed[2], transformed[2]))));
+    vec3 across = cross(transformed[1], transformed[2]), normal = across * inversesqrt(max(dot(across, across), 1e-37));
+    if (dot(normal, transformed[0]) > 0.0) normal = -normal;
+    return spread * area_shape_irradiance(light, transformed[0], transformed[1], transformed[2], vec3(0.0, 0.0, 1.0), normal);
+}
+#endif
+
+#if HAS_POINT || HAS_SPOT
+bool point_is_delta(Light light, vec3 p) { return !point_has_radius(light); }
+
+float point_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    PointCap cap = point_cap(light, p);
+    return point_has_radius(light) ? point_radiance(light) * transformed_cap_irradiance(cap.axis, cap.sine, m) : 0.0;
+}
+#endif
+
+#if HAS_SPOT
+bool spot_is_delta(Light light, vec3 p) { return point_is_delta(light, p); }
+
+float spot_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    float irradiance = point_transformed_irradiance(light, p, m);
+    return irradiance == 0.0 ? 0.0 : irradiance * spot_factor(light, p, normalize(light.position - p));
+}
+#endif
+
+#if HAS_SUN
+bool sun_is_delta(Light light, vec3 p) { return !sun_has_angle(light); }
+
+float sun_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    return sun_has_angle(light) ? sun_radiance(light) * transformed_cap_irradiance(-light.normal, light.radius, m) : 0.0;
+}
+#endif
+
+#if HAS_EMISSIVE_MESH
+bool emissive_mesh_is_delta(Light light, vec3 p) { return false; }
+
+// Of few triangles; 0 of a light BVH: rays alone find what it adds to reflections.
+float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    bool enclosed = emissive_mesh_encloses(light, p);
+    float sum = 0.0;
+    int last = has_light_bvh(light) ? light.first_triangle : light.first_triangle + light.triangle_count;
+    for (int k = light.first_triangle; k < last; ++k) {
+        EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, k);
+        if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) continue;
+        mat3 corners = m * mat3(triangle.corner - p, triangle.u, triangle.v);
+        sum += triangle_irradiance(corners[0], corners[1], corners[2], vec3(0.0, 0.0, 1.0), SMALL_TRIANGLE);
+    }
+    return sum;
+}
+#endif
+
+#if HAS_WORLD
+bool world_is_delta(Light light, vec3 p) { return false; }
+
+float world_transformed_irradiance(Light light, vec3 p, mat3 m) { return 3.141592653589793; }
+#endif

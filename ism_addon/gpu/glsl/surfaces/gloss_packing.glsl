@@ -1,0 +1,85 @@
+// The lobes of a pixel's surface other than Lambert's in the G-buffer: colors of up to 4, as 16-bit integers.
+#include "maths/octahedron.glsl"
+#include "surfaces/fresnel.glsl"
+
+// Microfacets (GGX). Their reflectance is f0 at normal incidence, and rises by `schlick` and `dielectric` to grazing
+// angles, along the curves of Schlick and of Fresnel's equations; metals change it by `edge` before.
+struct Gloss {
+    vec3 f0;
+    vec3 schlick;
+    vec3 dielectric;
+    vec3 edge;
+    float eta;
+    float roughness;
+    float reflected; // the fraction that the lobe reflects towards the camera, if microfacets reflect all
+    vec4 ltc;        // of the transform that makes the lobe a cosine: see surfaces/gloss.glsl
+};
+
+// What few materials have.
+struct RareLobes {
+    vec3 sheen;
+    vec2 sheen_shape;       // see surfaces/sheen.glsl
+    float anisotropy;       // of the lobe that is not the coat
+    float tangent_angle;    // of its tangent in the basis about the normal, in turns
+    float diffuse_roughness;
+    float diffuse_weight; // by which the color of a rough diffuse lobe has been multiplied
+};
+
+bool is_glossy(Gloss gloss) { return gloss.f0 + gloss.schlick + gloss.dielectric != vec3(0.0); }
+
+const float MAX_REFLECTANCE = 4.0, MAX_SHEEN_SHAPE = 8.0;
+
+uvec4 pack_halves(vec4 low, vec4 high) {
+    return uvec4(packUnorm2x16(low.xy), packUnorm2x16(low.zw), packUnorm2x16(high.xy), packUnorm2x16(high.zw));
+}
+
+mat2x4 unpack_halves(uvec4 bits) {
+    return mat2x4(vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y)),
+                  vec4(unpackUnorm2x16(bits.z), unpackUnorm2x16(bits.w)));
+}
+
+uvec4 pack_reflectance(Gloss gloss) {
+    return pack_halves(vec4(gloss.f0 / MAX_REFLECTANCE, gloss.roughness),
+                       vec4(gloss.schlick / MAX_REFLECTANCE, gloss.eta / (1.0 + gloss.eta)));
+}
+
+uvec4 pack_rise(Gloss gloss) {
+    return pack_halves(vec4(gloss.dielectric / MAX_REFLECTANCE, gloss.reflected),
+                       vec4(gloss.edge / (7.0 * MAX_REFLECTANCE), 0.0));
+}
+
+Gloss unpack_gloss(uvec4 reflectance, uvec4 rise, vec4 ltc) {
+    mat2x4 a = unpack_halves(reflectance), b = unpack_halves(rise);
+    return Gloss(MAX_REFLECTANCE * a[0].rgb, MAX_REFLECTANCE * a[1].rgb, MAX_REFLECTANCE * b[0].rgb,
+                 7.0 * MAX_REFLECTANCE * b[1].rgb, a[1].w / max(1.0 - a[1].w, 1e-4), a[0].w, b[0].w, ltc);
+}
+
+// A coat is a dielectric whose reflectance rises to its weight, and has a normal of its own.
+struct Coat { Gloss gloss; vec3 normal; };
+
+uvec4 pack_coat(Coat coat) {
+    vec3 weight = (coat.gloss.f0 + coat.gloss.dielectric) / MAX_REFLECTANCE;
+    return pack_halves(vec4(weight, coat.gloss.roughness), vec4(coat.gloss.eta / (1.0 + coat.gloss.eta),
+                       coat.gloss.reflected, 0.5 + 0.5 * octahedron_from_direction(coat.normal)));
+}
+
+Coat unpack_coat(uvec4 bits, vec4 ltc) {
+    mat2x4 a = unpack_halves(bits);
+    float eta = a[1].x / max(1.0 - a[1].x, 1e-4), f0 = dielectric_f0(eta);
+    vec3 weight = MAX_REFLECTANCE * a[0].rgb, none = vec3(0.0);
+    return Coat(Gloss(f0 * weight, none, (1.0 - f0) * weight, none, eta, a[0].w, a[1].y, ltc),
+                direction_from_octahedron(2.0 * a[1].zw - 1.0));
+}
+
+uvec4 pack_rare_lobes(RareLobes rare) {
+    vec2 bytes = floor(255.0 * clamp(vec2(rare.diffuse_roughness, rare.diffuse_weight), 0.0, 1.0) + 0.5);
+    return pack_halves(vec4(rare.sheen / MAX_REFLECTANCE, (256.0 * bytes.x + bytes.y) / 65535.0),
+                       vec4(0.5 + rare.sheen_shape / (2.0 * MAX_SHEEN_SHAPE), rare.anisotropy, rare.tangent_angle));
+}
+
+RareLobes unpack_rare_lobes(uvec4 bits) {
+    mat2x4 a = unpack_halves(bits);
+    vec2 bytes = vec2(bits.y >> 24u, bits.y >> 16u & 255u) / 255.0;
+    return RareLobes(MAX_REFLECTANCE * a[0].rgb, 2.0 * MAX_SHEEN_SHAPE * (a[1].xy - 0.5), a[1].z, a[1].w, bytes.x,
+                     bytes.y);
+}

@@ -1,0 +1,93 @@
+// All lobes of a surface but Lambert's: microfacets, a coat of others above them, and rare ones.
+#include "maths/orthonormal_basis.glsl"
+#include "surfaces/surface.glsl"
+#include "surfaces/gloss.glsl"
+#include "surfaces/rare_lobes.glsl"
+uniform usampler2D gloss_reflectance;
+uniform usampler2D gloss_rise;
+uniform sampler2D gloss_ltc;
+#if COAT
+uniform usampler2D coat;
+uniform sampler2D coat_ltc;
+#endif
+#if RARE_LOBES
+uniform usampler2D rare_lobes;
+#endif
+
+struct Lobes {
+    vec3 normal;
+    vec3 wo; // unit vector to the camera
+    Gloss gloss;
+    Microfacets facets;
+#if COAT
+    Gloss coat;
+    Microfacets coat_facets;
+#endif
+#if RARE_LOBES
+    RareLobes rare;
+    vec3 base_color;
+#endif
+    bool exist;
+    float gloss_share; // of light samples that follow the microfacets below the coat; less than 0: of none
+};
+
+// The fraction of the light from everywhere that a lobe reflects, about.
+vec3 reflected_fraction(Gloss gloss, vec3 n, vec3 wo) {
+    return gloss.reflected * reflectance(gloss, max(dot(n, wo), 0.0));
+}
+
+Lobes lobes_at(ivec2 at, Surface surface, vec3 wo) {
+    Lobes lobes;
+    lobes.normal = surface.normal;
+    lobes.wo = wo;
+    lobes.gloss = unpack_gloss(fetch(gloss_reflectance, at), fetch(gloss_rise, at), fetch(gloss_ltc, at));
+    lobes.facets = microfacets(lobes.gloss, surface.normal);
+    lobes.exist = is_glossy(lobes.gloss);
+    lobes.gloss_share = lobes.exist ? 1.0 : -1.0;
+#if RARE_LOBES
+    lobes.rare = unpack_rare_lobes(fetch(rare_lobes, at));
+    lobes.facets = anisotropic_microfacets(lobes.gloss, lobes.rare, surface.normal);
+    lobes.base_color = surface.base_color;
+    lobes.exist = lobes.exist || lobes.rare.diffuse_roughness > 0.0 || lobes.rare.sheen != vec3(0.0);
+#endif
+#if COAT
+    Coat above_all = unpack_coat(fetch(coat, at), fetch(coat_ltc, at));
+    lobes.coat = above_all.gloss;
+    lobes.coat_facets = microfacets(lobes.coat, above_all.normal);
+    if (is_glossy(lobes.coat)) {
+        vec3 below = reflected_fraction(lobes.gloss, surface.normal, wo);
+        vec3 above = reflected_fraction(lobes.coat, above_all.normal, wo);
+        lobes.gloss_share = dot(below, vec3(1.0)) / (dot(below, vec3(1.0)) + dot(above, vec3(1.0)));
+        lobes.exist = true;
+    }
+#endif
+    return lobes;
+}
+
+// The lobes times the cosine, and the density of `sample_lobes`, both 1/sr.
+LobeValue evaluate_lobes(Lobes lobes, vec3 wi) {
+    LobeValue value = evaluate_gloss(lobes.gloss, lobes.facets, lobes.wo, wi);
+    value.pdf *= max(lobes.gloss_share, 0.0);
+#if COAT
+    LobeValue above = evaluate_gloss(lobes.coat, lobes.coat_facets, lobes.wo, wi);
+    value.reflected += above.reflected;
+    value.pdf += (1.0 - abs(lobes.gloss_share)) * above.pdf;
+#endif
+#if RARE_LOBES
+    if (lobes.rare.sheen != vec3(0.0))
+        value.reflected += lobes.rare.sheen * evaluate_sheen(lobes.rare.sheen_shape, lobes.normal, lobes.wo, wi);
+    if (lobes.rare.diffuse_roughness > 0.0)
+        value.reflected += evaluate_rough_diffuse(lobes.base_color, lobes.rare, lobes.normal, lobes.wo, wi);
+#endif
+    return value;
+}
+
+// A direction from which a visible microfacet reflects light to the camera.
+vec3 sample_lobes(Lobes lobes, vec2 uv) {
+#if COAT
+    bool below = uv.x < lobes.gloss_share;
+    uv.x = below ? uv.x / max(lobes.gloss_share, 1e-6) : (uv.x - lobes.gloss_share) / max(1.0 - lobes.gloss_share, 1e-6);
+    if (!below) return reflect(-lobes.wo, sample_visible_normal(lobes.coat_facets, lobes.wo, uv));
+#endif
+    return reflect(-lobes.wo, sample_visible_normal(lobes.facets, lobes.wo, uv));
+}
