@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .gpu.culling.culling_state import CullingState
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
-    from .gpu.gl.buffer_texture import BufferTexture
+    from .gpu.gl.buffer_texture import BufferTexture, RecordTable
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.retests import Candidates, Retest
     from .gpu.passes.shadow_maps.atlas import Batch
@@ -65,8 +65,8 @@ UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of
 ATTRIBUTE_BUFFERS: Resource[AttributeBuffers] = Resource("attribute_buffers", "What else graphs read of them", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
-LIGHT_BUFFERS: Resource[Mapping[str, BufferTexture]] = Resource("light_buffers", "Rows of LIGHT, of emitters", _SCENE)
-SEEN_LIGHTS: Resource[BufferTexture | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
+LIGHT_BUFFERS: Resource[Mapping[str, RecordTable]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
+SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
 
 # Adaptive sampling: the tiles that take part in a sample.
 TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")

@@ -17,6 +17,7 @@ from ..resources import TILE_SIZE
 from ..sampling.pixel_grid import PixelGrid
 from ..scene import Change, Scene, View
 from ..settings import Settings
+from .gl.buffer_texture import SceneRecords
 from .gl.context import Device
 from .gl.shader_compiler import Include, compile_program
 from .gl.shader_records import Record
@@ -125,6 +126,11 @@ class Frame:
     def is_neutral(self, target: Target) -> bool:
         """Whether no pass has made a target, so its texture is neutral."""
         return target not in self.graph.targets.sizes
+
+    @property
+    def scene_records(self) -> SceneRecords:
+        """The buffer of the scene's tables. A pass writes a table and stores it as an output, or in one."""
+        return self.graph.scene_records
 
     @property
     def size(self) -> tuple[int, int]:

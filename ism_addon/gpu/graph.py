@@ -30,6 +30,7 @@ class Graph:
     def __init__(self, device: Device):
         self.device = device
         self.targets = RenderTargets(device.gl)
+        self.scene_records = device.scene_records()
         self.contents: dict[Resource[Any], Any] = {}
         self.passes: dict[type[Pass], Pass] = {}
         #: Recipe of each pass when it was last executed; () if it was skipped.

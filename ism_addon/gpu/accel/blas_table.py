@@ -10,6 +10,9 @@ from ..buffers.small_meshes import concatenated, small_mesh_groups
 from ..gl.context import Device
 from .blas import BLAS, DeferredBLAS
 
+#: Texels of a node.
+NODE_TEXELS = 2
+
 
 class BLASTable:
     """The BVHs of the W resident meshes, and arrays of their properties for BuildTLAS, computed on first use."""
@@ -61,16 +64,16 @@ class BLASBuffers:
         #: For each BVH, and at the end the total.
         self.first_nodes = np.cumsum([0] + [len(blas.nodes) for blas in blases])
         self.first_leaves = np.cumsum([0] + [blas.leaves for blas in blases])
-        self.nodes = device.new_buffer(2 * int(self.first_nodes[-1]), 4, "u4")
+        self.nodes = device.new_buffer(NODE_TEXELS * int(self.first_nodes[-1]), 4, "u4")
         self.leaf_starts = device.new_buffer(int(self.first_leaves[-1]), 1, "u4")
         for group in small_mesh_groups([blas.leaves for blas in blases]):  # BVHs of small meshes are written together
             grouped, first = blases[group], group.start
             nodes = concatenated([node_texels(blas.nodes) for blas in grouped])
-            self.nodes.write(nodes, 2 * int(self.first_nodes[first]))
+            self.nodes.write(nodes, NODE_TEXELS * int(self.first_nodes[first]))
             self.leaf_starts.write(concatenated([blas.leaf_starts for blas in grouped]), int(self.first_leaves[first]))
         self.bytes = sum(blas.leaf_starts.nbytes + blas.nodes.nbytes for blas in blases)
 
 
 def node_texels(nodes: np.ndarray) -> np.ndarray:
-    """(2 N,4) uint32 texels of nodes (N,) BVH_NODE."""
+    """(N * NODE_TEXELS,4) uint32 texels of nodes (N,) BVH_NODE."""
     return nodes.view(np.uint32).reshape(-1, 4)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...scene import Instances
 from ..culling.frustum_culling import in_view, runs
+from ..gl.buffer_texture import SceneRecords
 from ..gl.context import Device
 from ..gl.shader_records import INSTANCE, MEMBERSHIP, OBJECT_INFO
 from .mesh_buffers import MeshBuffers
@@ -54,7 +55,14 @@ class Owners:
 class InstanceBuffers:
     """Transforms and link groups of visible instances, sorted by mesh."""
 
-    def __init__(self, device: Device, mesh_buffers: MeshBuffers, instances: Instances, anchor: np.ndarray):
+    def __init__(
+        self,
+        device: Device,
+        records: SceneRecords,
+        mesh_buffers: MeshBuffers,
+        instances: Instances,
+        anchor: np.ndarray,
+    ):
         visible = np.flatnonzero(instances.visible)
         order = visible[np.argsort(instances.mesh[visible], kind="stable")]
         #: The row of each instance of the scene; -1 if it is not visible.
@@ -69,7 +77,7 @@ class InstanceBuffers:
         self.table = INSTANCE.upload(device, table)
         groups = np.zeros(len(order), MEMBERSHIP.dtype)
         groups["groups"] = instances.groups[order]
-        self.memberships = MEMBERSHIP.upload(device, groups)
+        self.memberships = MEMBERSHIP.write(records, "link_groups", groups)
         self.info = (
             OBJECT_INFO.upload(device, object_info(mesh_buffers, instances, order)) if len(instances.color) else None
         )

@@ -8,6 +8,7 @@ import ctypes
 import weakref
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import cast
 
 import moderngl
@@ -116,3 +117,57 @@ class GrowingBuffer:
         """Append rows, for which room has been reserved."""
         self.texture.write(rows, self.count)
         self.count += len(rows)
+
+
+@dataclass(eq=False)
+class RecordTable:
+    """A table of SceneRecords: consecutive rows of one record. It moves if another table needs more room."""
+
+    buffer: BufferTexture
+    first: int  # its first texel, a multiple of row_texels
+    room: int  # texels
+    row_texels: int
+    bytes: int = 0  # that were written
+
+    @property
+    def first_row(self) -> int:
+        """Its first row, in a buffer that has only rows of its record: shaders add it to the index of a row."""
+        return self.first // self.row_texels
+
+
+class SceneRecords:
+    """The tables of one renderer's scene in one buffer texture: shaders read all of them with one sampler.
+
+    A table is written again when it changes, which does not touch the others. If it is new or needs more room, the GPU
+    copies the others to a new buffer. A table exists as long as anything refers to it.
+    """
+
+    def __init__(self, gl: moderngl.Context, allocate: Callable[[int], BufferTexture]):
+        """`allocate` makes a buffer texture with a number of texels of four words."""
+        self._gl, self._allocate = gl, allocate
+        self._tables: weakref.WeakValueDictionary[str, RecordTable] = weakref.WeakValueDictionary()
+
+    def write(self, name: str, words: np.ndarray, row_texels: int) -> RecordTable:
+        """Write all rows of a table: words (N,4) uint32, `row_texels` texels a row."""
+        table = self._tables.get(name)
+        if table is None or table.room < len(words):
+            table = self._with_room(name, len(words), row_texels)
+        table.buffer.write(words, table.first)
+        table.bytes = words.nbytes
+        return table
+
+    def _with_room(self, name: str, texels: int, row_texels: int) -> RecordTable:
+        """A new table with room for so many texels, at the beginning of a new buffer to which all others move."""
+        others = [table for other, table in self._tables.items() if other != name]
+        firsts, end = [], texels
+        for table in others:
+            firsts.append(-(-end // table.row_texels) * table.row_texels)
+            end = firsts[-1] + table.room
+        buffer = self._allocate(end)
+        for table, first in zip(others, firsts, strict=True):
+            if table.bytes:
+                offsets = {"read_offset": table.first * buffer.row, "write_offset": first * buffer.row}
+                self._gl.copy_buffer(buffer.buffer, table.buffer.buffer, table.bytes, **offsets)
+            table.buffer, table.first = buffer, first
+        self._tables[name] = table = RecordTable(buffer, 0, texels, row_texels)
+        return table

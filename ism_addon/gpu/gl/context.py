@@ -19,7 +19,7 @@ import numpy as np
 
 from . import depth, driver_variants
 from .bound_state import BoundState
-from .buffer_texture import BufferTexture, BufferTextureApi, GrowingBuffer
+from .buffer_texture import BufferTexture, BufferTextureApi, GrowingBuffer, SceneRecords
 from .errors import ContextLost, GraphicsError, NoOpenGL
 from .point_batch import PointBatch
 from .timestamps import GpuClock
@@ -100,6 +100,10 @@ class Device:
         """An empty buffer texture to which rows can be appended."""
         max_rows = self.buffer_textures.max_rows
         return GrowingBuffer(self.gl, lambda count: self.new_buffer(count, components, dtype), max_rows)
+
+    def scene_records(self) -> SceneRecords:
+        """The buffer of a renderer's tables, empty."""
+        return SceneRecords(self.gl, lambda count: self.new_buffer(count, 4, "u4"))
 
     def check(self) -> None:
         """Raises ContextLost, or GraphicsError if any call since the last check has failed."""

@@ -15,7 +15,7 @@ import moderngl
 
 from . import frame_uniforms
 from .bound_state import is_new
-from .buffer_texture import BufferTexture
+from .buffer_texture import BufferTexture, RecordTable
 from .context import Device
 from .shader_records import Record
 
@@ -160,16 +160,21 @@ class UndeclaredUniformError(RuntimeError):
 def bind(program: moderngl.Program, **values: object) -> None:
     """Set uniforms and samplers. Those that the compiler has optimised away are skipped.
 
+    The uniform of a RecordTable is its first row; the sampler of its buffer is textures/scene_records.glsl's.
+
     Raises UndeclaredUniformError for a name that the program's sources do not declare.
     """
     state = program.ctx.extra
     current_values = state.values(program)
+    records: BufferTexture | None = None
     for name, value in values.items():
         uniform: Any = program.get(name, None)
         if uniform is None:
             if name not in program.extra:
                 raise UndeclaredUniformError(f"no source of the program declares the uniform {name}")
             continue
+        if isinstance(value, RecordTable):
+            records, value = value.buffer, value.first_row
         if isinstance(value, BufferTexture):
             unit = state.unit_with(name, value)
             if is_new(current_values, name, unit):
@@ -180,3 +185,5 @@ def bind(program: moderngl.Program, **values: object) -> None:
             )
             if is_new(current_values, name, content):
                 uniform.value = content
+    if records is not None:
+        bind(program, scene_records=records)

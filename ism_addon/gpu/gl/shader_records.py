@@ -2,8 +2,9 @@
 """One declaration for data that numpy fills and GLSL reads.
 
 A Record is the type of a table's rows. The table is a buffer texture (OpenGL 4.1 has no storage buffers, and uniform
-blocks are limited to 16 KB). A texel is four 32-bit words. Its format is of integers: in float formats, integers with
-the bit patterns of NaNs and denormal numbers might be changed.
+blocks are limited to 16 KB), or a range of SceneRecords, the buffer texture of tables that shaders read together. A
+texel is four 32-bit words. Its format is of integers: in float formats, integers with the bit patterns of NaNs and
+denormal numbers might be changed.
 """
 
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import MATERIAL_INPUTS
-from .buffer_texture import BufferTexture
+from .buffer_texture import BufferTexture, RecordTable, SceneRecords
 from .context import Device
 
 #: Words in a texel.
@@ -76,6 +77,10 @@ class Record:
     def upload(self, device: Device, table: np.ndarray) -> BufferTexture:
         """Upload a table (N,) of this record's dtype."""
         return device.buffer_from(self.words(table))
+
+    def write(self, records: SceneRecords, name: str, table: np.ndarray) -> RecordTable:
+        """Write a table (N,) of this record's dtype into the scene's records, under a name."""
+        return records.write(name, self.words(table), self.texels)
 
 
 def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
@@ -145,7 +150,7 @@ IMAGE = Record("Image", encoding="int", first_line="int", width="int", height="i
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
 #: the sine of half of their angle. Of emissive meshes: a sphere around the triangles; as axes, two corners of a box;
-#: and the first rows of their triangles and nodes in the table of emitters, see lights/emissive_mesh.glsl.
+#: and the first rows of their triangles and nodes in the tables of these, see lights/emissive_mesh.glsl.
 LIGHT = Record(
     "Light",
     position="vec3",

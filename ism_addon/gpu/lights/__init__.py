@@ -122,8 +122,11 @@ struct LightSample {
 };"""
 
 LIGHT_TABLES = """
-uniform usamplerBuffer lights;   // rows of LIGHT, and after them profiles and images
-uniform usamplerBuffer emitters; // rows of EMISSIVE_TRIANGLE and of LIGHT_NODE
+#include "textures/scene_records.glsl"
+uniform int lights;             // rows of LIGHT
+uniform int light_texels;       // of profiles and images
+uniform int light_nodes;        // rows of LIGHT_NODE
+uniform int emissive_triangles; // rows of EMISSIVE_TRIANGLE
 """
 
 #: GLSL functions of each light type: result, name, and parameters after the light. The light has radiance 1; p and n

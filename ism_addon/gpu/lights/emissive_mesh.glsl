@@ -38,7 +38,7 @@ bool is_edge_on(EmissiveTriangle triangle, vec3 p) {
 const float SMALL_TRIANGLE = MESHES_WITHOUT_BVH == 0 ? 2e-2 : 2e-3;
 
 float emissive_triangle_irradiance(int row, vec3 p, vec3 n, bool enclosed) {
-    EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, row);
+    EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + row);
     if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) return 0.0;
     return triangle_irradiance(triangle.corner - p, triangle.u, triangle.v, n, SMALL_TRIANGLE);
 }
@@ -110,7 +110,7 @@ float facing_node_irradiance(LightNode node, vec3 x, vec3 n) {
 }
 
 float light_node_importance(int row, vec3 p, vec3 n, bool enclosed) {
-    return estimate_node(fetch_LightNode(emitters, row), p, n, enclosed).y;
+    return estimate_node(fetch_LightNode(scene_records, light_nodes + row), p, n, enclosed).y;
 }
 
 float emissive_triangles_irradiance(int first, int count, vec3 p, vec3 n, bool enclosed) {
@@ -124,7 +124,7 @@ float estimate_light_bvh(Light light, vec3 p, vec3 n, int nodes) {
     bool enclosed = emissive_mesh_encloses(light, p);
     float sum = 0.0;
     for (int node = nodes; node < 2 * nodes; ++node) {
-        LightNode bounds = fetch_LightNode(emitters, light.first_node + node);
+        LightNode bounds = fetch_LightNode(scene_records, light_nodes + light.first_node + node);
         sum += estimate_node(bounds, p, n, enclosed).x;
     }
     return min(sum, 3.141592653589793);
@@ -150,7 +150,7 @@ float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
         bool is_leaf = false;
         int leaf = 0;
         while (node > 0 && !is_leaf) {
-            LightNode bounds = fetch_LightNode(emitters, light.first_node + node);
+            LightNode bounds = fetch_LightNode(scene_records, light_nodes + light.first_node + node);
             vec3 to = bounds.centre - p;
             float square = max(dot(to, to), 1e-30), height = dot(n, to), reach = bounds.radius * inversesqrt(square);
             NodeFacing facing = node_facing(bounds, to, inversesqrt(square));
@@ -209,7 +209,7 @@ LightSample emissive_mesh_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     for (int k = 0; k < range.count; ++k)
         irradiances[k] = emissive_triangle_irradiance(range.first + k, p, n, enclosed);
     DiscreteSample chosen = sample_discrete(irradiances, range.count, uv.x);
-    EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, range.first + chosen.index);
+    EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + range.first + chosen.index);
     TriangleSample of_triangle = triangle_sample(triangle.corner - p, triangle.u, triangle.v, n, uv);
     vec3 to = of_triangle.point, normal_area = 0.5 * cross(triangle.u, triangle.v);
     float square = max(dot(to, to), 1e-30), distance = sqrt(square);
@@ -231,7 +231,7 @@ EmitterHit emissive_mesh_hit(Light light, vec3 p, vec3 wi) {
     bool enclosed = emissive_mesh_encloses(light, p);
     EmitterHit nearest = EmitterHit(-1, 1e30);
     for (int k = light.first_triangle; k < light.first_triangle + light.triangle_count; ++k) {
-        EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, k);
+        EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + k);
         vec3 normal = cross(triangle.u, triangle.v), q = cross(wi, p - triangle.corner);
         float slope = dot(wi, normal), scale = slope == 0.0 ? 0.0 : 1.0 / slope;
         float s = dot(triangle.v, q) * scale, t = -dot(triangle.u, q) * scale;
@@ -265,7 +265,7 @@ float emissive_mesh_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
         }
     }
     float sum = emissive_triangles_irradiance(first, count, p, n, enclosed);
-    EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, hit.row);
+    EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + hit.row);
     probability *= emissive_triangle_irradiance(hit.row, p, n, enclosed) / max(sum, 1e-37);
     float fraction = triangle_sample(triangle.corner - p, triangle.u, triangle.v, n, vec2(0.5)).fraction;
     float projected = 0.5 * fraction * abs(dot(cross(triangle.u, triangle.v), wi));

@@ -13,20 +13,11 @@ from ..culling.surface_bounds import POSITION_ROUNDING, SurfaceBounds, dot
 from ..emission.emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
 from ..emission.light_bvh import normal_areas
 from ..gl import shader_compiler
-from ..gl.shader_records import EMISSIVE_TRIANGLE, LIGHT_NODE
 from .light_records import light_records
 from .point import PointLight, PointLightBounds
 
-TRIANGLE_TEXELS = EMISSIVE_TRIANGLE.texels
-
-
 #: Heights of virtual lights over a flat and over a closed mesh, relative to its radius.
 MIN_HEIGHT, MAX_HEIGHT = 1e-4, 0.02
-
-
-def padded_nodes(lights: EmissiveLights) -> int:
-    """Number of nodes in the table of emitters: their texels make up complete rows of triangles, which follow them."""
-    return -(-len(lights.node_area) // TRIANGLE_TEXELS) * TRIANGLE_TEXELS
 
 
 @dataclass(frozen=True)
@@ -77,10 +68,8 @@ class EmissiveMesh(PointLight):
     max_rays = 16  # near many triangles, samples differ much: see lights/resampled_light_sample.glsl
 
     def records(self, lights: Any, anchor: np.ndarray) -> np.ndarray:
-        table = light_records(lights, anchor, "radius", "triangle_count", "leaves")
+        table = light_records(lights, anchor, "radius", "first_triangle", "triangle_count", "first_node", "leaves")
         table["axis_u"], table["axis_v"] = np.moveaxis(lights.enclosure - anchor, 1, 0)
-        table["first_node"] = lights.first_node
-        table["first_triangle"] = lights.first_triangle + padded_nodes(lights) * LIGHT_NODE.texels // TRIANGLE_TEXELS
         return table
 
     def bounds(self, lights: Any, anchor: np.ndarray, working_space: str) -> EmissiveMeshBounds:

@@ -21,7 +21,7 @@ out vec2 estimates; // of the irradiance, and of the part from one half of the d
 void main() {
     uint index = uint(gl_FragCoord.y) * uint(SIDE) + uint(gl_FragCoord.x);
     vec2 uv = vec2((index * uvec2(3242174889u, 2447445414u)) >> 8u) / 16777216.0;
-    Light light = fetch_Light(lights, 0);
+    Light light = fetch_Light(scene_records, lights);
     LightSample s = resampled_light_sample(light, vec3(0.0), vec3(0.0, 0.0, 1.0), uv, irradiance);
     float estimate = s.radiance * max(s.wi.z, 0.0) / s.pdf;
     estimates = vec2(estimate, s.wi.x > 0.2 * s.wi.y ? estimate : 0.0);
@@ -44,7 +44,7 @@ def estimates(device):
     def estimates(irradiance: float) -> np.ndarray:
         gl.enable_only(moderngl.NOTHING)
         framebuffer.use()
-        bind(program, **light_buffers(device, light, np.zeros(3)), irradiance=irradiance)
+        bind(program, **light_buffers(device.scene_records(), light, np.zeros(3)), irradiance=irradiance)
         triangle.render(moderngl.TRIANGLES, vertices=3)
         return pixels(target).reshape(-1, 2).astype(float)
 

@@ -17,7 +17,7 @@ out vec4 result;
 void main() {
     int at = int(gl_FragCoord.x);
     vec3 point = texelFetch(points, at).xyz, normal = texelFetch(normals, at).xyz;
-    result = vec4(light_irradiance(fetch_Light(lights, 0), point, normal));
+    result = vec4(light_irradiance(fetch_Light(scene_records, lights), point, normal));
 }
 """
 
@@ -40,7 +40,7 @@ def shader(opened_device):
         padded = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
         with opened_device.gl as gl:
             points, normals = map(opened_device.buffer_from, padded)
-            buffers = light_buffers(opened_device, lights, np.zeros(3))
+            buffers = light_buffers(opened_device.scene_records(), lights, np.zeros(3))
             gl.enable_only(moderngl.NOTHING)
             frame.use()
             bind(program, points=points, normals=normals, **buffers)

@@ -89,12 +89,13 @@ SHAPES = {
     "sheet": crumpled(12),
 }
 ACCURATE = """
-uniform sampler2D points, normals;
+uniform sampler2D points;
+uniform sampler2D normals;
 out vec2 irradiances; // accurate, sum of all triangles
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec3 p = texelFetch(points, at, 0).xyz, n = texelFetch(normals, at, 0).xyz;
-    Light light = fetch_Light(lights, 0);
+    Light light = fetch_Light(scene_records, lights);
     bool enclosed = emissive_mesh_encloses(light, p);
     irradiances.x = emissive_mesh_accurate_irradiance(light, p, n);
     irradiances.y = emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed);
@@ -107,11 +108,9 @@ def of_bvh(opened_device):
     """of_bvh(lights, points, normals): (N,2) the irradiance for the cache by the first light, and by all triangles."""
     begin = head(LIGHT_RECORDS, {"meshes_without_bvh": 0})
     with opened_device.gl as gl:
-        program = gl.program(
-            begin + (FOLDER / "glsl/full_screen.vert").read_text(),
-            fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + ACCURATE,
-        )
-        program.extra = frozenset(UNIFORM.findall(ACCURATE)) | {"emitters", "normals"}
+        fragment_shader = begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + ACCURATE
+        program = gl.program(begin + (FOLDER / "glsl/full_screen.vert").read_text(), fragment_shader=fragment_shader)
+        program.extra = frozenset(UNIFORM.findall(fragment_shader))
 
     def run(lights: EmissiveLights, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
         padded = (np.pad(rows, ((0, 0), (0, 1))).astype("f4") for rows in (points, normals))
@@ -120,7 +119,8 @@ def of_bvh(opened_device):
             target = gl.texture((RECEIVERS, 1), 2, dtype="f4")
             gl.enable_only(moderngl.NOTHING)
             gl.framebuffer([target]).use()
-            bind(program, points=points, normals=normals, **light_buffers(opened_device, lights, np.zeros(3)))
+            tables = light_buffers(opened_device.scene_records(), lights, np.zeros(3))
+            bind(program, points=points, normals=normals, **tables)
             gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
             return pixels(target)[0].astype(float)
 

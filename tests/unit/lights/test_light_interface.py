@@ -29,7 +29,7 @@ layout(location = 2) out vec2 hemisphere;   // pdf of this direction, cosine
 
 void main() {
     vec2 uv = gl_FragCoord.xy / float(SIDE);
-    Light light = fetch_Light(lights, 0);
+    Light light = fetch_Light(scene_records, lights);
     LightSample s = light_sample(light, point, normal, uv);
     of_sample = vec4(s.radiance, dot(normal, s.wi), s.pdf, light_irradiance(light, point, normal));
     of_direction = vec4(light_pdf(light, point, normal, s.wi), light_emitted(light, point, s.wi), 0.0, 0.0);
@@ -107,7 +107,7 @@ def evaluate():
             framebuffer, triangle = gl.framebuffer(targets), gl.vertex_array(program, [])
 
             def run(of: Lights, normal: np.ndarray) -> np.ndarray:
-                buffers = light_buffers(device, of, np.zeros(3))
+                buffers = light_buffers(device.scene_records(), of, np.zeros(3))
                 gl.enable_only(moderngl.NOTHING)
                 framebuffer.use()
                 bind(program, **buffers, point=(0.0, 0.0, 0.0), normal=tuple(normal))

@@ -7,7 +7,7 @@
 vec3 light_texel(Light light, ivec2 at) {
     ivec2 size = ivec2(light.image_width, light.image_height);
     at = light.image_repeats != 0 ? (at + size) % size : clamp(at, ivec2(0), size - 1);
-    return uintBitsToFloat(texelFetch(lights, light.image + at.y * size.x + at.x).xyz);
+    return uintBitsToFloat(texelFetch(scene_records, light_texels + light.image + at.y * size.x + at.x).xyz);
 }
 
 // Texture coordinates of the light that arrives at p from a point of the light. Areas are covered by their image, by the

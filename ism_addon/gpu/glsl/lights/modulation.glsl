@@ -34,7 +34,7 @@ float light_mean_distance(Light light, vec3 p) {
 // The factor at one of a profile's azimuths; see profile_words in modulation.py.
 float profile_at_azimuth(int first, int azimuth, float polar) {
     int index = min(int(polar), 3 * PROFILE_TEXELS - 1);
-    vec4 four = uintBitsToFloat(texelFetch(lights, first + azimuth * PROFILE_TEXELS + index / 3));
+    vec4 four = uintBitsToFloat(texelFetch(scene_records, light_texels + first + azimuth * PROFILE_TEXELS + index / 3));
     return mix(four[index % 3], four[index % 3 + 1], polar - float(index));
 }
 #endif

@@ -2,7 +2,7 @@
 #include "surfaces/camera_ray.glsl"
 #if SEEN_LIGHTS
 #include "lights/light.glsl"
-uniform usamplerBuffer seen_lights;
+uniform int seen_lights; // rows of LIGHT
 uniform int seen_count;
 #endif
 #if EMISSIVE
@@ -16,7 +16,7 @@ vec3 seen_radiance(Ray ray, float farthest) {
 #if SEEN_LIGHTS
     vec3 wi = normalize(ray.direction);
     for (int k = 0; k < seen_count; ++k) {
-        Light light = fetch_Light(seen_lights, k);
+        Light light = fetch_Light(scene_records, seen_lights + k);
         float emitted = light_emitted(light, ray.origin, wi);
         if (emitted <= 0.0) continue;
         float distance = light_hit_distance(light, ray.origin, wi);

@@ -5,10 +5,11 @@
 // skip.
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
+#include "textures/scene_records.glsl"
 uniform usamplerBuffer blas_nodes;
 uniform usamplerBuffer blas_leaf_starts;
-uniform usamplerBuffer tlas_nodes;
-uniform usamplerBuffer casters;
+uniform int tlas_nodes; // rows of BVH_NODE
+uniform int casters;    // rows of CASTER
 uniform int tlas_leaves;
 uniform vec3 tlas_centre;
 uniform vec3 tlas_scale;
@@ -91,9 +92,9 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
     while (outer.node > 0) {
         float end = any_is_enough ? 1.0 : nearest.distance;
         while (outer.node > 0 && outer.node < tlas_leaves)
-            outer = next_leaf(tlas_nodes, 0, outer, tlas_origin, tlas_inverse_ray, end, !any_is_enough);
+            outer = next_leaf(scene_records, tlas_nodes, outer, tlas_origin, tlas_inverse_ray, end, !any_is_enough);
         if (outer.node == 0) break;
-        Caster caster = fetch_Caster(casters, outer.node - tlas_leaves);
+        Caster caster = fetch_Caster(scene_records, casters + outer.node - tlas_leaves);
         mat4x3 blas_from_anchor = transpose(mat3x4(caster.row0, caster.row1, caster.row2));
         vec3 origin = blas_from_anchor * vec4(from, 1.0);
         vec3 ray = avoid_zero(blas_from_anchor * vec4(anchor_ray, 0.0)), inverse_ray = 1.0 / ray;

@@ -36,7 +36,7 @@ void main() {
 #endif
     Surface surface = surface_at(at);
     if (!surface.exists) return;
-    Light light = fetch_Light(lights, light_index);
+    Light light = fetch_Light(scene_records, lights + light_index);
     bool is_lit = is_lit_by(surface, light);
 #if TRACE || CACHED
     PredictedPixel pixel = predicted_pixel(predicted_pixels, at);

@@ -16,7 +16,7 @@ void main() {
     direct_prediction = direct_residual = vec4(0.0);
     Surface surface = surface_at(at);
     if (!surface.exists) return;
-    Light light = fetch_Light(lights, tile_light);
+    Light light = fetch_Light(scene_records, lights + tile_light);
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
     float irradiance = light_irradiance(light, surface.position, surface.normal);

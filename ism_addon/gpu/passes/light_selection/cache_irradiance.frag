@@ -20,7 +20,7 @@ void main() {
     Surface surface = surface_at(at);
     irradiance_ratio = NO_RATIO;
     if (!surface.exists || !is_needed || surface.base_color == vec3(0.0)) return;
-    Light light = fetch_Light(lights, light_index);
+    Light light = fetch_Light(scene_records, lights + light_index);
     float estimate = estimate_light_bvh(light, surface.position, surface.normal, 1);
     float accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
     irradiance_ratio = accurate <= 0.0 ? (estimate > 0.0 ? 0.0 : 1.0) : min(accurate / max(estimate, 1e-30), MAX_RATIO);

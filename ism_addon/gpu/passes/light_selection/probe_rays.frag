@@ -28,5 +28,5 @@ void main() {
     rays = vec2(0.0);
     if (block.light < 0) return;
     Surface surface = surface_at(min(spacing * at + pixel_offset, last_pixel()));
-    rays = probe(surface, fetch_Light(lights, block.light), pixel_sequence(at, block.light_uv));
+    rays = probe(surface, fetch_Light(scene_records, lights + block.light), pixel_sequence(at, block.light_uv));
 }

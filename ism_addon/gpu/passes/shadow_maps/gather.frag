@@ -109,7 +109,7 @@ void main() {
     if (!surface.exists) return;
     for (int k = first_light; k < first_light + light_count; ++k) {
         VirtualLightRange range = fetch_VirtualLightRange(virtual_light_ranges, k);
-        Light light = fetch_Light(lights, range.light);
+        Light light = fetch_Light(scene_records, lights + range.light);
         if (!is_lit_by(surface, light)) continue;
         direct_prediction.rgb += shadowed_radiance(surface, light, range);
     }

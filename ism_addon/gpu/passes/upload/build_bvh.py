@@ -12,7 +12,7 @@ import numpy as np
 from ....resources import BLAS, BLAS_BUFFERS, INSTANCE_BUFFERS, MESH_BUFFERS, RESIDENT_MESHES, TLAS
 from ....scene import Change, Mesh
 from ...accel import blas
-from ...accel.blas_table import BLASBuffers, BLASTable, node_texels
+from ...accel.blas_table import NODE_TEXELS, BLASBuffers, BLASTable, node_texels
 from ...accel.bvh import EMPTY_BOX, build, packed
 from ...accel.small_blas import build_all_blas
 from ...accel.tlas import instance_bounds, inverse_of, on_grid
@@ -101,8 +101,10 @@ class BuildTLAS(Pass):
             "blas_nodes": buffers.nodes,
             "blas_leaf_starts": buffers.leaf_starts,
             "corners": meshes.samplers["corners"],
-            "tlas_nodes": self.device.buffer_from(nodes),
-            "casters": CASTER.upload(self.device, np.append(casters, np.zeros(1, CASTER.dtype))[bvh.order]),
+            "tlas_nodes": frame.scene_records.write("tlas_nodes", nodes, NODE_TEXELS),
+            "casters": CASTER.write(
+                frame.scene_records, "casters", np.append(casters, np.zeros(1, CASTER.dtype))[bvh.order]
+            ),
             "tlas_leaves": bvh.leaves,
             "tlas_centre": tuple(centre),
             "tlas_scale": tuple(scale),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Profiles and images of lights, as texels that lie after the table of lights, and where lights find theirs."""
+"""Profiles and images of lights, as texels of one table, and where lights find theirs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,10 +22,10 @@ class LightTextures:
     scene_images: Sequence[LightImage]
 
     @classmethod
-    def of(cls, profiles: Sequence[LightProfile], images: Sequence[LightImage], first: int) -> Self:
-        """Of all profiles and images of a scene, from this texel on."""
+    def of(cls, profiles: Sequence[LightProfile], images: Sequence[LightImage]) -> Self:
+        """Of all profiles and images of a scene."""
         parts = [*map(profile_words, profiles), *map(image_words, images)]
-        starts = first + np.cumsum([0, *map(len, parts)])[:-1]
+        starts = np.cumsum([0, *map(len, parts)])[:-1]
         words = np.concatenate([np.zeros((0, 4), np.uint32), *parts])
         return cls(words, starts[: len(profiles)], starts[len(profiles) :], images)
 
@@ -69,4 +69,4 @@ def image_axes(lights: Lights) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u, v, w
 
 
-NO_TEXTURES = LightTextures.of((), (), first=0)
+NO_TEXTURES = LightTextures.of((), ())

@@ -7,11 +7,9 @@ from ....resources import LIGHT_BUFFERS, SEEN_LIGHTS
 from ....scene import Change, Lights
 from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
-from ...gl.buffer_texture import BufferTexture
-from ...gl.context import Device
+from ...gl.buffer_texture import RecordTable, SceneRecords
 from ...gl.shader_records import EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE
 from ...lights import by_type
-from ...lights.emissive_mesh import padded_nodes
 from .light_textures import NO_TEXTURES, LightTextures
 
 
@@ -24,33 +22,41 @@ def light_table(lights: Lights, anchor: np.ndarray, textures: LightTextures) -> 
     return table
 
 
-def emitter_words(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
-    """Rows of LIGHT_NODE, and after padded_nodes of these rows of EMISSIVE_TRIANGLE, as words."""
-    nodes = np.zeros(padded_nodes(lights), LIGHT_NODE.dtype)
-    used = nodes[: len(lights.node_area)]
-    used["centre"] = lights.node_centre - anchor
+def node_table(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
+    """Rows (N,) of LIGHT_NODE."""
+    nodes = np.zeros(len(lights.node_area), LIGHT_NODE.dtype)
+    nodes["centre"] = lights.node_centre - anchor
     for name in ("radius", "normal", "area", "normal_sine", "one_sided"):
-        used[name] = getattr(lights, f"node_{name}")
+        nodes[name] = getattr(lights, f"node_{name}")
     for name in ("normal", "position"):
         elements = getattr(lights, f"node_{name}_{name}")
-        used[f"{name}_squares"], used[f"{name}_products"] = elements[:, :3], elements[:, 3:]
+        nodes[f"{name}_squares"], nodes[f"{name}_products"] = elements[:, :3], elements[:, 3:]
     for axis, row in zip("xyz", np.hsplit(lights.node_normal_position, 3), strict=True):
-        used[f"normal_{axis}_position"] = row
+        nodes[f"normal_{axis}_position"] = row
+    return nodes
+
+
+def triangle_table(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
+    """Rows (T,) of EMISSIVE_TRIANGLE."""
     triangles, corners = np.zeros(len(lights.corners), EMISSIVE_TRIANGLE.dtype), lights.corners - anchor
     triangles["corner"], triangles["one_sided"] = corners[:, 0], lights.one_sided
     triangles["u"], triangles["v"] = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return np.concatenate([LIGHT_NODE.words(nodes), EMISSIVE_TRIANGLE.words(triangles)])
+    return triangles
 
 
 def light_buffers(
-    device: Device, lights: Lights, anchor: np.ndarray, textures: LightTextures = NO_TEXTURES
-) -> dict[str, BufferTexture]:
-    """The table of lights with their textures, and that of emitters if there are any, by sampler name."""
-    table = LIGHT.words(light_table(lights, anchor, textures))
-    buffers = {"lights": device.buffer_from(np.concatenate([table, textures.words]))}
+    records: SceneRecords, lights: Lights, anchor: np.ndarray, textures: LightTextures = NO_TEXTURES
+) -> dict[str, RecordTable]:
+    """Write the tables of lights, of their textures, and of emissive meshes if there are any. Returns them by name."""
+    tables = {
+        "lights": LIGHT.write(records, "lights", light_table(lights, anchor, textures)),
+        "light_texels": records.write("light_texels", textures.words, 1),
+    }
     if isinstance(lights, EmissiveLights):
-        buffers["emitters"] = device.buffer_from(emitter_words(lights, anchor))
-    return buffers
+        tables["light_nodes"] = LIGHT_NODE.write(records, "light_nodes", node_table(lights, anchor))
+        triangles = triangle_table(lights, anchor)
+        tables["emissive_triangles"] = EMISSIVE_TRIANGLE.write(records, "emissive_triangles", triangles)
+    return tables
 
 
 class UploadLights(Pass):
@@ -64,11 +70,10 @@ class UploadLights(Pass):
         return len(frame.scene.lights.shape) > 0
 
     def execute(self, frame: Frame) -> None:
-        lights = frame.scene.lights
-        first_texel = len(lights.shape) * LIGHT.texels
-        textures = LightTextures.of(frame.scene.light_profiles, frame.scene.light_images, first_texel)
-        frame[LIGHT_BUFFERS] = buffers = light_buffers(self.device, lights, frame.anchor, textures)
+        lights, records = frame.scene.lights, frame.scene_records
+        textures = LightTextures.of(frame.scene.light_profiles, frame.scene.light_images)
+        frame[LIGHT_BUFFERS] = tables = light_buffers(records, lights, frame.anchor, textures)
         seen = lights.select(lights.visible_camera)
         seen_table = light_table(seen, frame.anchor, textures)
-        frame[SEEN_LIGHTS] = LIGHT.upload(self.device, seen_table) if len(seen.shape) else None
-        frame.counts["bytes_uploaded"] += sum(buffer.bytes for buffer in buffers.values())
+        frame[SEEN_LIGHTS] = LIGHT.write(records, "seen_lights", seen_table) if len(seen.shape) else None
+        frame.counts["bytes_uploaded"] += sum(table.bytes for table in tables.values())

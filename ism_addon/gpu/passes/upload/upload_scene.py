@@ -75,7 +75,7 @@ class UploadInstances(Pass):
 
     def execute(self, frame: Frame) -> None:
         meshes = frame[MESH_BUFFERS]
-        buffers = InstanceBuffers(self.device, meshes, frame.scene.instances, frame.anchor)
+        buffers = InstanceBuffers(self.device, frame.scene_records, meshes, frame.scene.instances, frame.anchor)
         buffers.set_owners(lambda pairs: frame.shared_resource(Owners, meshes, pairs))
         frame[INSTANCE_BUFFERS] = buffers
         frame.counts["bytes_uploaded"] += buffers.bytes
