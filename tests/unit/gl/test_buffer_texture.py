@@ -103,7 +103,7 @@ def rows_of(device, table, count: int) -> np.ndarray:
 
 def test_tables_in_one_buffer_keep_their_rows_while_others_grow_and_change(device):
     random, records, tables, expected = np.random.default_rng(0), device.scene_records(), {}, {}
-    row_texels = {"lights": 10, "nodes": 2, "casters": 5, "texels": 1}
+    row_texels = {"lights": 7, "nodes": 2, "casters": 5, "texels": 3}
     order = [*("lights", "nodes", "texels", "casters"), *("nodes", "lights", "casters", "texels", "nodes")]
     for step, name in enumerate(order):
         count = int(random.integers(1, 40)) if step else 0  # the first is empty
