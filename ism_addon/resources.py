@@ -41,10 +41,8 @@ TILE_SIZE = 8
 
 #: Pixels between probe rays, in x and in y.
 PROBE_SPACING = 2
-
 #: Depth of the background, as in Cycles' depth pass. m
 BACKGROUND_DEPTH = 1e10
-
 #: Distance in a shadow map without an occluder. m
 NO_OCCLUDER = 1e30
 
@@ -53,6 +51,10 @@ _SCENE, _PICTURE = Lifetime.SCENE, Lifetime.PICTURE
 
 def _of_tiles(name: str, about: str, format: str = "rgba32f") -> Target:
     return Target(name, about, format=format, divisor=TILE_SIZE, strips=True)
+
+
+def _packed(name: str, about: str) -> Target:
+    return Target(name, about, format="rgba32ui", divisor=0)
 
 
 # The scene on the GPU.
@@ -99,23 +101,20 @@ DEPTH = Target(
 )
 TILE_GRAPHS = Target("tile_graphs", "Bits of the graphs of a tile's pixels", format="r32ui", divisor=TILE_SIZE)
 POSITION = Target(
-    "position",
-    "Position of the nearest surface, in metres, as red, green and blue; in alpha the packed normal",
-    label="Position",
+    "position", "Position of the nearest surface, in metres, as RGB; in alpha the packed normal", label="Position"
 )
 NORMAL = Target(
-    "normal",
-    "Direction of the nearest surface, as red, green and blue. Stored as octahedra: shading, geometric normal",
-    label="Normal",
+    "normal", "Direction of the nearest surface as RGB. Stored as octahedra: shading, geometric normal", label="Normal"
 )
 BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
-# Of glossy surfaces, if there are any, see surfaces/gloss_packing.glsl.
-GLOSS_REFLECTANCE = Target("gloss_reflectance", "Reflectance at normal incidence, its rise", format="rgba32ui", divisor=0)
+# Of glossy surfaces, if there are any, see materials/gloss_packing.glsl.
+GLOSS_REFLECTANCE = Target(
+    "gloss_reflectance", "Reflectance at normal incidence, its rise", format="rgba32ui", divisor=0
+)
 GLOSS_RISE = Target("gloss_rise", "Other changes of it, fraction that the lobe reflects", format="rgba32ui", divisor=0)
-GLOSS_LTC = Target("gloss_ltc", "Transform that makes the lobe a cosine, see surfaces/gloss.glsl", divisor=0)
-COAT = Target("coat", "A coat above that lobe, with its normal", format="rgba32ui", divisor=0)
-COAT_LTC = Target("coat_ltc", "The coat's transform", divisor=0)
-RARE_LOBES = Target("rare_lobes", "Sheen, anisotropy and diffuse roughness", format="rgba32ui", divisor=0)
+LTC_ENTRIES = _packed("ltc_entries", "Of transforms that make a lobe a cosine: of it and of a coat")
+COAT = _packed("coat", "A coat above that lobe, with its normal")
+RARE_LOBES = _packed("rare_lobes", "Sheen, anisotropy and diffuse roughness")
 TERMINATOR_OFFSET = Channel(
     "terminator_offset", "Height of shadow rays' origins above a triangle with smooth normals, in metres", of=BASE_COLOR
 )
@@ -293,9 +292,7 @@ DOUBLING_DIFFERENCE = _of_tiles(
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
 #: Resources by name.
-RESOURCES: dict[str, Resource[Any]] = {
-    each.name: each for each in tuple(globals().values()) if isinstance(each, Resource)
-}
+RESOURCES: dict[str, Resource[Any]] = {x.name: x for x in tuple(globals().values()) if isinstance(x, Resource)}
 
 #: Targets that are debug views; the render is first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [

@@ -7,18 +7,17 @@ from ..resource_types import Resource, Target
 from ..resources import (
     BASE_COLOR,
     COAT,
-    COAT_LTC,
-    GLOSS_LTC,
     GLOSS_REFLECTANCE,
     GLOSS_RISE,
+    LTC_ENTRIES,
     RARE_LOBES,
 )
 from ..scene import Scene
 from .frame import Frame
 
 #: Targets of lobes other than Lambert's.
-GLOSS = GLOSS_REFLECTANCE, GLOSS_RISE, GLOSS_LTC
-ALL_LOBES = *GLOSS, COAT, COAT_LTC, RARE_LOBES
+GLOSS = GLOSS_REFLECTANCE, GLOSS_RISE, LTC_ENTRIES
+ALL_LOBES = *GLOSS, COAT, RARE_LOBES
 
 #: Must be among the inputs of their passes.
 MATERIAL: tuple[Resource[Any], ...] = BASE_COLOR, *ALL_LOBES
@@ -26,7 +25,7 @@ MATERIAL: tuple[Resource[Any], ...] = BASE_COLOR, *ALL_LOBES
 
 def layer_targets(scene: Scene) -> tuple[Target, ...]:
     """The targets of lobes that few scenes have."""
-    return *((COAT, COAT_LTC) if scene.has_coat else ()), *((RARE_LOBES,) if scene.has_extra else ())
+    return *((COAT,) if scene.has_coat else ()), *((RARE_LOBES,) if scene.has_extra else ())
 
 
 def lobe_targets(scene: Scene) -> tuple[Target, ...]:

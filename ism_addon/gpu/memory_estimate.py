@@ -35,7 +35,9 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
     texels = {VISIBILITY_BUFFER: fine_pixels, VISIBILITY_DEPTH: fine_pixels, SHADOW_MAP_SPLATS: map_texels}
     texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
-    texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | dict.fromkeys((SUBSAMPLE_EMISSION, *ALL_LOBES), pixels)
+    texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | dict.fromkeys(
+        (SUBSAMPLE_EMISSION, *ALL_LOBES), pixels
+    )
     target_bytes = sum(
         target.texel_bytes * (pixels / target.divisor**2 if target.divisor else texels[target]) for target in targets
     )

@@ -27,8 +27,8 @@ from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
 from .lights.world import with_world
-from .memory_estimate import check, needed
 from .material_inputs import ALL_LOBES, lobe_targets
+from .memory_estimate import check, needed
 from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due

@@ -61,11 +61,12 @@ class Dimension(Enum):
         # From the 65th ray of a pixel to a round light on, by a search with half-occluded discs.
         "late_ray": (0.33888137, 0.76432619),
     }
-    # A microfacet's normal, and which of the candidates for a ray to a light is kept.
+    # A microfacet's normal, and which of the candidates for a ray to a light is kept. Each is the most even of 60 random
+    # triples, in 16, 64 and 256 points.
     LOBE_POINT = {
-        "light": (0.382683, 0.923880, 0.195090),
-        "pixel": (0.61803399, 0.41421356, 0.73205081),
-        "ray": (0.81917251, 0.67104361, 0.54970048),
+        "light": (0.768356, 0.435963, 0.730877),
+        "pixel": (0.557747, 0.694352, 0.216158),
+        "ray": (0.685772, 0.645687, 0.186495),
     }
     # In which samples a pixel traces a ray to a light. Its `pixel` counts squares of 4×4.
     RAY_TURN = {

@@ -32,7 +32,13 @@ closure("gloss", "vec3 vec3 vec3 float vec3", "closure_metal", parameter=True, c
 closure("gloss", "vec3 float float vec3 float vec3", "closure_dielectric", parameter=True, cost=8)
 # The same, of what is below a dielectric's lobe.
 OPERATIONS["below_dielectric"] = Operation(
-    ("vec3", "float", "float", "vec3", "float", "vec3"), "vec3", "gloss", at_point=True, has_parameter=True, cost=4, mean=1.0
+    ("vec3", "float", "float", "vec3", "float", "vec3"),
+    "vec3",
+    "gloss",
+    at_point=True,
+    has_parameter=True,
+    cost=4,
+    mean=1.0,
 )
 # Anisotropy, rotation, tangent and normal: of all glossy lobes but the coat.
 closure("gloss", "float float vec3 vec3", "closure_anisotropy")

@@ -134,7 +134,6 @@ class MaterialBuffers:
             samplers={
                 **(self.texels.samplers if has_images else {}),
                 **({} if node_graph is None else {"graph_constants": self.constants}),
-
             },
             reads_uvs=has_images if node_graph is None else node_graph.uses("uv_map"),
             reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),

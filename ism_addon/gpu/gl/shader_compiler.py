@@ -70,10 +70,10 @@ def expand(path: Path, files: list[Path], constants: Constants, includes: tuple[
 def _expand(
     path: Path, files: list[Path], constants: Constants, includes: tuple[Include, ...], present: set[Path]
 ) -> str:
-    """`present`: the files whose text comes before for all constants. Others may be repeated: #if may leave them out."""
+    """`present`: files whose text comes before for all constants. Others may be repeated: #if may leave them out."""
     files.append(path)
     start, depth = len(files) * LINES_PER_FILE, 0
-    guard = "FILE_" + re.sub(r"\W", "_", os.path.relpath(path, FOLDER)).upper()
+    guard = re.sub(r"[\W_]+", "_", f"FILE {os.path.relpath(path, FOLDER)}").upper()
     lines = [f"#ifndef {guard}", f"#define {guard}", f"#line {start + 1}"]
     for count, line in enumerate(text_of(path, constants, includes).splitlines(), 1):
         include = INCLUDE.match(line)

@@ -145,6 +145,8 @@ GLSL_INTERFACE = (
 GLOSS_INTERFACE = (
     ("bool", "is_delta", "vec3 p"),  # whether its light comes from one direction only
     ("float", "transformed_irradiance", "vec3 p, mat3 m"),  # of a receiver of normal z, at p = 0, all else times m
+    # The radiance, the same in all directions to the light, whose integral that is; 0: it is only about one; or EVERYWHERE.
+    ("float", "even_radiance", "vec3 p, vec3 n"),
 )
 
 
@@ -271,7 +273,8 @@ def glsl(constants: shader_compiler.Constants) -> str:
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in types]
     if gloss:
         lines += ['#include "lights/transformed_irradiance.glsl"']
-    lines += [switch(*function, types) for function in (*GLSL_INTERFACE, *(GLOSS_INTERFACE if gloss else ()))]
+    for result, name, parameters in GLSL_INTERFACE + (GLOSS_INTERFACE if gloss else ()):
+        lines.append(switch(result, name, parameters, types))
     return "\n".join([*lines, '#include "lights/modulation.glsl"', '#include "lights/light_image.glsl"'])
 
 

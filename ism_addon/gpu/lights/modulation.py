@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: Functions of the lights' interface that glsl/lights/modulation.glsl replaces; the plain ones have this prefix.
 PLAIN = "plain_"
-REPLACED = "irradiance", "sample", "emitted", "virtual_weight", "transformed_irradiance"
+REPLACED = "irradiance", "sample", "emitted", "virtual_weight", "transformed_irradiance", "even_radiance"
 
 #: Points of a light with a size whose mean profile or colour a sample has.
 MEAN_POINTS = 16

@@ -22,7 +22,8 @@ def two_colored_objects(scene):
     for name, color in {"Cube": (0.8, 0.1, 0.2, 1.0), "Plane": (0.5, 0.6, 0.7, 1.0)}.items():
         material = bpy.data.materials.new(name)
         material.use_nodes = True
-        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
+        inputs = material.node_tree.nodes["Principled BSDF"].inputs
+        inputs["Base Color"].default_value, inputs["Specular IOR Level"].default_value = color, 0.0
         bpy.data.objects[name].data.materials.append(material)
     bpy.data.objects["Plane"].scale = 0.08, 0.05, 1.0
     bpy.data.objects["Cube"].rotation_euler = 0.4, 0.3, 0.2

@@ -132,9 +132,7 @@ class Lobes:
     def _normal_of(self, closure: Closure) -> Value:
         return closure.inputs.get("normal", self._normal)
 
-    def _lobe(
-        self, operation: str, closure: Closure, operands: tuple[Value, ...], weight: Value, color: Value
-    ) -> Lobe:
+    def _lobe(self, operation: str, closure: Closure, operands: tuple[Value, ...], weight: Value, color: Value) -> Lobe:
         return Lobe(self._builder.call(operation, *operands, parameter=multiple(closure)), weight, color)
 
     def _is_nothing(self, value: Value) -> bool:

@@ -103,6 +103,13 @@ float light_virtual_weight(Light light, vec3 v, vec3 n, vec3 axis) {
 }
 
 #if REFLECTED
+float light_even_radiance(Light light, vec3 p, vec3 n) {
+#if PROFILE
+    if (light.profile >= 0) return 0.0;
+#endif
+    return plain_light_even_radiance(light, p, n) * light_falloff(light, light_mean_distance(light, p));
+}
+
 float light_transformed_irradiance(Light light, vec3 p, mat3 m) {
     float irradiance = plain_light_transformed_irradiance(light, p, m) * light_falloff(light, light_mean_distance(light, p));
     return irradiance == 0.0 ? 0.0 : irradiance * light_profile(light, p - light.position);

@@ -8,7 +8,7 @@ struct ReflectionSample {
     vec3 diffuse; // estimates of the radiance that each lobe reflects
 #if GLOSS
     vec3 gloss;
-    vec3 all_gloss; // the same by both candidates, which takes no ray
+    vec3 correction; // of the prediction of the other lobes: by both candidates, which takes no ray
 #endif
 };
 
@@ -25,9 +25,12 @@ vec3 lobe_sequence(ivec2 at, uvec3 shift, uint index) {
     return vec3(fixed_point >> 8u) / 16777216.0;
 }
 
-ReflectionSample reflection_sample(Surface surface, Lobes lobes, Light light, vec2 light_uv, vec3 lobe_uv,
-                                   float irradiance) {
+// Where the light's radiance is even, candidates differ from the prediction by as much as the BSDF does; otherwise their
+// sum does. That of light from everywhere is exact.
+ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction prediction, Light light, vec2 light_uv,
+                                   vec3 lobe_uv, float irradiance) {
     vec3 p = surface.position, n = surface.normal;
+    vec3 even = prediction.even * light.emission * light_mean_color(light, p, n);
     LightSample by_light = resampled_light_sample(light, p, n, light_uv, irradiance);
     LobeValue value = LobeValue(vec3(0.0), 0.0);
     if (lobes.exist) value = evaluate_lobes(lobes, by_light.wi);
@@ -36,21 +39,25 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, Light light, ve
 #else
     const bool has_other = false; // the light's density in any direction takes too long
 #endif
-    vec3 light_sum = light.emission * light_color(light, p, by_light.point);
-    light_sum *= by_light.radiance / (by_light.pdf + (has_other ? value.pdf : 0.0));
+    float density = by_light.pdf + (has_other ? value.pdf : 0.0);
+    vec3 light_sum = light.emission * light_color(light, p, by_light.point) * (by_light.radiance / density);
     vec3 diffuse = light_sum * evaluate_diffuse(surface, by_light.wi), reflected = light_sum * value.reflected;
     ReflectionSample kept = ReflectionSample(by_light, diffuse, reflected, reflected);
+    if (prediction.even == EVERYWHERE) kept.correction = vec3(0.0);
+    else if (prediction.even == 0.0) kept.correction -= prediction.radiance;
+    else if (by_light.radiance > 0.0) kept.correction -= even / density * evaluate_prediction(prediction, lobes, by_light.wi);
 #if LOBE_CANDIDATES
     if (!has_other) return kept;
     vec3 wi = sample_lobes(lobes, lobe_uv.xy);
     float radiance = dot(n, wi) > 0.0 ? light_emitted(light, p, wi) : 0.0;
     if (radiance <= 0.0) return kept;
     value = evaluate_lobes(lobes, wi);
-    float density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
+    density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
     vec3 point = p + light_hit_distance(light, p, wi) * wi;
     light_sum = light.emission * light_color(light, p, point) * (radiance / density);
     vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
-    kept.all_gloss += other_gloss;
+    if (prediction.even != EVERYWHERE) kept.correction += other_gloss;
+    if (prediction.even > 0.0) kept.correction -= even / density * evaluate_prediction(prediction, lobes, wi);
     float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
     float probability = second > 0.0 ? first / (first + second) : 1.0;
     if (lobe_uv.z >= probability) {

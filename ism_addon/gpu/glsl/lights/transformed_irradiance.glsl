@@ -1,8 +1,16 @@
 // About the irradiance of lights in transformed spaces, in which a glossy lobe is a cosine (Heitz, Dupuy, Hill & Neubelt
 // 2016; Heitz & Hill 2017): parallelograms and ellipses keep their shapes there.
 
+// In place of an even radiance: the light is even, and comes from all directions.
+const float EVERYWHERE = -1.0;
+
 #if HAS_AREA
 bool area_is_delta(Light light, vec3 p) { return false; }
+
+float area_even_radiance(Light light, vec3 p, vec3 n) {
+    float lowest = dot(n, light.position - p) - 0.5 * (abs(dot(n, light.axis_u)) + abs(dot(n, light.axis_v)));
+    return light.spread_scale == 0.0 && lowest >= 0.0 ? 1.0 : 0.0;
+}
 
 // In the transformed space too, the light is a parallelogram or an ellipse. About: the spread is that of its middle.
 float area_transformed_irradiance(Light light, vec3 p, mat3 m) {
@@ -22,6 +30,11 @@ float area_transformed_irradiance(Light light, vec3 p, mat3 m) {
 #if HAS_POINT || HAS_SPOT
 bool point_is_delta(Light light, vec3 p) { return !point_has_radius(light); }
 
+float point_even_radiance(Light light, vec3 p, vec3 n) {
+    PointCap cap = point_cap(light, p);
+    return cap.sine < 1.0 && dot(n, cap.axis) >= cap.sine ? point_radiance(light) : 0.0;
+}
+
 float point_transformed_irradiance(Light light, vec3 p, mat3 m) {
     PointCap cap = point_cap(light, p);
     return point_has_radius(light) ? point_radiance(light) * transformed_cap_irradiance(cap.axis, cap.sine, m) : 0.0;
@@ -30,6 +43,8 @@ float point_transformed_irradiance(Light light, vec3 p, mat3 m) {
 
 #if HAS_SPOT
 bool spot_is_delta(Light light, vec3 p) { return point_is_delta(light, p); }
+
+float spot_even_radiance(Light light, vec3 p, vec3 n) { return 0.0; }
 
 float spot_transformed_irradiance(Light light, vec3 p, mat3 m) {
     float irradiance = point_transformed_irradiance(light, p, m);
@@ -40,6 +55,10 @@ float spot_transformed_irradiance(Light light, vec3 p, mat3 m) {
 #if HAS_SUN
 bool sun_is_delta(Light light, vec3 p) { return !sun_has_angle(light); }
 
+float sun_even_radiance(Light light, vec3 p, vec3 n) {
+    return -dot(n, light.normal) >= light.radius ? sun_radiance(light) : 0.0;
+}
+
 float sun_transformed_irradiance(Light light, vec3 p, mat3 m) {
     return sun_has_angle(light) ? sun_radiance(light) * transformed_cap_irradiance(-light.normal, light.radius, m) : 0.0;
 }
@@ -48,13 +67,15 @@ float sun_transformed_irradiance(Light light, vec3 p, mat3 m) {
 #if HAS_EMISSIVE_MESH
 bool emissive_mesh_is_delta(Light light, vec3 p) { return false; }
 
+float emissive_mesh_even_radiance(Light light, vec3 p, vec3 n) { return 0.0; } // triangles may hide each other
+
 // Of few triangles; 0 of a light BVH: rays alone find what it adds to reflections.
 float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
     bool enclosed = emissive_mesh_encloses(light, p);
     float sum = 0.0;
     int last = has_light_bvh(light) ? light.first_triangle : light.first_triangle + light.triangle_count;
     for (int k = light.first_triangle; k < last; ++k) {
-        EmissiveTriangle triangle = fetch_EmissiveTriangle(emitters, k);
+        EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + k);
         if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) continue;
         mat3 corners = m * mat3(triangle.corner - p, triangle.u, triangle.v);
         sum += triangle_irradiance(corners[0], corners[1], corners[2], vec3(0.0, 0.0, 1.0), SMALL_TRIANGLE);
@@ -65,6 +86,8 @@ float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
 
 #if HAS_WORLD
 bool world_is_delta(Light light, vec3 p) { return false; }
+
+float world_even_radiance(Light light, vec3 p, vec3 n) { return EVERYWHERE; }
 
 float world_transformed_irradiance(Light light, vec3 p, mat3 m) { return 3.141592653589793; }
 #endif

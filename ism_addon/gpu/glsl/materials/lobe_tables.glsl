@@ -1,6 +1,7 @@
 // Tables of glossy lobes: see gpu/materials/lobe_tables.py. roughness: the square root of GGX's alpha; cos_view: of the
 // angle between the normal and the viewer. Both in 0 to 1.
 #include "materials/lobe_table_layout.glsl"
+#include "materials/ltc.glsl"
 
 uniform samplerBuffer lobe_tables;
 
@@ -14,16 +15,14 @@ vec4 lobe_table(int first, int size, float x, float y) {
                mix(texelFetch(lobe_tables, row + size), texelFetch(lobe_tables, row + size + 1), f.y), f.x);
 }
 
-// The inverse matrix of the linearly transformed cosine that approximates GGX without Fresnel, times the cosine of the
-// light: a, b, c, d of [[a, 0, b], [0, 1, 0], [c, 0, d]]. z is the normal, x the viewer's direction projected onto the
-// surface. Its integral is 1; the lobe's is ggx_albedo. Use a roughness of .01 or more: at .01, float32 already moves a
-// light by a thousandth of the lobe's width.
+// The table's entry for a linearly transformed cosine, see materials/ltc.glsl: each number is between -2 and 2. Use a
+// roughness of .01 or more: at .01, float32 already moves a light by a thousandth of the lobe's width.
+vec4 ltc_entry(float roughness, float cos_view) {
+    return lobe_table(LTC_ROWS, LTC_SIZE, roughness, sqrt(1.0 - clamp(cos_view, 0.0, 1.0)));
+}
+
 vec4 ltc_inverse(float roughness, float cos_view) {
-    float cosine = clamp(cos_view, 0.0, 1.0), sine = sqrt(1.0 - cosine * cosine), alpha = roughness * roughness;
-    // In coordinates where z is the mirror direction.
-    vec4 m = lobe_table(LTC_ROWS, LTC_SIZE, roughness, sqrt(1.0 - cosine)) * vec4(1.0, vec3(alpha));
-    return vec4(m.x * cosine - m.y * sine, m.x * sine + m.y * cosine, m.z * cosine - m.w * sine,
-                m.z * sine + m.w * cosine);
+    return ltc_inverse_of(ltc_entry(roughness, cos_view), roughness, cos_view);
 }
 
 // Directional albedo of GGX without Fresnel, single scattering.

@@ -1,7 +1,7 @@
 // What a graph's shaders add up to.
 #include "nodes/point.glsl"
 
-// The sums of glossy shaders, see surfaces/gloss.glsl; of roughness and eta they are weighted, by the sums beside them.
+// The sums of glossy shaders, see materials/gloss.glsl; of roughness and eta they are weighted, by the sums beside them.
 struct GlossyClosures {
     vec3 f0;
     vec3 schlick;
@@ -24,7 +24,7 @@ struct Closures {
     GlossyClosures coat;
     vec3 coat_normal;
     vec3 sheen;
-    vec2 sheen_shape; // see surfaces/sheen.glsl
+    vec2 sheen_shape; // see materials/rare_lobes.glsl
 };
 
 Closures no_closures() {

@@ -1,7 +1,7 @@
 // Glossy shaders, as in Cycles: lobes of microfacets (GGX), whose reflectance is a sum of functions of the angle.
 #include "nodes/closures.glsl"
 #include "maths/orthonormal_basis.glsl"
-#include "surfaces/gloss_packing.glsl"
+#include "materials/gloss_packing.glsl"
 #include "materials/lobe_tables.glsl"
 
 // The cosine of the camera's direction, whose lobe's tables are read.
@@ -157,8 +157,11 @@ vec3 below_sheen(ShadingPoint at, vec3 weight, vec3 amount, float roughness, vec
 Gloss gloss_of(GlossyClosures glossy, float cosine) {
     float roughness = glossy.roughness / max(glossy.roughness_weight, 1e-30);
     float eta = glossy.eta_weight > 0.0 ? glossy.eta / glossy.eta_weight : 1.0;
+    vec2 rises = vec2(schlick_s(roughness, cosine), dielectric_s(roughness, cosine, eta));
+    vec2 weights = vec2(sum_of(glossy.schlick), sum_of(glossy.dielectric));
     return Gloss(glossy.f0, glossy.schlick, glossy.dielectric, glossy.edge, eta, roughness,
-                 ggx_albedo(roughness, cosine), ltc_inverse(roughness, cosine));
+                 ggx_albedo(roughness, cosine), dot(rises, weights) / max(weights.x + weights.y, 1e-30),
+                 ltc_entry(roughness, cosine));
 }
 
 RareLobes rare_lobes_of(Closures closures, vec3 n) {

@@ -1,7 +1,7 @@
 // Operations of nodes that give what is known of a point: its surface and the camera. As in Cycles.
 #include "nodes/point.glsl"
 #include "nodes/vectors.glsl"
-#include "surfaces/fresnel.glsl"
+#include "materials/fresnel.glsl"
 
 vec3 geometry_position(ShadingPoint at) { return at.position + anchor.xyz; }
 vec3 geometry_normal(ShadingPoint at) { return at.normal; }

@@ -4,7 +4,7 @@
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 #if GLOSS
-#include "surfaces/lobes.glsl"
+#include "materials/lobes.glsl"
 #endif
 
 const float INVERSE_PI = 0.3183098861837907;
@@ -22,40 +22,99 @@ vec3 unshadowed_diffuse(Surface surface, Light light, float irradiance) {
 }
 
 #if GLOSS
-// Microfacets count as if all of the light came from the mirror direction, or else from its middle.
-vec3 unshadowed_lobe(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 middle) {
-    if (!is_glossy(gloss)) return vec3(0.0);
-    float fraction = INVERSE_PI * light_transformed_irradiance(light, p, cosine_from_anchor(gloss, n, wo));
-    vec3 mirror = reflect(-wo, n);
-    vec3 half_way = normalize(wo + (light_emitted(light, p, mirror) > 0.0 ? mirror : middle));
-    return reflectance(gloss, max(dot(wo, half_way), 0.0)) * (gloss.reflected * fraction);
+// What lobes other than Lambert's reflect of a light if nothing is in the way, about; and the BSDF times the cosine that
+// it is exact for, if the light's radiance is even.
+struct LobePrediction {
+    vec3 radiance;   // W/(sr m^2)
+    float even;      // the light's radiance, see light_even_radiance
+    vec3 reflectance;
+    mat3 transform;  // see cosine_from_anchor
+#if COAT
+    vec3 coat_reflectance;
+    mat3 coat_transform;
+#endif
+#if RARE_LOBES
+    mat3 sheen_transform;
+    vec3 rough_diffuse; // over the cosine
+#endif
+};
+
+// The density of the direction wi by a transform of a cosine, 1/sr.
+float transformed_cosine(mat3 transform, vec3 wi) {
+    vec3 to = transform * wi;
+    float square = max(dot(to, to), 1e-30);
+    return INVERSE_PI * max(to.z, 0.0) * abs(determinant(transform)) / (square * square);
 }
 
-// About the unshadowed radiance that the other lobes reflect of a light; exact if that has no size. `irradiance`: as for
-// the Lambertian lobe.
-vec3 unshadowed_lobes(Surface surface, Lobes lobes, Light light, float irradiance) {
-    if (!lobes.exist) return vec3(0.0);
+// The predicted BSDF times the cosine. 1/sr
+vec3 evaluate_prediction(LobePrediction prediction, Lobes lobes, vec3 wi) {
+    vec3 sum = prediction.reflectance * transformed_cosine(prediction.transform, wi);
+#if COAT
+    sum += prediction.coat_reflectance * transformed_cosine(prediction.coat_transform, wi);
+#endif
+#if RARE_LOBES
+    sum += lobes.rare.sheen * transformed_cosine(prediction.sheen_transform, wi);
+    sum += prediction.rough_diffuse * max(dot(lobes.normal, wi), 0.0);
+#endif
+    return sum;
+}
+
+// Microfacets count as if all of the light came from the mirror direction, or else from its middle.
+vec3 mean_reflectance(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 middle, float even) {
+    if (even == EVERYWHERE) return reflected_fraction(gloss);
+    vec3 mirror = reflect(-wo, n);
+    vec3 half_way = normalize(wo + (light_emitted(light, p, mirror) > 0.0 ? mirror : middle));
+    return gloss.reflected * reflectance(gloss, max(dot(wo, half_way), 0.0));
+}
+
+// Exact if the light has no size. `irradiance`: as for the Lambertian lobe.
+LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float irradiance) {
+    LobePrediction prediction;
+    prediction.radiance = vec3(0.0);
+    prediction.even = 0.0;
+    if (!lobes.exist) return prediction;
     vec3 n = surface.normal, p = surface.position;
     LightSample from = light_sample(light, p, n, vec2(0.5));
     if (light_is_delta(light, p)) {
         vec3 emission = light.emission * light_color(light, p, from.point);
-        return emission * evaluate_lobes(lobes, from.wi).reflected * (from.radiance / from.pdf);
+        prediction.radiance = emission * evaluate_lobes(lobes, from.wi).reflected * (from.radiance / from.pdf);
+        return prediction;
     }
-    vec3 sum = unshadowed_lobe(lobes.gloss, n, lobes.wo, p, light, from.wi);
+    vec3 sum = vec3(0.0);
+    prediction.even = light_even_radiance(light, p, n);
+    if (prediction.even == EVERYWHERE && lobes.gloss.edge != vec3(0.0)) prediction.even = 0.0;
+    prediction.transform = cosine_from_anchor(lobes.gloss, n, lobes.wo);
+    prediction.reflectance = vec3(0.0);
+    if (is_glossy(lobes.gloss)) {
+        prediction.reflectance = mean_reflectance(lobes.gloss, n, lobes.wo, p, light, from.wi, prediction.even);
+        sum += prediction.reflectance * (INVERSE_PI * light_transformed_irradiance(light, p, prediction.transform));
+    }
 #if COAT
-    sum += unshadowed_lobe(lobes.coat, lobes.coat_facets.frame[2], lobes.wo, p, light, from.wi);
+    vec3 coat_normal = lobes.coat_facets.frame[2];
+    prediction.coat_transform = cosine_from_anchor(lobes.coat, coat_normal, lobes.wo);
+    prediction.coat_reflectance = vec3(0.0);
+    if (is_glossy(lobes.coat)) {
+        prediction.coat_reflectance = mean_reflectance(lobes.coat, coat_normal, lobes.wo, p, light, from.wi, prediction.even);
+        float fraction = INVERSE_PI * light_transformed_irradiance(light, p, prediction.coat_transform);
+        sum += prediction.coat_reflectance * fraction;
+    }
 #endif
 #if RARE_LOBES
+    prediction.sheen_transform = sheen_cosine_from_anchor(lobes.rare.sheen_shape, n, lobes.wo);
+    prediction.rough_diffuse = vec3(0.0);
     if (lobes.rare.sheen != vec3(0.0)) {
-        mat3 transform = sheen_cosine_from_anchor(lobes.rare.sheen_shape, n, lobes.wo);
-        sum += lobes.rare.sheen * (INVERSE_PI * light_transformed_irradiance(light, p, transform));
+        float fraction = INVERSE_PI * light_transformed_irradiance(light, p, prediction.sheen_transform);
+        sum += lobes.rare.sheen * fraction;
     }
     if (lobes.rare.diffuse_roughness > 0.0) {
         vec3 value = evaluate_rough_diffuse(lobes.base_color, lobes.rare, n, lobes.wo, from.wi);
-        sum += value * (irradiance / max(dot(n, from.wi), 0.1));
+        prediction.rough_diffuse = value / max(dot(n, from.wi), 0.1);
+        sum += prediction.rough_diffuse * irradiance;
+        if (prediction.even == EVERYWHERE) prediction.even = 0.0;
     }
 #endif
-    return sum * light.emission * light_mean_color(light, p, n);
+    prediction.radiance = sum * light.emission * light_mean_color(light, p, n);
+    return prediction;
 }
 
 // The most that corrections can take away of a prediction, as luminance: of rough surfaces also Lambertian reflection.

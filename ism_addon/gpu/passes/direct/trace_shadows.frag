@@ -60,7 +60,8 @@ void main() {
     vec3 all_unshadowed = unshadowed;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    vec3 glossy = is_lit ? unshadowed_lobes(surface, lobes, light, irradiance) : vec3(0.0);
+    LobePrediction prediction_of_lobes = predict_lobes(surface, lobes, light, irradiance);
+    vec3 glossy = is_lit ? prediction_of_lobes.radiance : vec3(0.0);
     bool corrects_gloss = is_lit && lobes.exist && !light_is_delta(light, surface.position);
     all_unshadowed += glossy;
 #endif
@@ -109,7 +110,7 @@ void main() {
 #endif
     float samples = count;
 #if GLOSS
-    vec3 all_gloss = vec3(0.0);
+    vec3 corrections = vec3(0.0);
     if (corrects_gloss) {
         samples = max(count, 1.0);
         direct_prediction.a = 1e30; // the correction has no bound
@@ -121,8 +122,9 @@ void main() {
         vec2 light_uv = pixel_sequence(at, light_uv_shift.xy + ray_shift(scheduled.first + k));
 #if GLOSS
         vec3 lobe_uv = lobe_sequence(at, lobe_shift, uint(scheduled.first + k));
-        ReflectionSample chosen = reflection_sample(surface, lobes, light, light_uv, lobe_uv, irradiance);
-        all_gloss += chosen.all_gloss;
+        ReflectionSample chosen =
+            reflection_sample(surface, lobes, prediction_of_lobes, light, light_uv, lobe_uv, irradiance);
+        corrections += chosen.correction;
 #else
         ReflectionSample chosen = reflection_sample(surface, light, light_uv, irradiance);
 #endif
@@ -150,7 +152,7 @@ void main() {
     }
 #endif
 #if GLOSS
-    if (corrects_gloss) direct_residual.rgb += predicted.x * (all_gloss / samples - glossy);
+    if (corrects_gloss) direct_residual.rgb += predicted.x * corrections / samples;
 #endif
 #endif
 }

@@ -23,7 +23,8 @@ void main() {
     vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance) / tile_probability, all_unshadowed = unshadowed;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    vec3 glossy = unshadowed_lobes(surface, lobes, light, irradiance) / tile_probability;
+    LobePrediction prediction = predict_lobes(surface, lobes, light, irradiance);
+    vec3 glossy = prediction.radiance / tile_probability;
     bool corrects_gloss = lobes.exist && !light_is_delta(light, surface.position);
     all_unshadowed += glossy;
 #else
@@ -52,11 +53,11 @@ void main() {
     vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(scheduled.first));
 #if GLOSS
     vec3 lobe_uv = lobe_sequence(at, uint(tile_light + 1) * lobe_light_steps, uint(scheduled.first));
-    ReflectionSample chosen = reflection_sample(surface, lobes, light, light_uv, lobe_uv, irradiance);
+    ReflectionSample chosen = reflection_sample(surface, lobes, prediction, light, light_uv, lobe_uv, irradiance);
     if (corrects_gloss) {
         direct_prediction.a = 1e30; // the correction has no bound
         direct_residual.a = max(direct_residual.a, correctable_luminance(lobes, unshadowed, glossy));
-        direct_residual.rgb = visibility * (chosen.all_gloss / tile_probability - glossy);
+        direct_residual.rgb = visibility * chosen.correction / tile_probability;
     }
 #else
     ReflectionSample chosen = reflection_sample(surface, light, light_uv, irradiance);

@@ -2,7 +2,7 @@
 #include "textures/bilateral_upsample.glsl"
 #if GLOSS
 #include "surfaces/camera_ray.glsl"
-#include "surfaces/lobes.glsl"
+#include "materials/lobes.glsl"
 #endif
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
@@ -46,9 +46,9 @@ void main() {
     vec3 albedo = surface.base_color;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    albedo += reflected_fraction(lobes.gloss, surface.normal, lobes.wo);
+    albedo += reflected_fraction(lobes.gloss);
 #if COAT
-    albedo += reflected_fraction(lobes.coat, lobes.coat_facets.frame[2], lobes.wo);
+    albedo += reflected_fraction(lobes.coat);
 #endif
 #if RARE_LOBES
     albedo += lobes.rare.sheen;

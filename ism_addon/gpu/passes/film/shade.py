@@ -6,6 +6,8 @@ background it is the world's. Accumulate adds what surfaces and lights emit. Occ
 from the half-resolution pixels that show the same surface.
 """
 
+from typing import Any
+
 from ....resources import (
     AMBIENT_OCCLUSION,
     DEPTH,
@@ -37,8 +39,11 @@ class Shade(Pass):
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
-        is_occluded = int(not frame.is_neutral(AMBIENT_OCCLUSION))
-        program = self.tile_program(occluded=is_occluded, **material_constants(frame))
+        constants: dict[str, Any] = {
+            "occluded": int(not frame.is_neutral(AMBIENT_OCCLUSION)),
+            **material_constants(frame),
+        }
+        program = self.tile_program(**constants)
         bind(
             program,
             position=frame[POSITION],

@@ -73,7 +73,7 @@ vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance);
 #if GLOSS
     vec3 wo = direction_to_camera(surface.position);
-    unshadowed += unshadowed_lobes(surface, lobes_at(ivec2(gl_FragCoord.xy), surface, wo), light, irradiance);
+    unshadowed += predict_lobes(surface, lobes_at(ivec2(gl_FragCoord.xy), surface, wo), light, irradiance).radiance;
 #endif
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.

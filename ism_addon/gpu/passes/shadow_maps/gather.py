@@ -33,7 +33,7 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
-from ....scene import Change, Lights
+from ....scene import Change
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind

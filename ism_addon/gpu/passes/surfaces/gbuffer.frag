@@ -7,7 +7,7 @@
 #include "surfaces/terminator_offset.glsl"
 #include "surfaces/visible_triangle.glsl"
 #if GLOSS
-#include "surfaces/gloss_packing.glsl"
+#include "materials/gloss_packing.glsl"
 #endif
 #if IMAGES
 #include "textures/image.glsl"
@@ -35,7 +35,6 @@ vec4 position, normal, base_color;
 uvec2 primitive;
 #if COAT
 layout(location = 0) out uvec4 coat;
-layout(location = 1) out vec4 coat_ltc;
 #endif
 #if RARE_LOBES
 layout(location = RARE_LOCATION) out uvec4 rare_lobes;
@@ -49,7 +48,7 @@ layout(location = 4) out uvec2 primitive;
 #if GLOSS
 layout(location = 5) out uvec4 gloss_reflectance;
 layout(location = 6) out uvec4 gloss_rise;
-layout(location = 7) out vec4 gloss_ltc;
+layout(location = 7) out uvec4 ltc_entries;
 #endif
 #endif
 
@@ -113,35 +112,33 @@ Shift shift(vec3 barycentric, vec3 u, vec3 v) { return Shift(u * barycentric.y +
 void clear_lobes() {
 #if LAYERS && COAT
     coat = uvec4(0u);
-    coat_ltc = vec4(0.0);
 #endif
 #if LAYERS && RARE_LOBES
     rare_lobes = pack_rare_lobes(RareLobes(vec3(0.0), vec2(0.0), 0.0, 0.0, 0.0, 0.0));
 #endif
 #if !LAYERS && GLOSS
-    gloss_reflectance = gloss_rise = uvec4(0u);
-    gloss_ltc = vec4(0.0);
+    gloss_reflectance = gloss_rise = ltc_entries = uvec4(0u);
 #endif
 }
 
 #if GLOSSY
 void write_lobes(Closures closures, vec3 wo, vec3 n) {
+    Gloss gloss = gloss_of(closures.glossy, clamp(dot(wo, n), 0.0, 1.0)), coat_gloss = gloss;
+    vec3 coat_normal = n;
+#if COAT
+    if (closures.coat_normal != vec3(0.0)) coat_normal = normalize(closures.coat_normal);
+    coat_gloss = gloss_of(closures.coat, clamp(dot(wo, coat_normal), 0.0, 1.0));
+#endif
 #if LAYERS && COAT
-    if (closures.coat_normal != vec3(0.0)) {
-        vec3 coat_normal = normalize(closures.coat_normal);
-        Gloss gloss = gloss_of(closures.coat, clamp(dot(wo, coat_normal), 0.0, 1.0));
-        coat = pack_coat(Coat(gloss, coat_normal));
-        coat_ltc = gloss.ltc;
-    }
+    coat = pack_coat(Coat(coat_gloss, coat_normal));
 #endif
 #if LAYERS && RARE_LOBES
     rare_lobes = pack_rare_lobes(rare_lobes_of(closures, n));
 #endif
 #if !LAYERS
-    Gloss gloss = gloss_of(closures.glossy, clamp(dot(wo, n), 0.0, 1.0));
     gloss_reflectance = pack_reflectance(gloss);
     gloss_rise = pack_rise(gloss);
-    gloss_ltc = gloss.ltc;
+    ltc_entries = uvec4(pack_ltc(gloss.ltc), pack_ltc(coat_gloss.ltc));
 #endif
 }
 #endif

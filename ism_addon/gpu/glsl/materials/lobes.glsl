@@ -1,14 +1,13 @@
 // All lobes of a surface but Lambert's: microfacets, a coat of others above them, and rare ones.
 #include "maths/orthonormal_basis.glsl"
 #include "surfaces/surface.glsl"
-#include "surfaces/gloss.glsl"
-#include "surfaces/rare_lobes.glsl"
+#include "materials/gloss.glsl"
+#include "materials/rare_lobes.glsl"
 uniform usampler2D gloss_reflectance;
 uniform usampler2D gloss_rise;
-uniform sampler2D gloss_ltc;
+uniform usampler2D ltc_entries; // of the lobe, and of the coat
 #if COAT
 uniform usampler2D coat;
-uniform sampler2D coat_ltc;
 #endif
 #if RARE_LOBES
 uniform usampler2D rare_lobes;
@@ -31,16 +30,17 @@ struct Lobes {
     float gloss_share; // of light samples that follow the microfacets below the coat; less than 0: of none
 };
 
-// The fraction of the light from everywhere that a lobe reflects, about.
-vec3 reflected_fraction(Gloss gloss, vec3 n, vec3 wo) {
-    return gloss.reflected * reflectance(gloss, max(dot(n, wo), 0.0));
+// The fraction of the light from everywhere that a lobe reflects; of a coat about.
+vec3 reflected_fraction(Gloss gloss) {
+    return gloss.reflected * (gloss.f0 + gloss.mean_rise * (gloss.schlick + gloss.dielectric));
 }
 
 Lobes lobes_at(ivec2 at, Surface surface, vec3 wo) {
     Lobes lobes;
     lobes.normal = surface.normal;
     lobes.wo = wo;
-    lobes.gloss = unpack_gloss(fetch(gloss_reflectance, at), fetch(gloss_rise, at), fetch(gloss_ltc, at));
+    uvec4 entries = fetch(ltc_entries, at);
+    lobes.gloss = unpack_gloss(fetch(gloss_reflectance, at), fetch(gloss_rise, at), entries.xy);
     lobes.facets = microfacets(lobes.gloss, surface.normal);
     lobes.exist = is_glossy(lobes.gloss);
     lobes.gloss_share = lobes.exist ? 1.0 : -1.0;
@@ -51,12 +51,13 @@ Lobes lobes_at(ivec2 at, Surface surface, vec3 wo) {
     lobes.exist = lobes.exist || lobes.rare.diffuse_roughness > 0.0 || lobes.rare.sheen != vec3(0.0);
 #endif
 #if COAT
-    Coat above_all = unpack_coat(fetch(coat, at), fetch(coat_ltc, at));
+    Coat above_all = unpack_coat(fetch(coat, at), entries.zw);
     lobes.coat = above_all.gloss;
+    lobes.coat.mean_rise = dielectric_rise(max(dot(above_all.normal, wo), 0.0), lobes.coat.eta);
     lobes.coat_facets = microfacets(lobes.coat, above_all.normal);
     if (is_glossy(lobes.coat)) {
-        vec3 below = reflected_fraction(lobes.gloss, surface.normal, wo);
-        vec3 above = reflected_fraction(lobes.coat, above_all.normal, wo);
+        vec3 below = reflected_fraction(lobes.gloss);
+        vec3 above = reflected_fraction(lobes.coat);
         lobes.gloss_share = dot(below, vec3(1.0)) / (dot(below, vec3(1.0)) + dot(above, vec3(1.0)));
         lobes.exist = true;
     }

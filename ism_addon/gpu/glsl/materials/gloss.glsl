@@ -1,14 +1,16 @@
 // Lobes of microfacets: their value, samples of visible normals, and their transforms to a cosine.
-#include "surfaces/gloss_packing.glsl"
+#include "maths/orthonormal_basis.glsl"
+#include "materials/ltc.glsl"
+#include "materials/gloss_packing.glsl"
 
-// Of the square of roughness: below, differences between directions would be rounded away.
-const float MIN_ALPHA = 1e-4;
+// Below this roughness, differences between directions would be rounded away.
+const float MIN_ROUGHNESS = 0.01;
 
 // Microfacets' roughness along the axes of a frame whose z is the surface's normal.
 struct Microfacets { mat3 frame; vec2 alpha; };
 
 Microfacets microfacets(Gloss gloss, vec3 n) {
-    return Microfacets(basis(n), vec2(max(gloss.roughness * gloss.roughness, MIN_ALPHA)));
+    return Microfacets(basis(n), vec2(pow(max(gloss.roughness, MIN_ROUGHNESS), 2.0)));
 }
 
 #if RARE_LOBES
@@ -75,6 +77,6 @@ mat3 camera_frame(vec3 n, vec3 wo) {
 
 // From anchor space to that in which the lobe is a cosine about z (Heitz, Dupuy, Hill & Neubelt 2016).
 mat3 cosine_from_anchor(Gloss gloss, vec3 n, vec3 wo) {
-    vec4 m = gloss.ltc;
+    vec4 m = ltc_inverse_of(gloss.ltc, max(gloss.roughness, MIN_ROUGHNESS), dot(n, wo));
     return mat3(m.x, 0.0, m.z, 0.0, 1.0, 0.0, m.y, 0.0, m.w) * transpose(camera_frame(n, wo));
 }

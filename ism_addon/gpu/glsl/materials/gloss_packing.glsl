@@ -1,6 +1,6 @@
 // The lobes of a pixel's surface other than Lambert's in the G-buffer: colors of up to 4, as 16-bit integers.
 #include "maths/octahedron.glsl"
-#include "surfaces/fresnel.glsl"
+#include "materials/fresnel.glsl"
 
 // Microfacets (GGX). Their reflectance is f0 at normal incidence, and rises by `schlick` and `dielectric` to grazing
 // angles, along the curves of Schlick and of Fresnel's equations; metals change it by `edge` before.
@@ -12,13 +12,14 @@ struct Gloss {
     float eta;
     float roughness;
     float reflected; // the fraction that the lobe reflects towards the camera, if microfacets reflect all
-    vec4 ltc;        // of the transform that makes the lobe a cosine: see surfaces/gloss.glsl
+    float mean_rise; // how far the reflectance has risen by `schlick` and `dielectric`, for light from everywhere
+    vec4 ltc;        // of the transform that makes the lobe a cosine: see materials/ltc.glsl
 };
 
 // What few materials have.
 struct RareLobes {
     vec3 sheen;
-    vec2 sheen_shape;       // see surfaces/sheen.glsl
+    vec2 sheen_shape;       // see materials/rare_lobes.glsl
     float anisotropy;       // of the lobe that is not the coat
     float tangent_angle;    // of its tangent in the basis about the normal, in turns
     float diffuse_roughness;
@@ -45,13 +46,22 @@ uvec4 pack_reflectance(Gloss gloss) {
 
 uvec4 pack_rise(Gloss gloss) {
     return pack_halves(vec4(gloss.dielectric / MAX_REFLECTANCE, gloss.reflected),
-                       vec4(gloss.edge / (7.0 * MAX_REFLECTANCE), 0.0));
+                       vec4(gloss.edge / (7.0 * MAX_REFLECTANCE), gloss.mean_rise));
 }
 
-Gloss unpack_gloss(uvec4 reflectance, uvec4 rise, vec4 ltc) {
+const float LTC_RANGE = 4.01; // of entries of the table
+
+uvec2 pack_ltc(vec4 entry) {
+    vec4 unit = 0.5 + entry / LTC_RANGE;
+    return uvec2(packUnorm2x16(unit.xy), packUnorm2x16(unit.zw));
+}
+
+vec4 unpack_ltc(uvec2 bits) { return LTC_RANGE * (vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y)) - 0.5); }
+
+Gloss unpack_gloss(uvec4 reflectance, uvec4 rise, uvec2 ltc) {
     mat2x4 a = unpack_halves(reflectance), b = unpack_halves(rise);
     return Gloss(MAX_REFLECTANCE * a[0].rgb, MAX_REFLECTANCE * a[1].rgb, MAX_REFLECTANCE * b[0].rgb,
-                 7.0 * MAX_REFLECTANCE * b[1].rgb, a[1].w / max(1.0 - a[1].w, 1e-4), a[0].w, b[0].w, ltc);
+                 7.0 * MAX_REFLECTANCE * b[1].rgb, a[1].w / max(1.0 - a[1].w, 1e-4), a[0].w, b[0].w, b[1].w, unpack_ltc(ltc));
 }
 
 // A coat is a dielectric whose reflectance rises to its weight, and has a normal of its own.
@@ -63,12 +73,12 @@ uvec4 pack_coat(Coat coat) {
                        coat.gloss.reflected, 0.5 + 0.5 * octahedron_from_direction(coat.normal)));
 }
 
-Coat unpack_coat(uvec4 bits, vec4 ltc) {
+Coat unpack_coat(uvec4 bits, uvec2 ltc) {
     mat2x4 a = unpack_halves(bits);
     float eta = a[1].x / max(1.0 - a[1].x, 1e-4), f0 = dielectric_f0(eta);
     vec3 weight = MAX_REFLECTANCE * a[0].rgb, none = vec3(0.0);
-    return Coat(Gloss(f0 * weight, none, (1.0 - f0) * weight, none, eta, a[0].w, a[1].y, ltc),
-                direction_from_octahedron(2.0 * a[1].zw - 1.0));
+    Gloss gloss = Gloss(f0 * weight, none, (1.0 - f0) * weight, none, eta, a[0].w, a[1].y, 0.0, unpack_ltc(ltc));
+    return Coat(gloss, direction_from_octahedron(2.0 * a[1].zw - 1.0));
 }
 
 uvec4 pack_rare_lobes(RareLobes rare) {
