@@ -61,8 +61,8 @@ class Dimension(Enum):
         # From the 65th ray of a pixel to a round light on, by a search with half-occluded discs.
         "late_ray": (0.33888137, 0.76432619),
     }
-    # A microfacet's normal, and which of the candidates for a ray to a light is kept. Each is the most even of 60 random
-    # triples, in 16, 64 and 256 points.
+    # A microfacet's normal, and which of the candidates for a ray to a light is kept. Each is the most even of 60
+    # random triples, in 16, 64 and 256 points.
     LOBE_POINT = {
         "light": (0.768356, 0.435963, 0.730877),
         "pixel": (0.557747, 0.694352, 0.216158),

@@ -16,7 +16,9 @@ from tests.unit.shading import glsl_functions
 COUNT = 500
 FILE = "materials/gloss.glsl"
 #: A dielectric's lobe of operands: roughness, index of refraction, directions to the camera and to the light.
-LOBE = "Gloss(vec3(dielectric_f0(a1)), vec3(0.0), vec3(1.0 - dielectric_f0(a1)), vec3(0.0), a1, a0, 1.0, 0.0, vec4(0.0))"
+LOBE = (
+    "Gloss(vec3(dielectric_f0(a1)), vec3(0.0), vec3(1.0 - dielectric_f0(a1)), vec3(0.0), a1, a0, 1.0, 0.0, vec4(0.0))"
+)
 FACETS = f"microfacets({LOBE}, vec3(0.0, 0.0, 1.0))"
 
 
