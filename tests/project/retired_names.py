@@ -117,7 +117,7 @@ RETIRED = {
     "crosses": "hits_triangle",
     "without_zero": "avoid_zero",
     "casters_middle casters_scale caster_leaves": "tlas_centre tlas_scale tlas_leaves",
-    "tree_nodes tree_starts": "blas_nodes blas_leaf_starts",
+    "tree_nodes tree_starts": "blas_nodes",
     "turn_of": "schedule_ray",
     "chance_of": "ray_probability",
     "place_of_pixel": "pixel_sequence",

@@ -8,6 +8,7 @@ import numpy as np
 from ...scene import Mesh
 from ..buffers.small_meshes import concatenated, small_mesh_groups
 from ..gl.context import Device
+from ..gl.shader_records import TEXEL_WORDS
 from .blas import BLAS, DeferredBLAS
 
 #: Texels of a node.
@@ -58,19 +59,21 @@ class BLASTable:
 
 
 class BLASBuffers:
-    """BVHs of meshes on the GPU, concatenated."""
+    """BVHs of meshes on the GPU in one buffer texture: the nodes of all, then the leaf starts of all, four a texel."""
 
     def __init__(self, device: Device, blases: tuple[BLAS, ...]):
         #: For each BVH, and at the end the total.
         self.first_nodes = np.cumsum([0] + [len(blas.nodes) for blas in blases])
-        self.first_leaves = np.cumsum([0] + [blas.leaves for blas in blases])
-        self.nodes = device.new_buffer(NODE_TEXELS * int(self.first_nodes[-1]), 4, "u4")
-        self.leaf_starts = device.new_buffer(int(self.first_leaves[-1]), 1, "u4")
+        end_of_nodes = TEXEL_WORDS * NODE_TEXELS * int(self.first_nodes[-1])
+        #: For each BVH, and at the end of all: its first leaf start, as an index of the buffer's words.
+        self.first_leaves = np.cumsum([end_of_nodes] + [blas.leaves for blas in blases])
+        self.nodes = device.new_buffer(-(-int(self.first_leaves[-1]) // TEXEL_WORDS), TEXEL_WORDS, "u4")
         for group in small_mesh_groups([blas.leaves for blas in blases]):  # BVHs of small meshes are written together
             grouped, first = blases[group], group.start
             nodes = concatenated([node_texels(blas.nodes) for blas in grouped])
             self.nodes.write(nodes, NODE_TEXELS * int(self.first_nodes[first]))
-            self.leaf_starts.write(concatenated([blas.leaf_starts for blas in grouped]), int(self.first_leaves[first]))
+            leaf_starts = concatenated([blas.leaf_starts for blas in grouped])
+            self.nodes.buffer.write(leaf_starts, offset=leaf_starts.itemsize * int(self.first_leaves[first]))
         self.bytes = sum(blas.leaf_starts.nbytes + blas.nodes.nbytes for blas in blases)
 
 

@@ -119,8 +119,8 @@ OBJECT_INFO = Record(
 #: The link groups of an instance, one bit each.
 MEMBERSHIP = Record("Membership", groups="uint")
 
-#: An instance that casts shadows: the 3×4 matrix to its mesh's quanta, the mesh's BLAS, the instance's row in the
-#: G-buffer, and its link groups.
+#: An instance that casts shadows: the 3×4 matrix to its mesh's quanta, the mesh's BLAS (see BLASBuffers), the
+#: instance's row in the G-buffer, and its link groups.
 CASTER = Record(
     "Caster",
     row0="vec4",

@@ -192,7 +192,7 @@ def test_moving_an_instance_uploads_little_and_keeps_the_blas(device):
     assert second.profile.counts["bytes_uploaded"] < 2000
     assert second.profile.rows["BuildBLAS"].drawn == 0
     assert second.renderer.graph[BLAS] is blas
-    assert second.renderer.graph[TLAS]["blas_leaf_starts"] is tlas["blas_leaf_starts"]
+    assert second.renderer.graph[TLAS]["blas_nodes"] is tlas["blas_nodes"]
     assert second.profile.rows["BuildTLAS"].drawn == 1
 
 

@@ -6,8 +6,7 @@
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
 #include "textures/scene_records.glsl"
-uniform usamplerBuffer blas_nodes;
-uniform usamplerBuffer blas_leaf_starts;
+uniform usamplerBuffer blas_nodes; // and after them the first triangles of leaves, four a texel
 uniform int tlas_nodes; // rows of BVH_NODE
 uniform int casters;    // rows of CASTER
 uniform int tlas_leaves;
@@ -105,7 +104,7 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
             while (state.node > 0 && state.node < caster.leaves)
                 state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray, end, !any_is_enough);
             int start = caster.first_leaf + state.node - caster.leaves;
-            int first = caster.first_triangle + int(texelFetch(blas_leaf_starts, start).x);
+            int first = caster.first_triangle + int(texelFetch(blas_nodes, start >> 2)[start & 3]);
             int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
             for (int k = first; k < last; ++k) {
                 if (any_is_enough && nearest.triangle >= 0) break;

@@ -99,7 +99,6 @@ class BuildTLAS(Pass):
         casters["link_groups"] = instances.groups[indices]
         frame[TLAS] = {
             "blas_nodes": buffers.nodes,
-            "blas_leaf_starts": buffers.leaf_starts,
             "corners": meshes.samplers["corners"],
             "tlas_nodes": frame.scene_records.write("tlas_nodes", nodes, NODE_TEXELS),
             "casters": CASTER.write(
