@@ -145,7 +145,7 @@ GLSL_INTERFACE = (
 GLOSS_INTERFACE = (
     ("bool", "is_delta", "vec3 p"),  # whether its light comes from one direction only
     ("float", "transformed_irradiance", "vec3 p, mat3 m"),  # of a receiver of normal z, at p = 0, all else times m
-    # The radiance, the same in all directions to the light, whose integral that is. 0: of none; EVERYWHERE: see its GLSL.
+    # The radiance, the same in all directions to the light, whose integral that is; 0: of none; or EVERYWHERE.
     ("float", "even_radiance", "vec3 p, vec3 n"),
 )
 
