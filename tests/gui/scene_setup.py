@@ -97,8 +97,10 @@ def set_world(strength: float, shadows: bool = False) -> None:
 
 
 def new_material(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
+    """A material without gloss."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Specular IOR Level"].default_value = 0.0
     recolor(material.name, color)
     return material
 
