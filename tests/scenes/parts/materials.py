@@ -82,12 +82,13 @@ def lambertian(name: str) -> bpy.types.Material:
     return material
 
 
-def packed_image(name: str, pixels: np.ndarray) -> bpy.types.Image:
-    """An sRGB image of pixels (H,W,3), bottom row first, kept inside the .blend."""
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height)
+def packed_image(name: str, pixels: np.ndarray, color_space: str = "sRGB") -> bpy.types.Image:
+    """An image of pixels (H,W,3 or 4), bottom row first, kept inside the .blend."""
+    height, width, channels = pixels.shape
+    image = bpy.data.images.new(name, width, height, alpha=channels == 4)
+    image.colorspace_settings.name = color_space
     rgba = np.ones((height, width, 4), np.float32)
-    rgba[..., :3] = pixels
+    rgba[..., :channels] = pixels
     image.pixels.foreach_set(rgba.ravel())
     image.pack()
     return image

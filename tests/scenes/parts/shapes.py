@@ -21,6 +21,11 @@ class Shape:
         rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         return Shape(self.positions @ rotation.T + (x, y, z), self.quads, self.uvs)
 
+    def transformed(self, matrix: Sequence[Sequence[float]]) -> "Shape":
+        """The shape transformed by an affine matrix (4,4), its texture coordinates kept."""
+        affine = np.array(matrix)
+        return Shape(self.positions @ affine[:3, :3].T + affine[:3, 3], self.quads, self.uvs)
+
 
 def join(shapes: Sequence[Shape]) -> Shape:
     """One shape of several."""
@@ -88,6 +93,15 @@ def ring(profile: Sequence[tuple[float, float]], half_x: float, half_y: float) -
         uvs = np.stack([np.stack([end[:, axis], along], axis=-1) for end in ends], axis=1)
         sides.append(grid(np.stack(ends, axis=1), uvs))
     return join(sides)
+
+
+def rounded_profile(profile: Sequence[tuple[float, float]], rounds: int = 3) -> np.ndarray:
+    """A profile (N,2) with its corners cut several times, except the ends: a quadratic B-spline."""
+    points = np.array(profile, float)
+    for _ in range(rounds):
+        cut = np.stack([0.75 * points[:-1] + 0.25 * points[1:], 0.25 * points[:-1] + 0.75 * points[1:]], axis=1)
+        points = np.concatenate([points[:1], cut.reshape(-1, 2), points[-1:]])
+    return points
 
 
 def path_length(points: np.ndarray) -> np.ndarray:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Curved solids of quads: balls, rounded blocks, tubes along paths, knots. In metres, around the origin."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tests.scenes.parts.shapes import Shape, grid, join, path_length
@@ -16,6 +18,26 @@ def ball(radius: float, steps: int, power: float = 2.0) -> Shape:
             cube = np.roll(np.stack([np.full_like(u, sign), u, sign * v], axis=-1), axis, axis=-1)
             norm = (np.abs(cube) ** power).sum(-1, keepdims=True) ** (1.0 / power)
             sides.append(grid(radius * cube / norm, radius * np.stack([u, v], axis=-1)))
+    return join(sides)
+
+
+def rounded_box(low: Sequence[float], high: Sequence[float], radius: float, steps: int = 4) -> Shape:
+    """A box between two corners with round edges. Around its flat sides a narrow rim keeps their normals straight."""
+    middle, half = 0.5 * np.add(high, low), 0.5 * np.subtract(high, low)
+    bend = radius * np.tan(np.linspace(0.0, 0.25 * np.pi, steps + 1))
+    rises = [np.concatenate([[max(inner - 0.5 * radius, 0.5 * inner)], inner + bend]) for inner in half - radius]
+    lines = [np.concatenate([-rise[::-1], rise]) for rise in rises]
+    sides = []
+    for axis in range(3):
+        for sign in (-1.0, 1.0):
+            others = (axis + 1) % 3, (axis + 2) % 3
+            cube = np.empty((len(lines[others[0]]), len(lines[others[1]]), 3))
+            cube[..., others[0]], cube[..., others[1]] = np.meshgrid(*(lines[each] for each in others), indexing="ij")
+            cube[..., axis] = sign * half[axis]
+            core = np.clip(cube, radius - half, half - radius)
+            outwards = cube - core
+            positions = core + radius * outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
+            sides.append(grid(middle + positions, (middle + positions)[..., sorted(others)]))
     return join(sides)
 
 
