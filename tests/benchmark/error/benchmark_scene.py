@@ -16,7 +16,7 @@ from tests.demo.figure6 import quiet_stdout
 from tests.scenes import corridor, dense, dim_atrium, lamps, objects, thin
 from tests.scenes.cycles import direct_light
 from tests.scenes.lights import garden, lanterns, stage, street
-from tests.scenes.materials import products, tree
+from tests.scenes.materials import kitchen, products, tree
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ SCENES = {
     "lanterns": Script(lanterns.build, light_tree=True),
     "products": Script(products.build, light_tree=True),
     "tree": Script(tree.build, light_tree=False),
+    "kitchen": Script(kitchen.build, light_tree=True),
 }
 #: Seeds of the two reference images. The renders that are measured have others.
 SEEDS = (1_000_001, 1_000_002)

@@ -11,6 +11,8 @@ from tests.scenes.parts.materials import packed_image
 
 #: What an input is given: a number, components, or a node whose first output is meant.
 Value = float | Sequence[float] | bpy.types.Node | bpy.types.NodeSocket
+#: Values by the inputs' names, or by their indices where several have the same name.
+Inputs = Mapping[str | int, Value]
 Color = tuple[float, float, float]  # linear
 
 
@@ -22,7 +24,7 @@ class Graph:
         self.material.use_nodes = True
         self.tree = self.material.node_tree
 
-    def add(self, kind: str, inputs: Mapping[str, Value], **options: Any) -> bpy.types.Node:
+    def add(self, kind: str, inputs: Inputs, **options: Any) -> bpy.types.Node:
         """Add a node of a type without the prefix ShaderNode."""
         node = self.tree.nodes.new(f"ShaderNode{kind}")
         for name, value in options.items():
@@ -30,10 +32,11 @@ class Graph:
         self.set_inputs(node, inputs)
         return node
 
-    def set_inputs(self, node: bpy.types.Node, inputs: Mapping[str, Value]) -> None:
+    def set_inputs(self, node: bpy.types.Node, inputs: Inputs) -> None:
         """Link inputs of a node, or set their values."""
         for name, value in inputs.items():
-            socket = next(each for each in node.inputs if each.name == name and each.enabled)
+            sockets = {each.name: each for each in reversed(node.inputs) if each.enabled}
+            socket = node.inputs[name] if isinstance(name, int) else sockets[name]
             if isinstance(value, bpy.types.Node):
                 value = next(each for each in value.outputs if each.enabled)
             if isinstance(value, bpy.types.NodeSocket):
@@ -60,6 +63,14 @@ class Graph:
         scales = (scale, scale, scale) if isinstance(scale, float) else scale
         return self.add("Mapping", {"Vector": self.add("TexCoord", {}).outputs[source], "Scale": scales})
 
+    def solid(self, scale: float | Sequence[float] = 1.0) -> bpy.types.Node:
+        """Coordinates in the object's space times `scale`, moved at random for each object, for grain and spots."""
+        at = self.coordinates(scale, "Object")
+        shift = self.add("VectorMath", {"Scale": 40.0}, operation="SCALE")
+        self.set_inputs(shift, {"Vector": self.add("ObjectInfo", {}).outputs["Random"]})
+        self.set_inputs(at, {"Location": shift})
+        return at
+
     def image(self, pixels: np.ndarray, vector: Value, color_space: str = "sRGB") -> bpy.types.Node:
         """An image texture of pixels (H,W,3 or 4), bottom row first."""
         image = packed_image(self.material.name, pixels, color_space)
@@ -69,15 +80,20 @@ class Graph:
         """Fractal noise, about .5."""
         return self.add("TexNoise", {"Vector": vector, "Scale": scale, "Detail": detail, "Roughness": roughness})
 
-    def ramp(self, factor: Value, *stops: tuple[float, Color]) -> bpy.types.Node:
+    def ramp(self, factor: Value, *stops: tuple[float, Color], interpolation: str = "LINEAR") -> bpy.types.Node:
         """A color ramp through two stops or more."""
         node = self.add("ValToRGB", {"Fac": factor})
+        node.color_ramp.interpolation = interpolation
         elements = node.color_ramp.elements
         for _ in stops[2:]:
             elements.new(1.0)
         for element, (position, color) in zip(elements, stops, strict=True):
             element.position, element.color = position, (*color, 1.0)
         return node
+
+    def mask(self, factor: Value, start: float, end: float) -> bpy.types.Node:
+        """From 0 at `start` to 1 at `end`."""
+        return self.add("MapRange", {"Value": factor, "From Min": start, "From Max": end})
 
     def mix(self, factor: Value, a: Value, b: Value, blend: str = "MIX") -> bpy.types.Node:
         """A mixture of two colors."""

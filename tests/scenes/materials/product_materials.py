@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.scenes.parts.textures import mix, noise, pixels
 
-from .graph import Graph, plain
+from .graph import Color, Graph, plain
 
 INK, CREAM, GILT = (0.12, 0.10, 0.09), (0.93, 0.89, 0.78), (0.62, 0.45, 0.16)  # sRGB, of labels
 
@@ -48,9 +48,8 @@ def label(name: str) -> bpy.types.Material:
     return graph.surface(graph.image(color, graph.coordinates((1.0 / (0.041 * np.pi), 8.0, 1.0))), 0.5)
 
 
-def dial(name: str) -> bpy.types.Material:
-    """A watch's dial in 4 × 4 cm: marks of hours and minutes, three hands."""
-    size = 512
+def dial_image(ground: Color, ink: Color, size: int = 512) -> np.ndarray:
+    """A dial with marks of hours and minutes, and three hands."""
     x, y = (2.0 * each - 1.0 for each in pixels(size))
     radius, turn = np.hypot(x, y), np.arctan2(x, y) / (2.0 * np.pi)
     marks = np.zeros_like(x, bool)
@@ -61,9 +60,14 @@ def dial(name: str) -> bpy.types.Material:
         direction = np.array([np.sin(np.pi * hour / 6.0), np.cos(np.pi * hour / 6.0)])
         along, off = x * direction[0] + y * direction[1], np.abs(x * direction[1] - y * direction[0])
         marks |= (along > -0.1) & (along < length) & (off < width)
+    return mix(ground, ink, marks.astype(float))
+
+
+def dial(name: str) -> bpy.types.Material:
+    """A watch's dial in 4 × 4 cm, under a clear coat."""
     graph = Graph(name)
-    color = mix((0.05, 0.09, 0.19), (0.95, 0.95, 0.92), marks.astype(float))
-    return graph.surface(graph.image(color, graph.coordinates(25.0)), 0.3, coat_weight=1.0, coat_roughness=0.05)
+    image = graph.image(dial_image((0.05, 0.09, 0.19), (0.95, 0.95, 0.92)), graph.coordinates(25.0))
+    return graph.surface(image, 0.3, coat_weight=1.0, coat_roughness=0.05)
 
 
 def leatherette(name: str) -> bpy.types.Material:
@@ -78,7 +82,7 @@ def stoneware(name: str) -> bpy.types.Material:
     graph = Graph(name)
     at = graph.coordinates(source="Object")
     clay = graph.ramp(graph.noise(at, 60.0), (0.3, (0.42, 0.34, 0.26)), (0.7, (0.58, 0.49, 0.39)))
-    specks = graph.ramp(graph.noise(at, 420.0, 1.0), (0.62, (0.0, 0.0, 0.0)), (0.68, (1.0, 1.0, 1.0)))
+    specks = graph.mask(graph.noise(at, 420.0, 1.0), 0.62, 0.68)
     ridges = graph.noise(graph.coordinates((3.0, 3.0, 260.0), source="Object"), 1.0, 2.0)
     return graph.surface(graph.mix(specks, clay, (0.10, 0.07, 0.05)), 0.5, normal=graph.bump(ridges, 0.003))
 
@@ -86,7 +90,7 @@ def stoneware(name: str) -> bpy.types.Material:
 def lacquer(name: str) -> bpy.types.Material:
     """Red lacquer with gold dust under a clear coat."""
     graph = Graph(name)
-    dust = graph.ramp(graph.noise(graph.coordinates(), 300.0, 2.0), (0.60, (0.0, 0.0, 0.0)), (0.64, (1.0, 1.0, 1.0)))
+    dust = graph.mask(graph.noise(graph.coordinates(), 300.0, 2.0), 0.60, 0.64)
     base = graph.mix(dust, (0.33, 0.012, 0.01), (0.75, 0.45, 0.12))
     return graph.surface(base, 0.4, metallic=dust, coat_weight=1.0, coat_roughness=0.04)
 

@@ -11,21 +11,22 @@ from tests.scenes.parts.solids import ball, knot, rounded_box, tube
 
 Parts = list[tuple[Shape, str]]
 
+POLE = 3e-4  # m, radius of the hole at a cap's axis: a smaller one would be welded to degenerate quads
 FORWARD = Matrix.Rotation(0.5 * math.pi, 4, "X")  # from the z axis to -y
 
 
-def turned(*profile: tuple[float, float], segments: int = 72) -> Shape:
-    """A smooth profile of (radius, height), rotated about the z axis."""
-    return lathe(rounded_profile(profile), segments)
+def turned(*profile: tuple[float, float], segments: int = 72, rounds: int = 3) -> Shape:
+    """A profile of (radius, height), smoothed in some rounds and rotated about the z axis."""
+    return lathe(rounded_profile(profile, rounds), segments)
 
 
 def bottle() -> Parts:
     """A wine bottle, 31 cm high."""
     glass = turned(
-        *((1e-4, 0.006), (0.032, 0.002), (0.041, 0.0), (0.041, 0.012), (0.041, 0.19), (0.041, 0.215)),
+        *((POLE, 0.006), (0.032, 0.002), (0.041, 0.0), (0.041, 0.012), (0.041, 0.19), (0.041, 0.215)),
         *((0.014, 0.225), (0.0145, 0.27), (0.0145, 0.3)),
     )
-    foil = turned((0.0149, 0.235), (0.0152, 0.3), (0.0152, 0.31), (0.0152, 0.31), (1e-4, 0.31), segments=48)
+    foil = turned((0.0149, 0.235), (0.0152, 0.3), (0.0152, 0.31), (0.0148, 0.311), (POLE, 0.311), segments=48)
     band = lathe(np.array([(0.0413, 0.045), (0.0413, 0.17)]), 72)
     return [(glass, "Bottle glass"), (foil, "Foil"), (band, "Label")]
 
@@ -33,8 +34,8 @@ def bottle() -> Parts:
 def vase() -> Parts:
     """A porcelain vase, 22 cm high."""
     body = turned(
-        *((1e-4, 0.004), (0.03, 0.0), (0.032, 0.0), (0.034, 0.02), (0.075, 0.11), (0.05, 0.17), (0.012, 0.18)),
-        *((0.024, 0.225), (0.03, 0.222), (0.026, 0.215), (0.01, 0.18), (0.01, 0.15), (1e-4, 0.15)),
+        *((POLE, 0.004), (0.03, 0.0), (0.032, 0.0), (0.034, 0.02), (0.075, 0.11), (0.05, 0.17), (0.012, 0.18)),
+        *((0.024, 0.225), (0.03, 0.222), (0.026, 0.215), (0.01, 0.18), (0.01, 0.15), (POLE, 0.15)),
     )
     return [(body, "Porcelain")]
 
@@ -43,16 +44,16 @@ def can() -> Parts:
     """A brushed tin, 13 cm high, with rims and a lid with a knob."""
     side = lathe(np.array([(0.036, 0.004), (0.036, 0.108)]), 96)
     rims = [turned((0.035, z), (0.0372, z), (0.0372, z + 0.006), (0.035, z + 0.006), segments=96) for z in (0.0, 0.106)]
-    lid = turned((0.0372, 0.113), (0.0372, 0.122), (0.036, 0.123), (0.01, 0.124), (1e-4, 0.124), segments=96)
-    knob = turned((0.004, 0.122), (0.004, 0.129), (0.011, 0.131), (0.009, 0.139), (1e-4, 0.139), segments=48)
+    lid = turned((0.0372, 0.113), (0.0372, 0.122), (0.036, 0.123), (0.01, 0.124), (POLE, 0.124), segments=96)
+    knob = turned((0.004, 0.122), (0.004, 0.129), (0.011, 0.131), (0.009, 0.139), (POLE, 0.139), segments=48)
     return [(side, "Brushed aluminium"), (join(rims), "Steel"), (lid, "Satin steel"), (knob, "Chrome")]
 
 
 def cup() -> Parts:
     """A stoneware cup, 9 cm high, with a handle."""
     body = turned(
-        *((1e-4, 0.003), (0.024, 0.0), (0.03, 0.0), (0.033, 0.012), (0.04, 0.05), (0.038, 0.092), (0.036, 0.094)),
-        *((0.034, 0.09), (0.036, 0.05), (0.028, 0.012), (0.02, 0.01), (1e-4, 0.01)),
+        *((POLE, 0.003), (0.024, 0.0), (0.03, 0.0), (0.033, 0.012), (0.04, 0.05), (0.038, 0.092), (0.036, 0.094)),
+        *((0.034, 0.09), (0.036, 0.05), (0.028, 0.012), (0.02, 0.01), (POLE, 0.01)),
     )
     t = np.linspace(-0.42 * math.pi, 0.42 * math.pi, 24)
     path = np.stack([0.034 + 0.03 * np.cos(t), np.zeros_like(t), 0.05 + 0.027 * np.sin(t)], axis=-1)
@@ -65,18 +66,18 @@ def camera() -> Parts:
     metal = [
         rounded_box((-0.068, -0.0165, 0.057), (0.068, 0.0165, 0.08), 0.006),
         rounded_box((-0.068, -0.0165, 0.0), (0.068, 0.0165, 0.009), 0.004),
-        turned((0.009, 0.08), (0.0095, 0.088), (0.009, 0.09), (1e-4, 0.09), segments=48).moved(x=-0.05),
-        turned((0.007, 0.08), (0.007, 0.086), (0.006, 0.087), (1e-4, 0.087), segments=48).moved(x=-0.026),
+        turned((0.009, 0.08), (0.0095, 0.088), (0.009, 0.09), (POLE, 0.09), segments=48).moved(x=-0.05),
+        turned((0.007, 0.08), (0.007, 0.086), (0.006, 0.087), (POLE, 0.087), segments=48).moved(x=-0.026),
         box((-0.01, -0.008, 0.079), (0.01, 0.01, 0.083)),
     ]
     ring = np.array([(0.031, 0.0), (0.031, 0.006), (0.0285, 0.006), (0.0285, 0.022), (0.027, 0.024), (0.027, 0.034)])
     barrel = lathe(np.concatenate([ring, [(0.0255, 0.036), (0.0235, 0.036), (0.018, 0.028)]]), 96)
     grip = lathe(np.array([(0.0288, 0.008), (0.0302, 0.008), (0.0302, 0.02), (0.0288, 0.02)]), 240, 60, 0.0009)
     rim = lathe(np.array([(0.031, 0.003), (0.0322, 0.004), (0.0322, 0.006), (0.031, 0.007)]), 96)
-    glass = turned((0.0185, 0.028), (0.012, 0.033), (1e-4, 0.034), segments=64)
+    glass = turned((0.0185, 0.028), (0.012, 0.033), (POLE, 0.034), segments=64)
     aim = Matrix.Translation((0.006, -0.016, 0.035)) @ FORWARD
     windows = [box((x - w, -0.0172, 0.064), (x + w, -0.016, 0.074)) for x, w in ((0.05, 0.009), (-0.012, 0.005))]
-    badge = turned((0.0035, 0.0), (0.0035, 0.0012), (1e-4, 0.0014), segments=32)
+    badge = turned((0.0035, 0.0), (0.0035, 0.0012), (POLE, 0.0014), segments=32)
     return [
         (body, "Leatherette"),
         (join(metal), "Satin steel"),
@@ -124,10 +125,10 @@ def lacquered_box() -> Parts:
 
 def watch() -> Parts:
     """A wrist watch lying on its side as a closed band, its dial towards -y; 7 cm high."""
-    case = lathe(np.array([(1e-4, 0.0), (0.018, 0.0), (0.0195, 0.002), (0.0195, 0.008), (0.0185, 0.009)]), 96)
+    case = lathe(np.array([(POLE, 0.0), (0.018, 0.0), (0.0195, 0.002), (0.0195, 0.008), (0.0185, 0.009)]), 96)
     bezel = turned((0.0185, 0.009), (0.0195, 0.009), (0.018, 0.0115), (0.0165, 0.0105), segments=96)
     disc = grid(*disc_of(0.0167, 48))
-    crown = lathe(np.array([(0.0031, 0.0195), (0.0031, 0.0235), (0.0028, 0.024), (1e-4, 0.024)]), 96, 24, 0.0004)
+    crown = lathe(np.array([(0.0031, 0.0195), (0.0031, 0.0235), (0.0028, 0.024), (POLE, 0.024)]), 96, 24, 0.0004)
     aim = Matrix.Translation((0.0, -0.031, 0.036)) @ FORWARD
     crown = crown.transformed(Matrix.Translation((0.0, 0.0, 0.005)) @ Matrix.Rotation(0.5 * math.pi, 4, "Y"))
     links = []
@@ -149,7 +150,7 @@ def watch() -> Parts:
 def disc_of(radius: float, segments: int) -> tuple[np.ndarray, np.ndarray]:
     """Points and coordinates of a disc in the xy plane. The coordinates are 0.02 m at its centre."""
     angles = np.linspace(0.0, 2.0 * np.pi, segments + 1)
-    radii = np.array([1e-4, radius])[:, None]
+    radii = np.array([POLE, radius])[:, None]
     points = np.stack(np.broadcast_arrays(radii * np.cos(angles), radii * np.sin(angles), 0.0), axis=-1)
     return points, points[..., :2] + 0.02
 

@@ -49,7 +49,7 @@ def bark(name: str) -> bpy.types.Material:
     graph = Graph(name)
     image = graph.image(color, graph.coordinates(1.4))
     damp = graph.noise(graph.coordinates(3.0, "Object"), 1.0)
-    moss = graph.ramp(damp, (0.5, (0.0, 0.0, 0.0)), (0.7, (0.6, 0.6, 0.6)))
+    moss = graph.mask(damp, 0.5, 0.8)
     base = graph.mix(moss, image, (0.10, 0.13, 0.04))
     return graph.surface(base, 0.8, normal=graph.bump(image, 0.02))
 
@@ -67,7 +67,7 @@ def grass(name: str) -> bpy.types.Material:
     color = mix((0.17, 0.22, 0.07), (0.56, 0.66, 0.27), blades)
     graph = Graph(name)
     image = graph.image(color, graph.coordinates(0.5))
-    dry = graph.ramp(graph.noise(graph.coordinates(), 0.9, 6.0, 0.65), (0.45, (0.0, 0.0, 0.0)), (0.7, (1.0, 1.0, 1.0)))
+    dry = graph.mask(graph.noise(graph.coordinates(), 0.9, 6.0, 0.65), 0.45, 0.7)
     base = graph.mix(dry, image, graph.mix(1.0, image, (1.6, 1.25, 0.8), "MULTIPLY"))
     return graph.surface(base, 0.75, normal=graph.bump(image, 0.01))
 
@@ -103,7 +103,7 @@ def painted_wood(name: str) -> bpy.types.Material:
     """White paint that has flaked off here and there."""
     graph = Graph(name)
     flakes = graph.noise(graph.coordinates((9.0, 9.0, 3.0), "Object"), 1.0, 5.0, 0.65)
-    mask = graph.ramp(flakes, (0.60, (0.0, 0.0, 0.0)), (0.63, (1.0, 1.0, 1.0)))
+    mask = graph.mask(flakes, 0.60, 0.63)
     base = graph.mix(mask, (0.72, 0.71, 0.67), (0.26, 0.19, 0.13))
     return graph.surface(base, graph.range(mask, 0.3, 0.75), normal=graph.bump(mask, -0.002))
 
