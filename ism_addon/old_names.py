@@ -96,6 +96,9 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         converted[f"{materials}emission"] = np.zeros((count, 3), np.float32)
         converted |= {f"{materials}{name}": np.full(count, -1, np.int32) for name in ("graph", "first_constant")}
         converted[f"{materials}constants"] = np.zeros((0, 4), np.float32)
+        converted |= {
+            f"{materials}{name}": np.zeros((0, 2), np.int32) for name in ("transparency", "transparency_constant")
+        }
     for name in arrays:
         if (name.startswith("scene/meshes/")) and name.endswith("/positions"):
             converted[name.replace("/positions", "/attributes")] = np.zeros((0, 3, 0, 4), np.float32)

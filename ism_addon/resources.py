@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
     from .gpu.gl.buffer_texture import BufferTexture, RecordTable
+    from .gpu.materials.transparency import SceneTransparency
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.retests import Candidates, Retest
     from .gpu.passes.shadow_maps.atlas import Batch
@@ -66,6 +67,7 @@ MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and tri
 UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
 ATTRIBUTE_BUFFERS: Resource[AttributeBuffers] = Resource("attribute_buffers", "What else graphs read of them", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
+TRANSPARENCY: Resource[SceneTransparency] = Resource("transparency", "What passes through surfaces", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 LIGHT_BUFFERS: Resource[Mapping[str, RecordTable]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
 SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
@@ -108,10 +110,8 @@ NORMAL = Target(
 )
 BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
 # Of glossy surfaces, if there are any, see materials/gloss_packing.glsl.
-GLOSS_REFLECTANCE = Target(
-    "gloss_reflectance", "Reflectance at normal incidence, its rise", format="rgba32ui", divisor=0
-)
-GLOSS_RISE = Target("gloss_rise", "Other changes of it, fraction that the lobe reflects", format="rgba32ui", divisor=0)
+GLOSS_REFLECTANCE = _packed("gloss_reflectance", "Reflectance at normal incidence, its rise")
+GLOSS_RISE = _packed("gloss_rise", "Other changes of it, fraction that the lobe reflects")
 LTC_ENTRIES = _packed("ltc_entries", "Of transforms that make a lobe a cosine: of it and of a coat")
 COAT = _packed("coat", "A coat above that lobe, with its normal")
 RARE_LOBES = _packed("rare_lobes", "Sheen, anisotropy and diffuse roughness")

@@ -225,8 +225,12 @@ def _check_indices(scene: Scene) -> None:
 def _check_graphs(scene: Scene) -> None:
     """Raise if a material has no constants where its graph reads them, or a constant is no index of an image."""
     table = scene.materials
-    for row in np.flatnonzero(table.graph >= 0):
-        graph, first = scene.graphs[table.graph[row]], int(table.first_constant[row])
+    if table.transparency.shape != table.transparency_constant.shape or len(table.transparency) > table.row_count:
+        raise SnapshotError("The snapshot's scene/materials/transparency has another length than its materials.")
+    graphs = np.append(table.graph, table.transparency)
+    first_constants = np.append(table.first_constant, table.transparency_constant)
+    for row in np.flatnonzero(graphs >= 0):
+        graph, first = scene.graphs[graphs[row]], int(first_constants[row])
         constants = table.constants[max(first, 0) : max(first, 0) + graph.rows]
         if len(constants) < graph.rows:
             raise SnapshotError(

@@ -51,6 +51,7 @@ from .passes.upload.upload_scene import (
     UploadMeshes,
     UploadUVs,
 )
+from .passes.upload.upload_transparency import UploadTransparency
 from .profile import Profile
 from .read_back import image
 from .submission import Submission, never
@@ -58,7 +59,7 @@ from .submission import Submission, never
 #: Uploads what has changed in the scene. Triangles lie in the order of their BLAS.
 UPLOAD = (
     *(CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadAttributes),
-    *(UploadInstances, UploadMaterials, UploadLights),
+    *(UploadInstances, UploadMaterials, UploadTransparency, UploadLights),
 )
 #: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, FindGraphs, GBuffer

@@ -25,6 +25,9 @@ class Dimension(Enum):
 
     # The subpixel offset, if samples do not share a grid.
     PIXEL = {"sample": powers_of_root(1, 0, -1)}
+    # Where a transparent surface is drawn. The triangle and the fine pixel, of which a `round` has several samples, are
+    # hashed: surfaces behind one another must be independent.
+    TRANSPARENCY = {"round": continued_fraction(3, 2, 1, 1)}
     # Whether a tile takes part in a sample.
     TILE_TURN = {"sample": continued_fraction(2, 3, 1, 1), "tile": continued_fraction(2, 1, 1)}
 

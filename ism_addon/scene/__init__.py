@@ -66,6 +66,7 @@ class Scene:
     light_images: tuple[LightImage, ...] = ()
     warnings: tuple[str, ...] = ()
     working_space: str = REC709  # of all colours; a key of color.PRIMARIES
+    transparent_bounces: int = 8  # surfaces through which light passes at most
 
     def __post_init__(self) -> None:
         if self.working_space not in PRIMARIES:
@@ -91,6 +92,12 @@ class Scene:
     def has_extra(self) -> bool:
         """Whether any material has anisotropy, sheen or a rough diffuse lobe."""
         return any(graph.has_extra for graph in self.graphs)
+
+    @property
+    def has_transparency(self) -> tuple[bool, bool]:
+        """Whether camera rays pass through any material, and whether shadow rays do."""
+        camera, shadow = (self.materials.transparency >= 0).any(0).tolist()
+        return camera, shadow
 
     def reusing(self, other: Self) -> Self:
         """This scene, with equal objects replaced by the other's; if all are equal, the other scene itself."""

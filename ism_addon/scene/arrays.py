@@ -82,9 +82,9 @@ def array(layout: str, unit: str = "", max_abs: float | None = None, is_signed: 
     return field(metadata={"array": ArraySpec(layout, unit, max_abs, is_signed)})
 
 
-def optional_array(layout: str) -> Any:
-    """The same, without rows by default."""
-    spec = ArraySpec(layout)
+def optional_array(layout: str, first: int = 0, into: str | int = "") -> Any:
+    """The same, without rows by default. `first` and `into`: of indices."""
+    spec = ArraySpec(layout, first=first, into=into)
     return field(default_factory=spec.empty, metadata={"array": spec})
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Arrays, ArraySpec, array, index
+from .arrays import Arrays, ArraySpec, array, index, optional_array
 from .limits import MAX_DISTANCE, MAX_EMISSION
 
 
@@ -56,6 +56,10 @@ class Materials(Arrays):
     first_constant: np.ndarray = index("int32 M", into="constants", first=-1)
     #: Of all materials.
     constants: np.ndarray = array("float32 K 4")
+    #: For camera rays and for shadow rays: the graph of what passes, -1 if nothing does, and the first of its
+    #: constants. Without rows if all materials are opaque.
+    transparency: np.ndarray = optional_array("int32 T 2", into="graphs", first=-1)
+    transparency_constant: np.ndarray = optional_array("int32 T 2", into="constants", first=-1)
 
 
 #: Inputs by name.

@@ -38,6 +38,11 @@ class Mesh(Arrays):
         """(2,3) float64: low and high corner."""
         return np.stack([self.positions.min(0), self.positions.max(0)]).astype(np.float64)
 
+    @cached_property
+    def material_indices(self) -> np.ndarray:
+        """Its triangles' materials, each once."""
+        return np.unique(self.materials)
+
 
 def bounding_boxes(meshes: Sequence[Mesh]) -> np.ndarray:
     """(M,2,3) float64: Mesh.box of each. Missing boxes of small meshes are computed together."""

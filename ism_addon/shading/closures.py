@@ -11,6 +11,9 @@ GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric"
 COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_sheen", "closure_rough_diffuse"
 
+#: Operations that do not end with the normal.
+WITHOUT_NORMAL = ("closure_transparent",)
+
 
 def closure(file: str, operands: str, *names: str, parameter: bool = False, cost: int = 1) -> None:
     """Register operations that add to the closures at a point. `operands`: types separated by spaces."""
@@ -20,6 +23,8 @@ def closure(file: str, operands: str, *names: str, parameter: bool = False, cost
     )
 
 
+# What passes.
+closure("closures", "vec3", "closure_transparent")
 # What is reflected, and the normal.
 closure("closures", "vec3 vec3", "closure_diffuse")
 # Weight, color, roughness and normal.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from .closures import COAT, EXTRA, GLOSSY
+from .closures import COAT, EXTRA, GLOSSY, WITHOUT_NORMAL
 from .operations import OPERATIONS
 
 #: Numbers of a constant of each type. Constants are stored in rows of four numbers.
@@ -67,7 +67,8 @@ class NodeGraph:
     @cached_property
     def changes_normals(self) -> bool:
         """Whether any closure has another normal than the mesh."""
-        normals = (each.operands[-1] for each in self.instructions if not OPERATIONS[each.operation].result)
+        closures = (each for each in self.instructions if not OPERATIONS[each.operation].result)
+        normals = (each.operands[-1] for each in closures if each.operation not in WITHOUT_NORMAL)
         return any(operand < 0 or self.instructions[operand].operation != "geometry_normal" for operand in normals)
 
     @cached_property

@@ -8,6 +8,7 @@ import numpy as np
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, UNIFORM, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
+from ism_addon.gpu.materials.transparency import OPAQUE
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes
@@ -28,7 +29,7 @@ void main() {
     result = RESULT;
 }
 """
-ANY_HIT = "any_hit(from, to, int(owner.x), int(owner.y), -1) ? 1.0 : 0.0"
+ANY_HIT = "1.0 - transmittance(from, to, int(owner.x), int(owner.y), -1).x"
 DISTANCE = "nearest_hit(from, to).distance"
 
 
@@ -55,7 +56,11 @@ def traced(
         renderer.graph.step(pass_type, frame, Profile())
     owners = np.full((len(starts), 2), -5.0) if owners is None else owners
     shader = "\n".join(
-        [head((CASTER,), {}), expand(FOLDER / "glsl/trace/traversal.glsl", [], {}), SHADER.replace("RESULT", result)]
+        [
+            head((CASTER,), OPAQUE.constants),
+            expand(FOLDER / "glsl/trace/traversal.glsl", [], {}),
+            SHADER.replace("RESULT", result),
+        ]
     )
     program = device.gl.program(vertex_shader=shader, varyings=["result"])
     program.extra = frozenset(UNIFORM.findall(shader))

@@ -92,8 +92,8 @@ MUTATIONS = (
     ),
     Mutation(
         "instances that moved are seen where they were",
-        "inputs = MESH_BUFFERS, INSTANCE_BUFFERS, Change.VIEW",
-        "inputs = MESH_BUFFERS, Change.VIEW",
+        "inputs = MESH_BUFFERS, INSTANCE_BUFFERS, TRANSPARENCY",
+        "inputs = MESH_BUFFERS, TRANSPARENCY",
         ("test_edits", "test_reuse"),
     ),
     Mutation(
@@ -180,8 +180,8 @@ MUTATIONS = (
     ),
     Mutation(
         "what lies behind a light throws a shadow",
-        "if (distance < end && k != ignored)",
-        "if (distance < 2.0 && k != ignored)",
+        "bool is_hit = distance < end && k != ignored",
+        "bool is_hit = distance < 2.0 && k != ignored",
         ("test_build_bvh", "test_trace_shadows"),
     ),
     Mutation(

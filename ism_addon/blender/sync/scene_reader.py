@@ -130,8 +130,15 @@ class Reader:
             world=world.read(_world(depsgraph), findings),
             warnings=findings.messages(),
             working_space=images.working_space(),
+            transparent_bounces=_transparent_bounces(depsgraph),
         )
         return read if previous is None else read.reusing(previous)
+
+
+def _transparent_bounces(depsgraph: bpy.types.Depsgraph) -> int:
+    """That of Cycles, which artists set for all of a file's light; its default if Cycles is switched off."""
+    cycles = getattr(depsgraph.scene_eval, "cycles", None)
+    return Scene.transparent_bounces if cycles is None else cycles.transparent_max_bounces
 
 
 def _world(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:

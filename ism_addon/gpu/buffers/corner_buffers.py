@@ -2,6 +2,7 @@
 """Texture coordinates and other attributes of corners on the GPU, for resident meshes, in the order of triangles."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -50,6 +51,11 @@ class AttributeBuffers(CornerBuffers):
     def __init__(self, device: Device, mesh_buffers: MeshBuffers):
         self.count = max((mesh.attributes.shape[2] for mesh in mesh_buffers.meshes), default=0)
         super().__init__(device, mesh_buffers, "attributes", (3, self.count, 4))
+
+
+def attribute_uniforms(buffers: AttributeBuffers) -> dict[str, Any]:
+    """Uniforms of nodes/point.glsl."""
+    return {"attributes": buffers.texture, "attribute_count": buffers.count}
 
 
 def rows_of(ranges: list[TriangleRange], name: str, shape: tuple[int, ...]) -> np.ndarray:

@@ -71,17 +71,17 @@ class InstanceBuffers:
         mesh = instances.mesh[order]
         linear, offsets = anchor_from_quanta(mesh_buffers, instances, order, anchor)
         self.matrices = np.concatenate([linear, offsets[:, :, None]], 2)
-        table = np.zeros(len(order), INSTANCE.dtype)
+        #: Rows of INSTANCE, and of OBJECT_INFO if graphs read it.
+        self.transforms = np.zeros(len(order), INSTANCE.dtype)
         for k in range(3):
-            table[f"row{k}"] = self.matrices[:, k]
-        self.table = INSTANCE.upload(device, table)
+            self.transforms[f"row{k}"] = self.matrices[:, k]
+        self.table = INSTANCE.upload(device, self.transforms)
         groups = np.zeros(len(order), MEMBERSHIP.dtype)
         groups["groups"] = instances.groups[order]
         self.memberships = MEMBERSHIP.write(records, "link_groups", groups)
-        self.info = (
-            OBJECT_INFO.upload(device, object_info(mesh_buffers, instances, order)) if len(instances.color) else None
-        )
-        self.bytes = table.nbytes + groups.nbytes
+        self.object_info = object_info(mesh_buffers, instances, order if len(instances.color) else order[:0])
+        self.info = OBJECT_INFO.upload(device, self.object_info) if len(instances.color) else None
+        self.bytes = self.transforms.nbytes + groups.nbytes
         self.mesh_buffers = mesh_buffers
         #: The mesh of each row, -1 if it is not resident.
         self.mesh = np.where(mesh_buffers.first_triangle[mesh] >= 0, mesh, -1)
@@ -99,11 +99,16 @@ class InstanceBuffers:
         rows = np.flatnonzero(self.is_single)
         self.owners = share(np.stack([self.mesh[rows], rows], 1).astype(np.int64).tobytes())
 
-    def visible_draw_calls(self, clip_from_anchor: np.ndarray, margin: float) -> Iterator[DrawCall | MultiDrawCall]:
-        """Draw calls of the instances that may be in view; `margin` as in frustum_culling.in_view."""
+    def in_view(self, clip_from_anchor: np.ndarray, margin: float) -> np.ndarray:
+        """(I,) bool: the rows that may be in view; `margin` as in frustum_culling.in_view."""
         clip_from_centre = clip_from_anchor[:, :3] @ self.matrices
         clip_from_centre[..., 3] += clip_from_anchor[:, 3]
-        return self.draw_calls(in_view(self.half_sizes, clip_from_centre, margin))
+        return in_view(self.half_sizes, clip_from_centre, margin)
+
+    def with_materials(self, chosen: np.ndarray) -> np.ndarray:
+        """(I,) bool: the rows whose meshes have any of the chosen materials (M,) bool."""
+        of_meshes = [bool(chosen[mesh.material_indices].any()) for mesh in self.mesh_buffers.meshes]
+        return (self.mesh >= 0) & np.array(of_meshes, np.bool_)[self.mesh]
 
     def draw_calls(self, is_drawn: np.ndarray) -> Iterator[DrawCall | MultiDrawCall]:
         """Draw calls of the rows where `is_drawn` (I,) is true."""

@@ -55,7 +55,7 @@ class TextureBuffer:
         table["first_line"], table["levels"] = self.first_lines, self.levels
         if images:
             table["height"], table["width"] = np.transpose(self.sizes)
-        self.table = IMAGE.upload(device, table)
+        self.rows, self.table = table, IMAGE.upload(device, table)
         self.bytes = table.nbytes + sum(block.nbytes for block in blocks)
 
     @property

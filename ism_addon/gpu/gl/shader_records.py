@@ -145,6 +145,13 @@ MATERIAL = Record(
     first_constant="int",
 )
 
+#: For camera rays and for shadow rays: the graph of what passes through a material, -1 if nothing does, and the first
+#: of its constants.
+MATERIAL_TRANSPARENCY = Record("Transparency", graphs="ivec2", first_constants="ivec2")
+
+#: Constants of graphs.
+GRAPH_CONSTANT = Record("GraphConstant", numbers="vec4")
+
 #: An image: where its texels are, see textures/image.glsl.
 IMAGE = Record("Image", encoding="int", first_line="int", width="int", height="int", repeat="int", levels="int")
 

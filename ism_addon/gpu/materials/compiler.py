@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Translates node graphs to GLSL: a function with a line for each instruction.
 
+A surface has one graph, in a shader of its own. Transparency is evaluated where rays meet surfaces: shaders of rays
+have a function for each graph, at single points.
+
 Operations that need differences, such as the footprint of an image, have operands that are evaluated three times: at
 the point of the surface, and a pixel further in x and in y. Bumps have points of their own, further by their filters'
 widths.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ...shading.node_graph import Instruction, NodeGraph
 from ...shading.operations import OPERATIONS
 from ..gl.shader_compiler import GENERATED, Include
 
 FILE = "surfaces/node_graph.glsl"
-GENERATED[FILE] = lambda _constants: ""  # of shaders without a graph
+TRANSPARENCY_FILE = "surfaces/transparency.glsl"
+GENERATED[FILE] = GENERATED[TRANSPARENCY_FILE] = lambda _constants: ""  # of shaders without a graph
 
 #: The point at which instructions are evaluated, and those for the differences between pixels: their names in GLSL.
 CENTRE = "at"
@@ -26,19 +30,62 @@ SWIZZLES = {"float": 1, "image": 1, "vec3": 3, "vec4": 4}
 def glsl(graph: NodeGraph) -> Include:
     """The file that a shader of a graph includes."""
     needed = needed_points(graph)
-    files = sorted({OPERATIONS[each.operation].file for each in graph.instructions} | {"closures", "point"})
-    types = zip(graph.locations, graph.constants, strict=True)
-    rows = sorted({location.row for location, type_ in types if type_ != "table"})
     lines = [
-        *(f'#include "nodes/{file}.glsl"' for file in files),
+        *includes(graph),
         "Closures evaluate_graph(ShadingPoint at, Differentials differentials, int first_constant) {",
-        "    Closures closures = no_closures();",
-        *(f"    vec4 row{row} = texelFetch(graph_constants, first_constant + {row});" for row in rows),
+        *beginning(graph),
+        *shifted_points(graph),
     ]
-    lines += shifted_points(graph)
     for index, instruction in enumerate(graph.instructions):
         lines += (line(graph, index, instruction, point) for point in sorted(needed[index]))
     return Include(FILE, "\n".join([*lines, "    return closures;", "}"]))
+
+
+def transparency_glsl(graphs: Mapping[int, NodeGraph], column: str) -> Include:
+    """The file that shaders of rays include: what passes at a point, by graphs of these indices.
+
+    `column`: of members of Transparency.
+    """
+    lines = [
+        '#include "nodes/closures.glsl"',
+        *dict.fromkeys(each for graph in graphs.values() for each in includes(graph)),
+    ]
+    for key, graph in graphs.items():
+        lines += [f"vec3 transparency{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
+        for index, instruction in enumerate(graph.instructions):
+            lines.append(line(graph, index, instruction, CENTRE, at_points=False))
+        lines += ["    return closures.transparency;", "}"]
+    lines += [
+        "uniform int transparencies; // rows of Transparency, by material",
+        "bool is_transparent(int material) {",
+        f"    return fetch_Transparency(scene_records, transparencies + material).graphs.{column} >= 0;",
+        "}",
+        "vec3 transparency(int material, ShadingPoint at) {",
+        "    Transparency row = fetch_Transparency(scene_records, transparencies + material);",
+        *(
+            f"    if (row.graphs.{column} == {key}) return transparency{key}(at, row.first_constants.{column});"
+            for key in graphs
+        ),
+        "    return vec3(0.0);",
+        "}",
+    ]
+    return Include(TRANSPARENCY_FILE, "\n".join(lines))
+
+
+def includes(graph: NodeGraph) -> list[str]:
+    """The files of a graph's operations."""
+    files = sorted({OPERATIONS[each.operation].file for each in graph.instructions} | {"closures", "point"})
+    return [f'#include "nodes/{file}.glsl"' for file in files]
+
+
+def beginning(graph: NodeGraph) -> list[str]:
+    """The first lines of a function: closures, and the rows of constants."""
+    types = zip(graph.locations, graph.constants, strict=True)
+    rows = sorted({location.row for location, type_ in types if type_ != "table"})
+    return [
+        "    Closures closures = no_closures();",
+        *(f"    vec4 row{row} = graph_constant(first_constant + {row});" for row in rows),
+    ]
 
 
 def difference_points(graph: NodeGraph, index: int) -> tuple[str, str]:
@@ -73,8 +120,8 @@ def needed_points(graph: NodeGraph) -> list[set[str]]:
     return needed
 
 
-def line(graph: NodeGraph, index: int, instruction: Instruction, point: str) -> str:
-    """The line that evaluates an instruction at a point."""
+def line(graph: NodeGraph, index: int, instruction: Instruction, point: str, at_points: bool = True) -> str:
+    """The line that evaluates an instruction at a point; with differences of 0, unless there are several points."""
     operation = OPERATIONS[instruction.operation]
     arguments = [] if operation.result else ["closures"]
     if operation.at_point:
@@ -83,8 +130,9 @@ def line(graph: NodeGraph, index: int, instruction: Instruction, point: str) -> 
         arguments.append(operand_name(graph, operand, point))
         if position in operation.with_differences:
             here = operand_name(graph, operand, CENTRE)
-            others = difference_points(graph, index)
+            others = difference_points(graph, index) if at_points else ()
             arguments += [f"{operand_name(graph, operand, other)} - {here}" for other in others]
+            arguments += [] if at_points else [f"{operation.operands[position]}(0.0)"] * len(FOOTPRINT)
     if operation.has_parameter:
         arguments.append(str(instruction.parameter))
     call = f"{instruction.operation}({', '.join(arguments)});"

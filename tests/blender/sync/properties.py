@@ -214,9 +214,9 @@ IRRELEVANT: dict[str, dict[str, str]] = {
 #: Inputs of drawn nodes and of output nodes: those that are read, and those that are reported when linked.
 INPUTS: dict[str, tuple[str, str]] = {
     "Principled": (
-        "Base Color|Normal|Metallic|Roughness|IOR|Diffuse Roughness|Specular IOR Level|Anisotropic|Coat Weight|"
+        "Alpha|Base Color|Normal|Metallic|Roughness|IOR|Diffuse Roughness|Specular IOR Level|Anisotropic|Coat Weight|"
         "Sheen Weight",
-        "Alpha|Subsurface Weight|Transmission Weight|Emission Strength|Thin Film Thickness",
+        "Subsurface Weight|Transmission Weight|Emission Strength|Thin Film Thickness",
     ),
     "Diffuse": ("Color|Normal|Roughness", ""),
     "Emission": ("Color|Strength", ""),

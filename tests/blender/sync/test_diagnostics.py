@@ -29,7 +29,6 @@ def principled(material):
 
 
 SOCKETS = [
-    ("Alpha", 0.5, "Transparent materials are drawn opaque"),
     ("Transmission Weight", 1.0, "What materials transmit is not drawn"),
     ("Subsurface Weight", 0.5, "Subsurface scattering is drawn as diffuse reflection"),
     ("Thin Film Thickness", 300.0, "Thin films are not drawn"),

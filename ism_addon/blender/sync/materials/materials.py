@@ -12,9 +12,10 @@ from ..diagnostics import Diagnostics
 from ..geometry.attributes import Attribute
 from ..node_graphs.converters import CONVERTERS
 from ..node_graphs.normal_nodes import displaced_normal
-from ..node_graphs.reader import GraphReader
+from ..node_graphs.reader import GraphReader, Ray
 from . import images, nodes, unsupported_features
 from .surface import Surface
+from .transparency import Transparency
 
 #: The session_uid of an image, whether it repeats, whether it is on black, and the file of a sequence's frame or "".
 ImageKey = tuple[int, bool, bool, str]
@@ -40,6 +41,7 @@ class Needs(NamedTuple):
 
 
 NOTHING = Needs()
+NO_CONSTANTS = np.zeros((0, 4), np.float32)
 
 
 class _Row(NamedTuple):
@@ -48,10 +50,22 @@ class _Row(NamedTuple):
     values: dict[str, Any]  # as DEFAULTS
     image: int = -1
     graph: NodeGraph | None = None
-    constants: np.ndarray = np.zeros((0, 4), np.float32)  # of the graph
+    constants: np.ndarray = NO_CONSTANTS  # of the graph
+    #: For camera rays and for shadow rays; None: nothing passes.
+    transparency: tuple[Transparency | None, Transparency | None] = (None, None)
     needs: Needs = NOTHING
     images: frozenset[int] = frozenset()  # that it or its graph uses
     findings: tuple[Diagnostics, ...] = ()  # those of an image are shared by all materials that use the image
+
+    @property
+    def graphs(self) -> tuple[NodeGraph | None, ...]:
+        """Those of the surface and of its transparency."""
+        return self.graph, *(None if each is None else each.graph for each in self.transparency)
+
+    @property
+    def all_constants(self) -> tuple[np.ndarray, ...]:
+        """Those of `graphs`."""
+        return self.constants, *(NO_CONSTANTS if each is None else each.constants for each in self.transparency)
 
 
 GREY_ROW = _Row(DEFAULTS)
@@ -113,21 +127,27 @@ class MaterialReader:
             findings.merge(each)
         rows = [row if index in self._used else GREY_ROW for index, row in enumerate(rows)]
         graphs = self.graphs()
-        counts = np.array([len(row.constants) for row in rows], np.int64)
-        first = np.where(counts > 0, np.cumsum(counts) - counts, -1)
+        constants = [each for row in rows for each in row.all_constants]
+        counts = np.array([len(each) for each in constants], np.int64)
+        first = np.where(counts > 0, np.cumsum(counts) - counts, -1).reshape(len(rows), 3)
+        indices = np.array([[-1 if each is None else graphs.index(each) for each in row.graphs] for row in rows])
+        indices = indices.reshape(len(rows), 3)
+        is_opaque = (indices[:, 1:] < 0).all()
         values = {name: [row.values[name] for row in rows] for name in DEFAULTS}
         return Materials.of(
             **values,
             image=[row.image for row in rows],
-            graph=[-1 if row.graph is None else graphs.index(row.graph) for row in rows],
-            first_constant=first,
-            constants=np.concatenate([np.zeros((0, 4)), *(row.constants for row in rows)]),
+            graph=indices[:, 0],
+            first_constant=first[:, 0],
+            constants=np.concatenate([NO_CONSTANTS, *constants]),
+            transparency=indices[:0, 1:] if is_opaque else indices[:, 1:],
+            transparency_constant=first[:0, 1:] if is_opaque else first[:, 1:],
         )
 
     def graphs(self) -> tuple[NodeGraph, ...]:
-        """The graphs that Materials.graph has indices of."""
+        """The graphs that Materials has indices of."""
         rows = (self._rows[index] or GREY_ROW for index in sorted(self._used))
-        return tuple(dict.fromkeys(row.graph for row in rows if row.graph is not None))
+        return tuple(dict.fromkeys(graph for row in rows for graph in row.graphs if graph is not None))
 
     def images(self) -> tuple[Image, ...]:
         """The images that Materials.image has indices of."""
@@ -140,7 +160,7 @@ class MaterialReader:
         graph is another one than before, the graph is not simplified, and will stay the same from now on.
         """
         row = self._row(material)
-        if last is None or row.graph == last.graph:
+        if last is None or row.graphs == last.graphs:
             return row
         return self._row(material, simplify=False)
 
@@ -172,9 +192,16 @@ class MaterialReader:
             unsupported_features.warn_of_shader(material, closure.node, findings)
         surface = Surface(reader, closures, self._mean_texel)
         reflection = surface.reflection(findings)
-        needs, graph = NOTHING, reflection.graph
-        if graph is not None:
-            needs = Needs(reader.uv_layer, tuple(reader.attributes), graph.reads_objects)
+        shadow = camera = surface.transparency(closures, findings)
+        if not material.use_transparent_shadow:
+            shadow = None
+        elif reader.depends_on_ray:
+            shadow = surface.transparency(reader.surface(output, Ray.SHADOW), findings)
+        graphs = [each.graph for each in (reflection, camera, shadow) if each is not None and each.graph is not None]
+        needs = NOTHING
+        if graphs:
+            reads_objects = any(graph.reads_objects for graph in graphs)
+            needs = Needs(reader.uv_layer, tuple(reader.attributes), reads_objects)
         elif reflection.image >= 0:
             needs = Needs(reader.uv_layer)
         values = DEFAULTS | {COLOR: reflection.base_color, "emission": surface.emission(findings)}
@@ -183,6 +210,7 @@ class MaterialReader:
             reflection.image,
             reflection.graph,
             reflection.constants,
+            (camera, shadow),
             needs,
             frozenset(used_images),
             (findings, *used_images.values()),

@@ -17,11 +17,12 @@ from ..diagnostics import Diagnostics
 from ..node_graphs.reader import UNKNOWN, Closure, GraphReader
 from .lobes import ONE, Lobe, Lobes
 from .nodes import color
+from .transparency import Transparency, covered, passing, transparency
 
 #: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
 MAX_COST = 800
 
-#: Weight of all closures that are not transparent from which on they are drawn opaque.
+#: The least probability that a surface is drawn by which weights of its closures are divided.
 MIN_WEIGHT = constant(1e-3)
 
 
@@ -68,18 +69,16 @@ class Surface:
         return name == "closure_diffuse" and normal == self._builder.call("geometry_normal")
 
     def _lobes(self, findings: Diagnostics) -> list[Lobe]:
-        """What is reflected, with weights divided by that of what is not transparent."""
-        builder, name, opaque = self._builder, self._material.name, ONE
+        """What is reflected where camera rays do not pass: with weights divided by the probability of that."""
+        builder, name = self._builder, self._material.name
         shaders = [each for each in self._closures if each.name != "transparent"]
-        if len(shaders) < len(self._closures):
-            findings.warn("Transparent materials are drawn opaque", name)
-            for closure in self._closures:
-                if closure.name == "transparent":
-                    opaque = builder.call("math_subtract", opaque, closure.weight)
+        opaque = builder.call("math_subtract", ONE, builder.call("average", passing(builder, self._closures)))
+        is_alone = len(self._closures) == 1 and shaders == self._closures and shaders[0].weight.equals(1.0)
         maker, lobes = Lobes(builder, self._normal), list[Lobe]()
         for closure in shaders:
             weight = closure.weight
-            if not opaque.equals(1.0):
+            if not opaque.equals(1.0) and not is_alone:
+                weight = builder.call("math_multiply", weight, covered(builder, closure))
                 weight = builder.call("math_divide", weight, builder.call("math_maximum", opaque, MIN_WEIGHT))
             scale = builder.call("grey", weight)
             if closure.name == UNKNOWN:
@@ -90,6 +89,10 @@ class Surface:
             else:
                 lobes += maker.of(closure, scale)
         return lobes
+
+    def transparency(self, closures: Sequence[Closure], findings: Diagnostics) -> Transparency | None:
+        """What passes through a surface of these closures; None if nothing does."""
+        return transparency(self._builder, closures, self._mean, self._material, findings)
 
     def emission(self, findings: Diagnostics) -> np.ndarray:
         """(3,) W/(sr m²): the radiance of the surface, the mean of what varies."""

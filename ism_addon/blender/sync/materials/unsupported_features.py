@@ -9,7 +9,6 @@ from . import nodes
 #: By the shader's type: sockets with the value that is drawn, and the warning about other values and linked nodes.
 PLAIN: dict[str, dict[str, tuple[float, str]]] = {
     "ShaderNodeBsdfPrincipled": {
-        "Alpha": (1.0, "Transparent materials are drawn opaque"),
         "Transmission Weight": (0.0, "What materials transmit is not drawn"),
         "Subsurface Weight": (0.0, "Subsurface scattering is drawn as diffuse reflection"),
         "Thin Film Thickness": (0.0, "Thin films are not drawn"),

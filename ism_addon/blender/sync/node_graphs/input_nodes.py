@@ -12,7 +12,6 @@ ZERO, ONE = constant(0.0), constant(1.0)
 
 #: Outputs of the nodes Camera Data and Light Path.
 CAMERA_DATA = "View Vector", "View Z Depth", "View Distance"
-IS_CAMERA_RAY = "Is Camera Ray"
 
 
 def attribute(view: NodeView) -> Mapping[str, Value]:
@@ -92,9 +91,10 @@ def layer_weight(view: NodeView) -> Mapping[str, Value]:
 
 
 def light_path(view: NodeView) -> Mapping[str, Value]:
-    """Light Path of what the camera sees."""
+    """Light Path of what the camera sees, and of shadow rays."""
+    view.reader.depends_on_ray = True
     outputs = {socket.name: ZERO for socket in view.node.outputs}
-    return outputs | {IS_CAMERA_RAY: ONE, "Ray Length": view.call("ray_length")}
+    return outputs | {view.reader.ray.value: ONE, "Ray Length": view.call("ray_length")}
 
 
 CONVERTERS: dict[str, Converter] = {

@@ -3,6 +3,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -20,6 +21,13 @@ OWN_VALUE = "Materials whose {1} is given by a node '{0}' have the socket's own 
 
 #: The type of values by the type of Blender's sockets.
 TYPES = {"VALUE": "float", "INT": "float", "BOOLEAN": "float", "VECTOR": "vec3", "RGBA": "vec3"}
+
+
+class Ray(Enum):
+    """A type of rays that find a surface."""
+
+    CAMERA = "Is Camera Ray"
+    SHADOW = "Is Shadow Ray"
 
 
 class Closure(NamedTuple):
@@ -107,6 +115,8 @@ class GraphReader:
         """`image` gives the index of a node's image, or -1. `luminance` (3,): of the working space's primaries."""
         self.builder = Builder(simplify)
         self.material = material
+        #: The rays that find the surface, and whether anything that has been read depends on that.
+        self.ray, self.depends_on_ray = Ray.CAMERA, False
         #: The UV layer that the graph reads; "": the one that renders.
         self.uv_layer: str | None = None
         #: What else it reads of meshes.
@@ -123,10 +133,14 @@ class GraphReader:
         """The normal of a surface whose shaders have no other one."""
         return self.builder.call("geometry_normal") if self.displaced_normal is None else self.displaced_normal
 
-    def surface(self, output: bpy.types.Node | None) -> list[Closure]:
-        """The closures of the surface of a material's output node."""
+    def surface(self, output: bpy.types.Node | None, ray: Ray = Ray.CAMERA) -> list[Closure]:
+        """The closures of the surface of a material's output node, for such rays."""
         if output is None:
             return []
+        if ray is not self.ray:
+            self.ray = ray
+            self._contents.clear()
+            self._converted.clear()
         self.convert(output.inputs["Surface"])
         return self.closures((), output.inputs["Surface"])
 

@@ -2,11 +2,11 @@
 #include "textures/image.glsl"
 
 vec4 image_linear(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
-    return image_color(fetch_Image(images, int(image)), at.xy, dx.xy, dy.xy, extension);
+    return image_color(image_at(int(image)), at.xy, dx.xy, dy.xy, extension);
 }
 
 vec4 image_closest(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
-    Image one = fetch_Image(images, int(image));
+    Image one = image_at(int(image));
     MipLevel level = mip_level(one, int(footprint_level(one, dx.xy, dy.xy)));
     ivec2 texel = ivec2(floor(inside_image(at.xy, extension) * vec2(level.size)));
     return decoded(one, extended_texel(one, level, texel, extension));
@@ -14,7 +14,7 @@ vec4 image_closest(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
 
 // By cubic B-splines.
 vec4 image_cubic(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
-    Image one = fetch_Image(images, int(image));
+    Image one = image_at(int(image));
     MipLevel level = mip_level(one, int(footprint_level(one, dx.xy, dy.xy)));
     vec2 place = inside_image(at.xy, extension) * vec2(level.size) - 0.5, corner = floor(place), f = place - corner;
     vec2 g = 1.0 - f;

@@ -1,8 +1,16 @@
-// A point of a surface at which a graph is evaluated, and what it reads there of the mesh.
+// A point of a surface at which a graph is evaluated, and what it reads there of the mesh. Shaders with IN_SCENE_RECORDS
+// read all tables from the scene's records, because they have no samplers left.
 uniform samplerBuffer uvs;
 uniform samplerBuffer attributes; // `attribute_count` rows a corner
 uniform int attribute_count;
+#ifdef IN_SCENE_RECORDS
+#include "textures/scene_records.glsl"
+uniform int graph_constants;
+vec4 graph_constant(int row) { return fetch_GraphConstant(scene_records, graph_constants + row).numbers; }
+#else
 uniform samplerBuffer graph_constants;
+vec4 graph_constant(int row) { return texelFetch(graph_constants, row); }
+#endif
 
 // In anchor space. The normals are on the side that the camera sees.
 struct ShadingPoint {

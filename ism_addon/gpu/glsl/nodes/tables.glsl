@@ -6,17 +6,17 @@ const int LAST_ROW = 255;
 vec4 color_ramp(int table, float position) {
     float inside = clamp(position, 0.0, 1.0) * float(LAST_ROW);
     int row = min(int(inside), LAST_ROW - 1);
-    vec4 one = texelFetch(graph_constants, table + row), other = texelFetch(graph_constants, table + row + 1);
+    vec4 one = graph_constant(table + row), other = graph_constant(table + row + 1);
     return mix(one, other, inside - float(row));
 }
 
 vec4 color_ramp_constant(int table, float position) {
-    return texelFetch(graph_constants, table + int(clamp(position, 0.0, 1.0) * float(LAST_ROW)));
+    return graph_constant(table + int(clamp(position, 0.0, 1.0) * float(LAST_ROW)));
 }
 
 vec4 extrapolated(int table, float position) {
     int end = position < 0.0 ? 0 : LAST_ROW - 1;
-    vec4 slope = texelFetch(graph_constants, table + end + 1) - texelFetch(graph_constants, table + end);
+    vec4 slope = graph_constant(table + end + 1) - graph_constant(table + end);
     return color_ramp(table, position) + slope * ((position - clamp(position, 0.0, 1.0)) * float(LAST_ROW));
 }
 

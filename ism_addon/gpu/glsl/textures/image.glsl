@@ -1,6 +1,13 @@
 // Filtered look-up in an image. The texels of its mip levels are stored one after another, WIDTH texels to a line, and
 // LAYER_LINES lines to a layer.
+#ifdef IN_SCENE_RECORDS
+#include "textures/scene_records.glsl"
+uniform int images;
+Image image_at(int index) { return fetch_Image(scene_records, images + index); }
+#else
 uniform usamplerBuffer images;
+Image image_at(int index) { return fetch_Image(images, index); }
+#endif
 uniform sampler2DArray byte_texels;
 uniform sampler2DArray float_texels;
 

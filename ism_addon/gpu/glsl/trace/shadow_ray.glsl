@@ -25,16 +25,18 @@ vec2 unit_square(uvec2 fixed_point) { return vec2(fixed_point >> 8u) / 16777216.
 // The light_uv of a pixel, from that of the first pixel.
 vec2 pixel_sequence(ivec2 at, uvec2 light_uv) { return unit_square(light_uv + pixel_index(at) * pixel_steps); }
 
+float mean(vec3 color) { return (color.r + color.g + color.b) / 3.0; }
+
 // Whether light arrives from a sample if nothing occludes it.
 bool arrives(Surface surface, LightSample from) { return from.radiance > 0.0 && dot(surface.normal, from.wi) > 0.0; }
 
 // Rounding error of a point, m. A ray's ends are moved off their surfaces by it.
 float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 
-// Whether the segment from a surface to a point of a light is unoccluded. At grazing angles it starts on the curved
-// surface that the triangle approximates. The light may lie in the plane of a ceiling. For shadows the light may have
-// another size: a shader variant for lights without sets SOFTNESS to 0.
-bool is_unoccluded(Surface surface, vec3 to, Light light) {
+// The fraction of light that passes along the segment from a surface to a point of a light. At grazing angles it starts
+// on the curved surface that the triangle approximates. The light may lie in the plane of a ceiling. For shadows the
+// light may have another size: a shader variant for lights without sets SOFTNESS to 0.
+vec3 shadow_transmittance(Surface surface, vec3 to, Light light) {
     vec3 p = surface.position;
 #if SOFTNESS
     to = mix(light_centre(light, p, to), to, light.shadow_softness);
@@ -48,5 +50,5 @@ bool is_unoccluded(Surface surface, vec3 to, Light light) {
     to += light.normal * min(rounding(to) + rounding(p), 0.5 * dot(light.normal, p - to));
     // A ray that starts above its own triangle, downwards, can be occluded by it.
     int ignored = grazing > 0.0 && cosine <= 0.0 ? -1 : surface.triangle;
-    return !any_hit(p, to, ignored, surface.instance, light.blockers);
+    return transmittance(p, to, ignored, surface.instance, light.blockers);
 }

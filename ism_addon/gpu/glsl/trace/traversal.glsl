@@ -6,6 +6,10 @@
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
 #include "textures/scene_records.glsl"
+#if TRANSPARENCY
+#include "surfaces/transparency.glsl"
+uniform int transparent_hits; // with more, a shadow ray is occluded
+#endif
 uniform usamplerBuffer blas_nodes; // and after them the first triangles of leaves, four a texel
 uniform int tlas_nodes; // rows of BVH_NODE
 uniform int casters;    // rows of CASTER
@@ -81,9 +85,29 @@ float triangle_distance(int triangle, vec3 origin, vec3 ray) {
 
 struct Intersection { float distance; int triangle; }; // a fraction of the ray's length, 1 if there is none
 
+#if TRANSPARENCY
+// What passes through a triangle where a ray meets it. `blas_from_anchor`: linear; `origin`, `ray`: in its space.
+vec3 transparency_at(int triangle, int instance, mat3 blas_from_anchor, vec3 position, vec3 anchor_ray, vec3 on_mesh) {
+    TriangleVertices corners = fetch_triangle(triangle);
+    vec3 n = cross(corners.u, corners.v), scaled = n / dot(n, n), in_triangle = on_mesh - corners.first;
+    float s = dot(cross(in_triangle, corners.v), scaled), t = dot(cross(corners.u, in_triangle), scaled);
+    vec3 normal = normalize(n * blas_from_anchor), incoming = -normalize(anchor_ray);
+    if (determinant(blas_from_anchor) < 0.0) normal = -normal;
+    bool is_back = dot(normal, incoming) < 0.0;
+    if (is_back) normal = -normal;
+    ShadingPoint at = ShadingPoint(position, vec3(1.0 - s - t, s, t), normal, normal, incoming, is_back, triangle, instance);
+    return clamp(transparency(corners.material, at), 0.0, 1.0);
+}
+#endif
+
 // The nearest intersection of the segment with the instances of the group `blockers`; if `any_is_enough`, one of them.
-// The triangle of the instance where it starts is ignored. Camera rays do not see instances that are invisible.
-Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blockers, bool any_is_enough) {
+// The triangle of the instance where it starts is ignored. Camera rays do not see instances that are invisible. Shadow
+// rays, for which any intersection is enough, pass transparent surfaces; `passed` is the light's fraction that does.
+Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blockers, bool any_is_enough,
+                      inout vec3 passed) {
+#if TRANSPARENCY
+    int hits = 0;
+#endif
     vec3 anchor_ray = avoid_zero(to - from), tlas_inverse_ray = 1.0 / (anchor_ray * tlas_scale);
     vec3 tlas_origin = (from - tlas_centre) * tlas_scale;
     TraversalState outer = TraversalState(1, uvec2(0u));
@@ -109,7 +133,16 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
             for (int k = first; k < last; ++k) {
                 if (any_is_enough && nearest.triangle >= 0) break;
                 float distance = triangle_distance(k, origin, ray);
-                if (distance < end && k != ignored) nearest = Intersection(distance, k);
+                bool is_hit = distance < end && k != ignored;
+#if TRANSPARENCY
+                if (any_is_enough && is_hit && is_transparent(fetch_triangle(k).material)) {
+                    vec3 position = mix(from, to, distance), on_mesh = origin + distance * ray;
+                    passed *= transparency_at(k, caster.instance, mat3(blas_from_anchor), position, anchor_ray, on_mesh);
+                    ++hits;
+                    is_hit = hits > transparent_hits || passed == vec3(0.0);
+                }
+#endif
+                if (is_hit) nearest = Intersection(distance, k);
                 end = any_is_enough ? 1.0 : nearest.distance;
             }
             state = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(state);
@@ -119,10 +152,15 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
     return nearest;
 }
 
-// Whether any instance of the group `blockers` occludes the segment. The triangle where it starts is ignored.
-bool any_hit(vec3 from, vec3 to, int triangle, int instance, int blockers) {
-    return traverse(from, to, triangle, instance, blockers, true).triangle >= 0;
+// The fraction of light that the instances of the group `blockers` let pass along the segment. The triangle where it
+// starts is ignored.
+vec3 transmittance(vec3 from, vec3 to, int triangle, int instance, int blockers) {
+    vec3 passed = vec3(1.0);
+    return traverse(from, to, triangle, instance, blockers, true, passed).triangle >= 0 ? vec3(0.0) : passed;
 }
 
 // The nearest intersection with what the camera sees.
-Intersection nearest_hit(vec3 from, vec3 to) { return traverse(from, to, -1, -1, -1, false); }
+Intersection nearest_hit(vec3 from, vec3 to) {
+    vec3 passed = vec3(1.0);
+    return traverse(from, to, -1, -1, -1, false, passed);
+}

@@ -76,8 +76,9 @@ void main() {
     bool decides = uncertain && amount != 0.0; // one ray decides: nothing is left to correct
     if (decides) {
         LightSample from = light_sample(light, surface.position, surface.normal, vec2(0.5));
-        predicted.x = is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
-        direct_prediction = vec4(all_unshadowed * predicted.x, 0.0);
+        vec3 visible = shadow_transmittance(surface, from.point, light);
+        predicted.x = mean(visible);
+        direct_prediction = vec4(all_unshadowed * visible, 0.0);
 #if TRACE
         rays = vec2(predicted.x, 1.0);
 #endif
@@ -132,8 +133,8 @@ void main() {
         LightSample from = chosen.from;
         bool is_lit_from = arrives(surface, from);
         if (k >= count || (exact && !is_lit_from)) continue;
-        float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
-        rays += vec2(visible, is_lit_from ? 1.0 : 0.0);
+        vec3 visible = is_lit_from ? shadow_transmittance(surface, from.point, light) : vec3(0.0);
+        rays += vec2(mean(visible), is_lit_from ? 1.0 : 0.0);
         if (tests) continue;
         vec3 estimate = is_lit_from ? chosen.diffuse : vec3(0.0);
         vec3 correction = ray_correction(

@@ -37,6 +37,7 @@ from ....resources import (
     TILE_VISIBILITY,
     TILES,
     TLAS,
+    TRANSPARENCY,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
@@ -48,6 +49,7 @@ from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
 from ...material_inputs import MATERIAL, material_constants, material_samplers
+from ...materials.transparency import ALL_OPAQUE, OPAQUE, RayTransparency
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
 from .ray_correction import (
@@ -74,7 +76,7 @@ class TraceShadows(Pass):
 
     inputs = (
         *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
-        *(CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
+        *(TRANSPARENCY, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -114,11 +116,12 @@ class TraceShadows(Pass):
         correct = int(frame.scene.has_gloss and frame.sample > 0)
         targets = (DIRECT_PREDICTION, DIRECT_RESIDUAL) if correct else (DIRECT_PREDICTION,)
         predicted, traced_draws, used = frame.framebuffer(*targets), [], set()
-        shared, programs, tiles = self.shared_uniforms(frame), set[moderngl.Program](), TilesOfLights(frame)
+        surfaces, programs, tiles = self.surfaces(frame), set[moderngl.Program](), TilesOfLights(frame)
+        shared = self.shared_uniforms(frame)
 
-        def bind_light(program: moderngl.Program, **uniforms: Any) -> None:
+        def bind_light(program: moderngl.Program, occluders: RayTransparency, **uniforms: Any) -> None:
             """Bind the uniforms of a light, and once those that all lights share."""
-            bind(program, **uniforms, **({} if program in programs else shared))
+            bind(program, **uniforms, **({} if program in programs else shared | occluders.uniforms))
             programs.add(program)
 
         # All draws to one framebuffer come first, as changing it takes time.
@@ -134,8 +137,9 @@ class TraceShadows(Pass):
                 sequences |= {"lobe_shift": lobe_shift(light), **lobe_sequence()}
             if len(untraced):
                 constants = shader_constants(variant, 0, correct, 1, MIN_RAY_PROBABILITY)
-                program = self.tile_program(*RECORDS, **constants)
-                bind_light(program, **uniforms, **(sequences if correct else {}))
+                occluders = surfaces if variant["hard"] else OPAQUE
+                program = self.tile_program(*RECORDS, *occluders.parts, **constants, **occluders.constants)
+                bind_light(program, occluders, **uniforms, **(sequences if correct else {}))
                 draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
@@ -143,10 +147,15 @@ class TraceShadows(Pass):
         threshold = ray_threshold(frame) if traced_draws else 0.0
         for light, variant, uniforms, traced in traced_draws:
             constants = shader_constants(variant, 1, correct, len(frame.grid.subpixel_offsets), MIN_RAY_PROBABILITY)
-            program = self.tile_program(*RECORDS, **constants)
-            bind_light(program, **uniforms, ray_threshold=threshold)
+            program = self.tile_program(*RECORDS, *surfaces.parts, **constants, **surfaces.constants)
+            bind_light(program, surfaces, **uniforms, ray_threshold=threshold)
             draw_tiles(frame, self.framebuffer(frame, light), program, traced, rays=variant["max_rays"])
         return used
+
+    @staticmethod
+    def surfaces(frame: Frame) -> RayTransparency:
+        """What shadow rays pass."""
+        return (frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow
 
     @staticmethod
     def variant(frame: Frame, light: int) -> dict[str, Any]:
@@ -197,11 +206,15 @@ class TraceShadows(Pass):
         frame.counts["pairs_traced"] += rays * len(tiles) * TILE_SIZE**2
         lights = np.unique(tiles["light"]).astype(int)
         variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
-        target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
+        target, surfaces = (
+            frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL),
+            self.surfaces(frame) if rays else OPAQUE,
+        )
         for variant in {tuple(each.items()): each for each in variants.values()}.values():
             offsets = len(frame.grid.subpixel_offsets)
             constants = shader_constants(variant, rays, correct, offsets, MIN_FAINT_RAY_PROBABILITY)
-            program = self.tile_program(*RECORDS, suffix="faint", **constants, **material_constants(frame))
+            constants |= material_constants(frame) | surfaces.constants
+            program = self.tile_program(*RECORDS, *surfaces.parts, suffix="faint", **constants)
             bind(
                 program,
                 **surface_samplers(frame) | material_samplers(frame),
@@ -211,7 +224,7 @@ class TraceShadows(Pass):
                 **ray_sequence(),
                 **(lobe_sequence() if correct else {}),
                 ray_threshold=ray_threshold(frame) if rays else 0.0,
-                **(frame[TLAS] if rays else {}),
+                **(frame[TLAS] | surfaces.uniforms if rays else {}),
             )
             variant_lights = [light for light, each in variants.items() if each == variant]
             draw_tiles(frame, target, program, tiles[np.isin(tiles["light"], variant_lights)])

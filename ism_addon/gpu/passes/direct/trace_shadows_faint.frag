@@ -66,7 +66,7 @@ void main() {
     LightSample from = chosen.from;
     bool is_lit_from = arrives(surface, from);
     if (!has_ray || (EXACT == 1 && !is_lit_from)) return;
-    float visible = is_lit_from && is_unoccluded(surface, from.point, light) ? 1.0 : 0.0;
+    vec3 visible = is_lit_from ? shadow_transmittance(surface, from.point, light) : vec3(0.0);
     vec3 estimate = is_lit_from ? chosen.diffuse / tile_probability : vec3(0.0);
     vec3 correction =
         ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point, true);

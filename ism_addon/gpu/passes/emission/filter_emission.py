@@ -14,6 +14,7 @@ from ....resources import (
     SUBSAMPLE_EMISSION,
     TILES,
     TLAS,
+    TRANSPARENCY,
 )
 from ....sampling.pixel_grid import filter_margin, subpixel_offsets
 from ....scene import Change
@@ -24,6 +25,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.depth import depth_range
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import CASTER
+from ...materials.transparency import ALL_OPAQUE, OPAQUE
 from ...tiles import neighbourhood_max, tiles_where
 from .seen_emission import EMISSION, emission_constants, emission_records, emission_uniforms
 
@@ -39,18 +41,25 @@ MIN_CONTRAST = 0.5
 class FilterEmission(Pass):
     """Filtered radiance W/(sr m²) of surfaces that emit and of lights, where it has edges."""
 
-    inputs = *EMISSION, EMISSION_EDGES, TILES, TLAS, MEAN_LUMINANCE, Change.VIEW, Change.SAMPLE
+    inputs = (
+        *(*EMISSION, EMISSION_EDGES, TILES, TLAS, TRANSPARENCY, MEAN_LUMINANCE),
+        *(Change.VIEW, Change.SAMPLE),
+    )
     outputs = outputs(SUBSAMPLE_EMISSION, FILTERED_EMISSION)
 
     def needed(self, frame: Frame) -> bool:
         contrast = frame.get(EMISSION_EDGES)
+        if (frame.get(TRANSPARENCY) or ALL_OPAQUE).camera is not OPAQUE:  # its camera rays pass no surface
+            return False
         return contrast is not None and bool(contrast.any())
 
     def execute(self, frame: Frame) -> None:
         tiles, width = self.tiles(frame), frame.view.filter_width
         margin = filter_margin(width)
         frame.allocate(SUBSAMPLE_EMISSION, (frame.size[0] + 2 * margin, frame.size[1] + 2 * margin))
-        trace = self.tile_program(CASTER, *emission_records(frame), **emission_constants(frame), border=margin)
+        trace = self.tile_program(
+            CASTER, *emission_records(frame), **emission_constants(frame), **OPAQUE.constants, border=margin
+        )
         bind(trace, depths=self.depths(frame), **frame[TLAS] | emission_uniforms(frame))
         add = self.tile_program(suffix="add", margin=margin)
         bind(add, subsample_emission=frame[SUBSAMPLE_EMISSION], filter_radius=width)

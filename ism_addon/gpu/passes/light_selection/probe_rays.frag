@@ -16,7 +16,7 @@ vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
-    if (arrives(surface, from)) return vec2(is_unoccluded(surface, from.point, light) ? 1.0 : 0.0, 1.0);
+    if (arrives(surface, from)) return vec2(mean(shadow_transmittance(surface, from.point, light)), 1.0);
     if (light.leaves > 0) return vec2(0.0);
     return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }

@@ -11,7 +11,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, PROBE, TLAS
+from ....resources import LIGHT_BUFFERS, PROBE, TLAS, TRANSPARENCY
 from ....sampling.dimensions import fixed_points
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
@@ -20,6 +20,7 @@ from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
 from ...lights import mixed_variant
+from ...materials.transparency import ALL_OPAQUE
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
@@ -56,7 +57,7 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
     lights = frame.scene.lights
-    program = compile_program(device, "glsl/full_screen.vert", SHADER, records=RECORDS, **mixed_variant(lights))
+    program = ray_program(frame, "glsl/full_screen.vert", mixed_variant(lights))
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
@@ -78,9 +79,16 @@ def trace_tiles(
 ) -> None:
     """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`."""
     variant = mixed_variant(frame.scene.lights, [light])
-    program = compile_program(frame.device, "glsl/tiles.vert", SHADER, records=RECORDS, **variant)
+    program = ray_program(frame, "glsl/tiles.vert", variant)
     bind(program, **uniforms(frame, blocks, first, grid))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
+
+
+def ray_program(frame: Frame, vertices: str, variant: dict[str, int]) -> moderngl.Program:
+    """The program with a vertex shader, for a variant of lights."""
+    surfaces = (frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow
+    records, constants = (*RECORDS, *surfaces.records), variant | surfaces.constants
+    return compile_program(frame.device, vertices, SHADER, *surfaces.includes, records=records, **constants)
 
 
 def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -> dict[str, Any]:
@@ -88,6 +96,7 @@ def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -
     return {
         **surface_samplers(frame),
         **frame[TLAS],
+        **(frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow.uniforms,
         **frame[LIGHT_BUFFERS],
         "probe_blocks": blocks,
         "first_block": first,

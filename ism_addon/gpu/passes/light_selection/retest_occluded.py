@@ -18,6 +18,7 @@ from ....resources import (
     RETESTS,
     TILE_VISIBILITY,
     TLAS,
+    TRANSPARENCY,
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
@@ -38,7 +39,7 @@ class RetestOccluded(Pass):
     """Where lights are visible that had been believed occluded."""
 
     inputs = (
-        *(*SURFACE, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE, HIDDEN_LIGHTS, REDISCOVERED),
+        *(*SURFACE, LIGHT_BUFFERS, TLAS, TRANSPARENCY, LIGHT_INFLUENCE, HIDDEN_LIGHTS, REDISCOVERED),
         *(Change.LIGHTS, Change.SAMPLE),
     )
     feedback = (TILE_VISIBILITY,)

@@ -159,7 +159,7 @@ void main() {
         return;
     }
     int triangle = int(id.x) - 1;
-    Instance instance = fetch_Instance(instances, int(id.y));
+    Instance instance = instance_at(int(id.y));
     mat3 linear = transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
     vec3 offset = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
 
@@ -218,7 +218,7 @@ void main() {
 #endif
 #elif IMAGES
     if (material.image >= 0) {
-        Image image = fetch_Image(images, material.image);
+        Image image = image_at(material.image);
         mat3x2 uvs = corner_uvs(triangle);
         base_color.rgb =
             image_color(image, uvs * b, uvs * dx, uvs * dy, image.repeat != 0 ? REPEAT : EXTEND).rgb;

@@ -28,7 +28,7 @@ from ....resources import (
     VISIBILITY_BUFFER,
 )
 from ....scene import Change
-from ...buffers.corner_buffers import AttributeBuffers
+from ...buffers.corner_buffers import attribute_uniforms
 from ...buffers.material_buffers import MaterialBuffers
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -119,8 +119,3 @@ class GBuffer(Pass):
                 frame.warnings.add(f"{issue}: {error}")
                 return self.programs(frame, materials, constants)
         return programs
-
-
-def attribute_uniforms(buffers: AttributeBuffers) -> dict[str, Any]:
-    """Uniforms of nodes/point.glsl."""
-    return {"attributes": buffers.texture, "attribute_count": buffers.count}

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What passes through a surface: the colors of its transparent closures, as a graph."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ....scene import NodeGraph
+from ....shading.builder import Builder, Value, constant
+from ....shading.operations import Constant
+from ..diagnostics import Diagnostics
+from ..node_graphs.reader import Closure
+
+ONE, BLACK = constant(1.0), constant((0.0, 0.0, 0.0))
+
+#: Limit of a graph's cost. All shaders that trace shadow rays contain the graphs of a scene.
+MAX_COST = 300
+
+
+class Transparency(NamedTuple):
+    """The graph of a surface's transparency, and its constants (R,4)."""
+
+    graph: NodeGraph
+    constants: np.ndarray
+
+
+def passing(builder: Builder, closures: Sequence[Closure]) -> Value:
+    """The color of what passes: of transparent closures, and where Principled has an alpha below 1."""
+    total = BLACK
+    for closure in closures:
+        weight = closure.weight
+        if closure.name == "transparent":
+            color = closure.inputs["color"]
+        elif closure.name == "principled":
+            weight, color = builder.call("math_multiply", weight, uncovered(builder, closure)), constant(np.ones(3))
+        else:
+            continue
+        total = builder.call("vector_add", total, builder.call("vector_scale", color, weight))
+    return total
+
+
+def covered(builder: Builder, closure: Closure) -> Value:
+    """The fraction of a closure that is not transparent."""
+    return builder.call("saturate", closure.inputs["alpha"]) if closure.name == "principled" else ONE
+
+
+def uncovered(builder: Builder, closure: Closure) -> Value:
+    """1 less that fraction."""
+    return builder.call("math_subtract", ONE, covered(builder, closure))
+
+
+def transparency(
+    builder: Builder,
+    closures: Sequence[Closure],
+    mean: Callable[[Value], Constant],
+    material: bpy.types.Material,
+    findings: Diagnostics,
+) -> Transparency | None:
+    """What passes through a surface of these closures; None if nothing does. `mean`: about that of a value."""
+    color = passing(builder, closures)
+    if color.equals(0.0):
+        return None
+    for note in builder.notes([color]):
+        findings.warn(note, material.name)
+    graph, constants = builder.finish([builder.call("closure_transparent", color)])
+    if graph.cost > MAX_COST:
+        issue = "Materials with too many nodes for what passes through them are evenly transparent"
+        findings.warn(issue, material.name)
+        graph, constants = builder.finish([builder.call("closure_transparent", constant(mean(color)))])
+    return Transparency(graph, constants)

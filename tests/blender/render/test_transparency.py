@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Transparent surfaces beside Cycles: what the camera sees through them, and their shadows."""
+
+import bpy
+import numpy as np
+import pytest
+
+from ism_addon.blender.sync import camera, scene_reader
+from ism_addon.gpu.renderer import Profile, Renderer
+from ism_addon.settings import SSAO, Quality, Settings
+from tests.scenes.cycles import direct_light
+
+SIDE = 48
+FILTER_WIDTH = 1.5
+SETTINGS = Settings(quality=Quality(samples=128, error_threshold=0.0), ssao=SSAO(enabled=False))
+
+
+class Tree:
+    """Adds nodes to a material's tree."""
+
+    def __init__(self, tree):
+        self.nodes, self.links = tree.nodes, tree.links
+
+    def add(self, node_type, inputs=None, **options):
+        """A node of a type, with options and inputs: values, nodes or outputs of nodes."""
+        node = self.nodes.new(node_type)
+        for name, value in options.items():
+            setattr(node, name, value)
+        for name, value in (inputs or {}).items():
+            if isinstance(value, bpy.types.Node | bpy.types.NodeSocket):
+                self.link(value, node.inputs[name])
+            else:
+                node.inputs[name].default_value = value
+        return node
+
+    def link(self, source, target):
+        """Link an output, or the first one of a node."""
+        self.links.new(source.outputs[0] if isinstance(source, bpy.types.Node) else source, target)
+
+
+def principled(tree, alpha):
+    """A diffuse Principled BSDF of an alpha."""
+    inputs = {"Base Color": (0.7, 0.2, 0.1, 1.0), "Alpha": alpha, "Specular IOR Level": 0.0}
+    return tree.add("ShaderNodeBsdfPrincipled", inputs)
+
+
+def mixed(tree, factor, color):
+    """A transparent shader and a diffuse one."""
+    transparent = tree.add("ShaderNodeBsdfTransparent", {"Color": (*color, 1.0)})
+    return tree.add("ShaderNodeMixShader", {0: factor, 1: transparent, 2: tree.add("ShaderNodeBsdfDiffuse")})
+
+
+def checkered(tree):
+    """An alpha of 0 and 1."""
+    alpha = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((8, 8)))
+    image = bpy.data.images.new("squares", *alpha.shape, alpha=True)
+    image.pixels.foreach_set(np.repeat(alpha[..., None], 4, axis=2).astype(np.float32).ravel())
+    image.pack()
+    return principled(tree, tree.add("ShaderNodeTexImage", image=image).outputs["Alpha"])
+
+
+def only_seen(tree):
+    """Opaque for the camera, transparent for shadow rays."""
+    return mixed(tree, tree.add("ShaderNodeLightPath").outputs["Is Camera Ray"], (1.0, 1.0, 1.0))
+
+
+def only_shadow(tree):
+    """The reverse."""
+    return mixed(tree, tree.add("ShaderNodeLightPath").outputs["Is Shadow Ray"], (1.0, 1.0, 1.0))
+
+
+SURFACES = {
+    "alpha": lambda tree: principled(tree, 0.4),
+    "alpha below 0": lambda tree: principled(tree, -1.0),
+    "alpha above 1": lambda tree: principled(tree, 2.0),
+    "mixed": lambda tree: mixed(tree, 0.25, (0.8, 0.8, 0.8)),
+    "checkered": checkered,
+    "only seen": only_seen,
+    "only shadow": only_shadow,
+    "noise": lambda tree: principled(tree, tree.add("ShaderNodeTexNoise", {"Scale": 3.0}).outputs[0]),
+}
+
+
+def made(make) -> bpy.types.Material:
+    """A material whose surface is the node that `make` makes."""
+    material = bpy.data.materials.new("made")
+    material.use_nodes = True
+    tree = Tree(material.node_tree)
+    tree.link(make(tree), material.node_tree.nodes["Material Output"].inputs["Surface"])
+    return material
+
+
+@pytest.fixture
+def pane(empty_scene, add):
+    """pane(make, count): a floor under panes of a material that `make` makes, an area light and a camera."""
+
+    def build(make, count=1) -> bpy.types.Material:
+        floor = add("floor", ([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [(0, 1, 2, 3)]))
+        floor.data.materials.append(made(lambda tree: tree.add("ShaderNodeBsdfDiffuse")))
+        material = made(make)
+        for k in range(count):
+            z = 0.4 + 0.05 * k
+            each = add("pane", ([(-0.8, -0.8, z), (0.8, -0.8, z), (0.8, 0.8, z), (-0.8, 0.8, z)], [(0, 1, 2, 3)]))
+            each.data.uv_layers.new()
+            each.data.materials.append(material)
+        light = bpy.data.lights.new("lamp", "AREA")
+        light.size, light.energy = 0.6, 60.0
+        lamp = add("lamp", light)
+        lamp.location = 0.8, 0.0, 2.5
+        data = bpy.data.cameras.new("camera")
+        empty_scene.camera = add("camera", data)
+        empty_scene.camera.location, empty_scene.camera.rotation_euler = (0.0, -3.0, 3.0), (0.785, 0.0, 0.0)
+        empty_scene.render.resolution_x = empty_scene.render.resolution_y = SIDE
+        empty_scene.render.filter_size = FILTER_WIDTH
+        return material
+
+    return build
+
+
+def ours(device):
+    """(H,W,3), and the reader's warnings."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    scene = scene_reader.scene(depsgraph)
+    renderer, view = Renderer(device), camera.final_view(depsgraph)
+    for sample in range(SETTINGS.quality.samples):
+        for _ in renderer.sample(scene, view, SETTINGS, sample, Profile()):
+            pass
+    picture = renderer.picture()[..., :3]
+    renderer.release()
+    return picture, scene.warnings
+
+
+def error(device):
+    """RMSE over the mean of Cycles' picture."""
+    picture, warnings = ours(device)
+    assert not warnings
+    truth = direct_light(256, FILTER_WIDTH)[..., :3]
+    return float(np.sqrt(np.mean((picture - truth) ** 2)) / truth.mean())
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_surfaces_are_as_transparent_as_in_cycles(device, pane, name):
+    pane(SURFACES[name])
+    assert error(device) < 0.02
+
+
+def test_shadows_of_panes_are_tinted(device, pane):
+    pane(lambda tree: mixed(tree, 0.2, (0.9, 0.5, 0.1)), 2)
+    for each in bpy.data.objects:
+        each.visible_camera = each.name == "floor"
+    assert error(device) < 0.02
+
+
+def test_transparent_shadows_can_be_switched_off(device, pane):
+    pane(SURFACES["alpha"]).use_transparent_shadow = False
+    assert error(device) < 0.02
+
+
+@pytest.mark.parametrize("bounces", [2, 3, 4])
+def test_more_surfaces_than_bounces_are_opaque(device, pane, bounces):
+    pane(lambda tree: mixed(tree, 0.0, (1.0, 1.0, 1.0)), 3)
+    for each in bpy.data.objects:
+        each.visible_camera = each.name == "floor"
+    bpy.context.scene.cycles.transparent_max_bounces = bounces
+    assert error(device) < 0.02
