@@ -13,10 +13,13 @@ INTERPOLATIONS = "linear", "closest", "cubic"
 VECTOR_TYPES = "point", "vector", "normal"
 
 
-def at_point(file: str, result: str, *names: str, operands: str = "", parameter: bool = False) -> None:
+def at_point(
+    file: str, result: str, *names: str, operands: str = "", parameter: bool = False, unfiltered: tuple[int, ...] = ()
+) -> None:
     """Register operations that depend on the point. `operands`: types separated by spaces."""
     types = tuple(operands.split())
-    OPERATIONS.update({name: Operation(types, result, file, at_point=True, has_parameter=parameter) for name in names})
+    operation = Operation(types, result, file, at_point=True, has_parameter=parameter, unfiltered=unfiltered)
+    OPERATIONS.update(dict.fromkeys(names, operation))
 
 
 at_point("point", "vec3", "uv_map")
@@ -36,8 +39,8 @@ at_point("point_inputs", "vec3", "coordinate_of_object", operands="vec4 vec4 vec
 at_point("object", "vec3", *(f"object_from_world_{vector_type}" for vector_type in VECTOR_TYPES), operands="vec3")
 at_point("object", "vec3", "world_from_object_point", "world_from_object_vector", operands="vec3")
 at_point("normals", "vec3", "world_from_object_normal", "surface_tangent", operands="vec3")
-at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4")
-at_point("normals", "vec3", "normal_map_object", "normal_map_world", operands="float vec3")
+at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4", unfiltered=(1,))
+at_point("normals", "vec3", "normal_map_object", "normal_map_world", operands="float vec3", unfiltered=(1,))
 OPERATIONS.update(
     {
         f"{name}_{vector_type}": Operation(("vec3",), "vec3", "point_inputs")
@@ -56,5 +59,10 @@ OPERATIONS.update(
 )
 # Strength and distance, the height, the position, the normal that is changed, and the filter's width in pixels.
 OPERATIONS["bump"] = Operation(
-    ("float", "float", "float", "vec3", "vec3", "float"), "vec3", "normals", with_differences=(2, 3), filter_width=5
+    ("float", "float", "float", "vec3", "vec3", "float"),
+    "vec3",
+    "normals",
+    with_differences=(2, 3),
+    filter_width=5,
+    unfiltered=(2, 3),
 )

@@ -33,6 +33,8 @@ class Operation(NamedTuple):
     #: The operand that says how many pixels away these differences are taken, as Cycles takes them for bumps. It is a
     #: constant. None: a pixel's footprint.
     filter_width: int | None = None
+    #: Operands in which images are not filtered, as in Cycles: a filtered height or normal would be smoother.
+    unfiltered: tuple[int, ...] = ()
     #: How long it takes to compile, relative to an addition of vectors.
     cost: int = 1
     #: About the mean of the result, where it is not evaluated.

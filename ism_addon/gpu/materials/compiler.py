@@ -22,6 +22,8 @@ GENERATED[FILE] = GENERATED[TRANSPARENCY_FILE] = lambda _constants: ""  # of sha
 #: The point at which instructions are evaluated, and those for the differences between pixels: their names in GLSL.
 CENTRE = "at"
 FOOTPRINT = "at_x", "at_y"
+#: The point without a footprint: images are not filtered there, nor at the points of bumps.
+UNFILTERED = "at_unfiltered"
 
 #: Components of constants that are part of a row, by type.
 SWIZZLES = {"float": 1, "image": 1, "vec3": 3, "vec4": 4}
@@ -99,12 +101,18 @@ def shifted_points(graph: NodeGraph) -> Iterator[str]:
     """The lines that make the points of differences."""
     for point, way in zip(FOOTPRINT, ("dx", "dy"), strict=True):
         yield f"    ShadingPoint {point} = shifted(at, differentials.{way}, 1.0);"
+    yield f"    ShadingPoint {UNFILTERED} = at;"
     for index, instruction in enumerate(graph.instructions):
         width = OPERATIONS[instruction.operation].filter_width
         if width is not None:
             value = operand_name(graph, instruction.operands[width], CENTRE)
             for point, way in zip(difference_points(graph, index), ("tangent", "bitangent"), strict=True):
                 yield f"    ShadingPoint {point} = shifted(at, differentials.{way}, {value});"
+
+
+def has_footprint(points: set[str]) -> bool:
+    """Whether images are filtered at any of these points."""
+    return not points.isdisjoint({CENTRE, *FOOTPRINT})
 
 
 def needed_points(graph: NodeGraph) -> list[set[str]]:
@@ -114,9 +122,11 @@ def needed_points(graph: NodeGraph) -> list[set[str]]:
         instruction = graph.instructions[index]
         for position, operand in enumerate(instruction.operands):
             if operand >= 0 and needed[index]:
-                needed[operand] |= needed[index]
-                if position in OPERATIONS[instruction.operation].with_differences:
-                    needed[operand] |= {CENTRE, *difference_points(graph, index)}
+                operation = OPERATIONS[instruction.operation]
+                is_unfiltered = position in operation.unfiltered
+                needed[operand] |= {UNFILTERED} if is_unfiltered else needed[index]
+                if position in operation.with_differences and (is_unfiltered or has_footprint(needed[index])):
+                    needed[operand] |= {UNFILTERED if is_unfiltered else CENTRE, *difference_points(graph, index)}
     return needed
 
 
@@ -127,12 +137,16 @@ def line(graph: NodeGraph, index: int, instruction: Instruction, point: str, at_
     if operation.at_point:
         arguments.append(point)
     for position, operand in enumerate(instruction.operands):
-        arguments.append(operand_name(graph, operand, point))
-        if position in operation.with_differences:
-            here = operand_name(graph, operand, CENTRE)
-            others = difference_points(graph, index) if at_points else ()
-            arguments += [f"{operand_name(graph, operand, other)} - {here}" for other in others]
-            arguments += [] if at_points else [f"{operation.operands[position]}(0.0)"] * len(FOOTPRINT)
+        is_unfiltered = at_points and position in operation.unfiltered
+        arguments.append(operand_name(graph, operand, UNFILTERED if is_unfiltered else point))
+        if position not in operation.with_differences:
+            continue
+        if is_unfiltered or (at_points and has_footprint({point})):
+            here = operand_name(graph, operand, UNFILTERED if is_unfiltered else CENTRE)
+            others = (operand_name(graph, operand, other) for other in difference_points(graph, index))
+            arguments += [f"{other} - {here}" for other in others]
+        else:
+            arguments += [f"{operation.operands[position]}(0.0)"] * len(FOOTPRINT)
     if operation.has_parameter:
         arguments.append(str(instruction.parameter))
     call = f"{instruction.operation}({', '.join(arguments)});"

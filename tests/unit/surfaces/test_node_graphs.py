@@ -156,3 +156,18 @@ def test_more_graphs_than_bits(device, count):
     )
     blue = gbuffer(device, scene, view)["base_color"][:, 2].reshape(8, 4 * count)[4, 2::4]
     assert np.allclose(blue, (np.arange(count) + 1.0) / count, atol=1e-3)
+
+
+def test_images_are_filtered_in_colors_but_not_in_bumps(device):
+    builder = Builder()
+    image = builder.call(
+        "image_linear", Value("image"), builder.call("vector_scale", builder.call("uv_map"), constant(64.0))
+    )
+    color = builder.call("color_of", image)
+    position, one = builder.call("geometry_position"), constant(1.0)
+    height = builder.call("separate_x", color)
+    bump = builder.call("bump", one, one, height, position, builder.call("geometry_normal"), constant(0.1))
+    graph = builder.finish([builder.call("closure_diffuse", color, bump)])
+    ours = gbuffer(device, scene_of([graph] * 3), view_from_above(3.0, SIZE))
+    assert ours["base_color"][:, 0].std() < 0.01
+    assert ours["normal"][:, 0].std() > 0.1
