@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.scene import LightShape
+from ism_addon.settings import Shadow
 from ism_addon.shading.builder import Builder, constant
 from tests.scenes.parts.tables import materials_of
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, make_scene, quad, view_from_above, with_quality
@@ -77,7 +78,7 @@ def metal(roughness):
     return builder.finish([builder.call("closure_metal", *operands, parameter=0)])
 
 
-def floor_of(graph, constants, lights):
+def floor_of(graph, constants, lights=None):
     """A square of a graph's material under lights."""
     materials = replace(
         materials_of([(0.5, 0.5, 0.5)]),
@@ -133,3 +134,20 @@ def test_lobes_that_no_material_has_have_no_targets(device):
         "coat",
         "rare_lobes",
     }
+
+
+@pytest.mark.parametrize("source", ["sun", "world"])
+@pytest.mark.parametrize("roughness", [0.15, 0.5])
+def test_a_roof_is_between_a_metal_and_what_is_infinitely_far_away(device, source, roughness):
+    lights = light(LightShape.SUN, radius=0.3) if source == "sun" else None
+    scene = floor_of(*metal(roughness), lights)
+    roof = replace(quad((-9.0, -9.0, 2.5), (18.0, 0.0, 0.0), (0.0, 18.0, 0.0)), materials=np.zeros(2, np.uint32))
+    covered = make_scene([*scene.meshes, roof], lights, world=float(source == "world"))
+    covered = replace(covered, materials=scene.materials, graphs=scene.graphs)
+    instances = replace(covered.instances, visible=np.array([True, False]))
+    settings = with_quality(replace(SMALL_SETTINGS, shadow=Shadow()), samples=64)
+    view = view_from_above(2.0, (16, 16))
+    shaded = draw(device, replace(covered, instances=instances), view, settings).color[..., :3]
+    lit = draw(device, replace(scene, world=covered.world), view, settings).color[..., :3]
+    assert lit.mean() > 0.05
+    assert abs(shaded.mean()) < 0.03 * lit.mean()

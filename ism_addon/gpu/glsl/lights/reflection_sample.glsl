@@ -53,7 +53,8 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     if (radiance <= 0.0) return kept;
     value = evaluate_lobes(lobes, wi);
     density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
-    vec3 point = p + light_hit_distance(light, p, wi) * wi;
+    float distance = light_hit_distance(light, p, wi);
+    vec3 point = p + distance * wi;
     light_sum = light.emission * light_color(light, p, point) * (radiance / density);
     vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
     if (prediction.even != EVERYWHERE) kept.correction += other_gloss;
@@ -61,7 +62,8 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
     float probability = second > 0.0 ? first / (first + second) : 1.0;
     if (lobe_uv.z >= probability) {
-        kept.from = LightSample(point, wi, radiance, density);
+        // Rays end where they have left the scene: to suns they would be too long for float32.
+        kept.from = LightSample(p + min(distance, 2.0 * scene_extent.x) * wi, wi, radiance, density);
         kept.diffuse = other_diffuse;
         kept.gloss = other_gloss;
         probability = 1.0 - probability;
