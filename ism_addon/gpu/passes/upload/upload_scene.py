@@ -13,8 +13,9 @@ from ....resources import (
 from ....scene import Change
 from ...buffers.corner_buffers import AttributeBuffers, UVBuffers
 from ...buffers.instance_buffers import InstanceBuffers, Owners
-from ...buffers.material_buffers import MaterialBuffers, TextureBuffer
+from ...buffers.material_buffers import MaterialBuffers
 from ...buffers.mesh_buffers import MeshBuffers
+from ...buffers.texture_buffer import TextureBuffer
 from ...frame import Frame, Pass, Schedule, outputs
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ism_addon import setting_limits
-from ism_addon.gpu.buffers import material_buffers
-from ism_addon.gpu.buffers.material_buffers import mip_chain
+from ism_addon.gpu.buffers import texture_buffer
 from ism_addon.scene import Image
 from ism_addon.setting_limits import images_beyond_limits, images_within_limits, lines_for
 from tests.scenes.parts.tables import materials_of
 from tests.support.small_scenes import draw, make_scene, quad, view_from_above
+from tests.unit.buffers.mip_chain import mip_chain
 
 
 def noise(height: int, width: int, seed: int = 0) -> Image:
@@ -35,7 +35,7 @@ def textured_quads(*images: Image):
 def test_lines_hold_all_mip_levels_that_are_used(size):
     chain = mip_chain(noise(*size))
     for halved in range(len(chain)):
-        texels = sum(len(level) for level in chain[halved:])
+        texels = sum(level.size // 4 for level in chain[halved:])
         assert lines_for(size, halved) == -(-texels // setting_limits.TEXTURE_WIDTH)
 
 
@@ -63,7 +63,7 @@ def test_a_halved_image_is_drawn_like_an_image_of_that_size(device, monkeypatch)
     large, small = noise(256, 128), noise(16, 16, seed=1)
     scene, view = textured_quads(small, large)
     full_size = draw(device, scene, view).color
-    halved = Image(mip_chain(large)[1].reshape(128, 64, 4))
+    halved = Image(mip_chain(large)[1])
     expected = draw(device, *textured_quads(small, halved)).color
     monkeypatch.setattr(setting_limits, "MAX_TEXTURE_LINES", 2)
     assert images_within_limits(scene.images) == [0, 1]
@@ -78,7 +78,7 @@ def test_images_of_several_layers_are_drawn_at_their_size(device, monkeypatch):
     """Layers of 3 lines: an image of 2^18 texels has 16 lines, and its levels more."""
     images = tuple(noise(512, 512, seed=k) for k in range(3))
     expected = draw(device, *textured_quads(*images)).color
-    monkeypatch.setattr(material_buffers, "LAYER_LINES", 3)
+    monkeypatch.setattr(texture_buffer, "LAYER_LINES", 3)
     color = draw(device, *textured_quads(*(Image(image.texels) for image in images))).color
     assert np.array_equal(color, expected)
 

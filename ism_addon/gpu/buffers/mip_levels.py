@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mip levels of an image, made in bands of few rows: all of them as floats would take seven times its memory."""
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from ...color import linear_from_srgb, srgb_from_linear
+from ...scene import Encoding, Image
+
+#: Levels that are made of each band. The rest are made of all bands' last rows together.
+BAND_LEVELS = 6
+
+
+def mip_levels(image: Image) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Parts of an image and of its halved copies down to one texel.
+
+    Yields the level, its first texel in this part, and the texels (N,4) in the image's encoding. Averages are taken in
+    linear light. If a side is odd, its last texel is an average of three.
+    """
+    height, width = image.texels.shape[:2]
+    levels = min(BAND_LEVELS, height.bit_length() - 1)
+    tops = [band << levels for band in range(height >> levels)]
+    ends = []
+    for top, bottom in zip(tops, [*tops[1:], height], strict=True):
+        band = image.texels[top:bottom]
+        yield 0, top * width, band.reshape(-1, 4)
+        linear = decoded(band, image.encoding)
+        for level in range(1, levels + 1):
+            linear = halved(linear)
+            yield level, (top >> level) * linear.shape[1], encoded(linear, image.encoding).reshape(-1, 4)
+        ends.append(linear)
+    linear, level = np.concatenate(ends), levels
+    while linear.shape[0] > 1 or linear.shape[1] > 1:
+        linear, level = halved(linear), level + 1
+        yield level, 0, encoded(linear, image.encoding).reshape(-1, 4)
+
+
+def decoded(texels: np.ndarray, encoding: Encoding) -> np.ndarray:
+    """(H,W,4) float32: linear values and alpha of texels."""
+    if encoding is Encoding.FLOAT:
+        return texels.astype(np.float32)
+    linear = linear_values(encoding)[texels]
+    linear[..., 3] = texels[..., 3] / np.float32(255.0)
+    return linear
+
+
+def encoded(linear: np.ndarray, encoding: Encoding) -> np.ndarray:
+    """Texels of linear values (H,W,4). sRGB is encoded by a look-up table with 16-bit indices."""
+    if encoding is Encoding.FLOAT:
+        return linear.astype(np.float16)
+    texels = np.rint(linear * 255.0).astype(np.uint8)
+    if encoding is Encoding.SRGB:
+        texels[..., :3] = srgb_bytes()[(linear[..., :3] * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
+    return texels
+
+
+@cache
+def linear_values(encoding: Encoding) -> np.ndarray:
+    """(256,) float32: the linear value of each byte."""
+    values = np.arange(256) / 255.0
+    return (linear_from_srgb(values) if encoding is Encoding.SRGB else values).astype(np.float32)
+
+
+@cache
+def srgb_bytes() -> np.ndarray:
+    """(65536,) uint8: the sRGB byte of each linear value k/65535."""
+    return np.rint(srgb_from_linear(np.arange(65536) / 65535.0) * 255.0).astype(np.uint8)
+
+
+def halved(image: np.ndarray) -> np.ndarray:
+    """Averages of pairs of rows, then of columns, as far as there are two; of the last three, if the number is odd."""
+    for axis in (0, 1):
+        if image.shape[axis] > 1:
+            image = halved_along(image, axis)
+    return image
+
+
+def halved_along(image: np.ndarray, axis: int) -> np.ndarray:
+    """Averages of pairs along an axis."""
+    image = np.moveaxis(image, axis, 0)
+    pairs = len(image) // 2 * 2
+    half = (image[0:pairs:2] + image[1:pairs:2]) * np.float32(0.5)
+    if len(image) > pairs:
+        half[-1] = (image[pairs - 2] + image[pairs - 1] + image[pairs]) / np.float32(3.0)
+    return np.moveaxis(half, 0, axis)
