@@ -18,10 +18,10 @@ from .. import app_handlers
 class LayerCache:
     """The state of one view layer."""
 
-    def __init__(self) -> None:
+    def __init__(self, frees_images: bool = False) -> None:
         from ..sync.scene_reader import Reader  # imported late: Blender starts faster
 
-        self.reader, self.client = Reader(), object()
+        self.reader, self.client = Reader(frees_images), object()
 
     def read(self, depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool]) -> Scene:
         """The current Scene. What has not changed since the frame before is the same object."""
@@ -40,7 +40,7 @@ def layer_cache(depsgraph: bpy.types.Depsgraph) -> LayerCache:
     key = depsgraph.scene.original.session_uid, depsgraph.view_layer.name
     if key not in _layers:
         forget()
-    return _layers.setdefault(key, LayerCache())
+    return _layers.setdefault(key, LayerCache(frees_images=True))
 
 
 def forget() -> None:

@@ -49,10 +49,10 @@ class LightImages:
 
 def _read(image: bpy.types.Image, on_black: bool, repeat: bool, path: str) -> tuple[float, LightImage | None] | None:
     """The largest value and the colours of an image, or of a sequence's file at `path`; None if it has no pixels."""
-    texels = images.texels_of_frame(image, path, on_black) if path else images.texels(image, on_black)
-    if texels is None:
+    loaded = images.read_frame(image, path, repeat, on_black) if path else images.read(image, repeat, on_black)
+    if loaded is None:
         return None
-    colors = images.linear(texels[..., :3], images.encoding(image))
+    colors = images.linear(loaded.texels[..., :3], loaded.encoding)
     height, width = colors.shape[:2]
     if (scale := MAX_SIDE / max(height, width)) < 1.0:
         colors = resampled(colors, max(round(scale * height), 1), max(round(scale * width), 1))

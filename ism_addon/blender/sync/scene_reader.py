@@ -41,8 +41,9 @@ def scene(depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object],
 class Reader:
     """Reads a depsgraph incrementally: what has not changed is the same object as in the last Scene."""
 
-    def __init__(self) -> None:
-        self._materials = MaterialReader()
+    def __init__(self, frees_images: bool = False) -> None:
+        """With `frees_images`, Blender does not keep images that it decodes only for this reader."""
+        self._materials = MaterialReader(frees_images)
         links = LightLinks()
         self._instances = InstanceReader(self._materials, links)
         self._lights = LightReader(links)

@@ -14,9 +14,9 @@ BAND_LEVELS = 6
 
 
 def mip_levels(image: Image) -> Iterator[tuple[int, int, np.ndarray]]:
-    """Parts of an image and of its halved copies down to one texel.
+    """Bands of an image and of its halved copies down to one texel.
 
-    Yields the level, its first texel in this part, and the texels (N,4) in the image's encoding. Averages are taken in
+    Yields the level, its first texel in this band, and the texels (N,4) in the image's encoding. Averages are taken in
     linear light. If a side is odd, its last texel is an average of three.
     """
     height, width = image.texels.shape[:2]

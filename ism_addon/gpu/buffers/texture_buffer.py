@@ -4,7 +4,7 @@
 import moderngl
 import numpy as np
 
-from ...scene import Encoding, Image
+from ...scene import Encoding, Image, texel_files
 from ...setting_limits import LAYER_LINES, TEXTURE_WIDTH, images_within_limits, level, lines_for
 from ..gl import driver_variants
 from ..gl.buffer_texture import BufferTexture
@@ -72,6 +72,8 @@ def _write(texture: moderngl.TextureArray, line: int, image: Image, first: int) 
     for each, offset, texels in mip_levels(image):
         if each in starts:
             _write_texels(texture, starts[each] + offset, texels)
+        if each == 0:
+            texel_files.release_memory(image.texels)
     return sum(counts) * 4 * image.texels.itemsize
 
 

@@ -178,7 +178,7 @@ def test_a_packed_image_is_read_again_only_after_edits(scene, render_animation, 
     image.reload()
     assert image.source == "FILE"
     read = []
-    monkeypatch.setattr(images, "texels", lambda *what, original=images.texels: read.append(what) or original(*what))
+    monkeypatch.setattr(images, "read", lambda *what, original=images.read: read.append(what) or original(*what))
     pictures = render_animation(lambda scene, *_more: edit and scene.frame_current == 2 and edit(scene))[0]
     times = len(read)
     assert is_equal(pictures[1], render_alone(scene, 2, tmp_path))

@@ -223,18 +223,18 @@ def test_an_image_of_several_portions_is_rounded_to_8_bits(add, on_black):
     image.pixels.foreach_set((stored / np.float32(255.0)).astype(np.float32).reshape(-1))
     if on_black:
         stored[..., :3] = np.rint(stored[..., :3] * stored[..., 3:] / 255.0)
-    assert np.array_equal(images.texels(image, on_black), stored)
+    assert np.array_equal(images.read(image, on_black=on_black).texels, stored)
 
 
 def test_texels_are_encoded_as_images_store_them(add):
     grey = [(0.18, 0.18, 0.18, 1)] * 4
     floats = new_image(pixels=[(0.18, 0.18, 0.18, 1), (7, -1, math.nan, 1)] * 2, float_buffer=True)
-    assert images.encoding(floats) == Encoding.FLOAT
-    assert images.texels(floats).tolist() == [[[np.float16(0.18)] * 3 + [1.0], [7.0, 0.0, 0.0, 1.0]]] * 2
+    assert images.read(floats).encoding == Encoding.FLOAT
+    assert images.read(floats).texels.tolist() == [[[np.float16(0.18)] * 3 + [1.0], [7.0, 0.0, 0.0, 1.0]]] * 2
     data = new_image(pixels=grey, is_data=True)
-    assert images.encoding(data) == Encoding.LINEAR
-    assert images.texels(data)[0, 0, 0] == round(0.18 * 255)
-    assert images.texels(new_image(pixels=grey))[0, 0, 0] == round(0.18 * 255)
+    assert images.read(data).encoding == Encoding.LINEAR
+    assert images.read(data).texels[0, 0, 0] == round(0.18 * 255)
+    assert images.read(new_image(pixels=grey)).texels[0, 0, 0] == round(0.18 * 255)
 
 
 def test_colours_are_premultiplied_unless_the_alpha_is_linked(surface, read_scene):
@@ -244,7 +244,7 @@ def test_colours_are_premultiplied_unless_the_alpha_is_linked(surface, read_scen
     material.node_tree.links.new(image_node.outputs["Alpha"], node.inputs["Alpha"])
     assert read_scene().images[0].texels[0, 0].tolist() == [255, 128, 0, 128]
     image_node.image.alpha_mode = "CHANNEL_PACKED"
-    assert images.texels(image_node.image, on_black=True)[0, 0].tolist() == [255, 128, 0, 128]
+    assert images.read(image_node.image, on_black=True).texels[0, 0].tolist() == [255, 128, 0, 128]
 
 
 def test_an_unknown_colour_space_is_reported(surface, read_scene):

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads the texels of Blender's images: of files, packed ones and generated ones."""
 
+import io
 import os
+from contextlib import suppress
+from typing import BinaryIO
 
 import bpy
 import numpy as np
 
 from ....color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
-from ....scene import Encoding, Image
+from ....scene import Encoding, Image, texel_files
+from .large_png import LargePng, UnsupportedPng
 
 #: Spaces whose stored values are linear. Blender reads floating point images as linear, whatever their space.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
@@ -17,9 +21,17 @@ MAX_FLOAT16 = 65504.0
 #: Texels that are converted at a time: few enough for the processor's cache.
 TEXELS_AT_A_TIME = 1 << 15
 
+#: Images of more texels are decoded in bands if possible. Blender gives texels as floats, four times their memory.
+TEXELS_AT_ONCE = 1 << 26
+
+#: Texels of a band: at least a row of any image.
+BAND_TEXELS = 1 << 22
+
+#: Modes of alpha in which Blender keeps the values that a PNG stores.
+UNCHANGED = "STRAIGHT", "CHANNEL_PACKED"
+
 #: Spaces of byte images whose values are used unchanged. Values of other spaces have Rec.709's primaries.
 DATA = ("Non-Color", "Raw")
-
 
 #: Texels along a side of an image from which its mean colour is computed.
 MEAN_TEXELS = 512
@@ -30,47 +42,111 @@ def working_space() -> str:
     return bpy.data.colorspace.working_space if bpy.app.version >= (5, 0) else REC709
 
 
-def is_known_space(image: bpy.types.Image) -> bool:
-    """Whether `texels` can convert from the image's colour space."""
-    return image.is_float or image.colorspace_settings.name in ("sRGB", *LINEAR)
+def is_known_space(image: bpy.types.Image, encoding: Encoding) -> bool:
+    """Whether `read`, which found this encoding, can convert from the image's colour space."""
+    return encoding is Encoding.FLOAT or image.colorspace_settings.name in ("sRGB", *LINEAR)
 
 
 def origin(image: bpy.types.Image) -> tuple | None:
-    """Equal for equal texels: what a packed image without later edits is decoded from. None for other images."""
-    if image.source != "FILE" or image.packed_file is None or image.is_dirty:
+    """Equal for equal texels: of images without later edits, what they are decoded from. None for other images."""
+    if image.source != "FILE" or image.is_dirty:
         return None
-    return image.packed_file.data, image.colorspace_settings.name, image.alpha_mode, working_space()
+    packed = image.packed_file
+    file = _file_state(image) if packed is None else (packed.size, hash(packed.data))
+    return (file, image.colorspace_settings.name, image.alpha_mode, working_space()) if file else None
 
 
-def encoding(image: bpy.types.Image) -> Encoding:
-    """The encoding of `texels`: that of the stored image, or sRGB if colours are converted to another working space."""
-    if image.is_float:
-        return Encoding.FLOAT
-    space = image.colorspace_settings.name
-    keeps_values = space in DATA or (space in LINEAR and working_space() == REC709)
-    return Encoding.LINEAR if keeps_values else Encoding.SRGB
+def _path(image: bpy.types.Image) -> str:
+    return bpy.path.abspath(image.filepath, library=image.library)
 
 
-def texels(image: bpy.types.Image, on_black: bool = False) -> np.ndarray | None:
-    """(H,W,4) in the image's `encoding`, bottom row first; None if it has no pixels.
+def _file_state(image: bpy.types.Image) -> tuple | None:
+    """The state of an image's file. None if Blender may have decoded an earlier one, or there is no file."""
+    path = _path(image)
+    if image.has_data or not os.path.isfile(path):
+        return None
+    state = os.stat(path)
+    return path, state.st_mtime_ns, state.st_size
 
-    Colours have the primaries of the working space, as floating point images already do.
+
+def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) -> Image | None:
+    """An image; None if it has no pixels.
+
+    Its encoding is that of the stored image, or sRGB if colours are converted to another working space. Colours have
+    the primaries of the working space, as floating point images already do.
     With `on_black`, colours are multiplied by alpha, as in Cycles when the image's alpha is not used.
     Unknown colour spaces are taken for sRGB.
     """
+    with suppress(UnsupportedPng, OSError), _file(image) as file:
+        png = LargePng(file)
+        if png.width * png.height > TEXELS_AT_ONCE and (png.channels < 4 or image.alpha_mode in UNCHANGED):
+            return Image(_texels_of_bands(image, png, on_black), repeat, _encoding(image, is_float=False))
     width, height = image.size
-    count = len(image.pixels)
-    if count == 0 or width * height == 0:
+    if len(image.pixels) == 0 or width * height == 0:
         return None
-    pixels: np.ndarray = np.empty(count, np.float32)
+    encoding = _encoding(image, image.is_float)
+    texels = texel_files.empty((height, width, 4), encoding.dtype)
+    _encode(image, _pixels(image), texels, on_black)
+    return Image(texels, repeat, encoding)
+
+
+def _file(image: bpy.types.Image) -> BinaryIO:
+    """The file that Blender decodes an image from, which it has not done yet or will do again. Raises OSError."""
+    if image.source != "FILE" or image.is_dirty:
+        raise FileNotFoundError
+    if image.packed_file is not None:
+        return io.BytesIO(image.packed_file.data)
+    if image.has_data:  # maybe of an earlier file
+        raise FileNotFoundError
+    return open(_path(image), "rb")
+
+
+def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> np.ndarray:
+    """The texels of a PNG that Blender decodes in bands, from the top. Raises UnsupportedPng."""
+    texels = texel_files.empty((png.height, png.width, 4), np.dtype(np.uint8))
+    above, bottom = b"", png.height
+    with bpy.data.temp_data() as data:
+        while bottom > 0:
+            top = max(bottom - BAND_TEXELS // png.width, 0)
+            band, file = data.images.new("Band", 1, 1), png.band(bottom - top, above)
+            band.pack(data=file, data_len=len(file))
+            band.source, band.alpha_mode = "FILE", image.alpha_mode
+            band.colorspace_settings.name = image.colorspace_settings.name
+            if tuple(band.size) != (png.width, bottom - top + bool(above)):
+                raise UnsupportedPng
+            pixels = _pixels(band)
+            above = np.rint(pixels[: png.width, : png.channels] * np.float32(255.0)).astype(np.uint8).tobytes()
+            _encode(band, pixels, texels[top:bottom], on_black)
+            data.images.remove(band)
+            bottom = top
+    return texels
+
+
+def _pixels(image: bpy.types.Image) -> np.ndarray:
+    """(N,channels) float32 from Blender, bottom row first."""
+    width, height = image.size
+    pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(width * height, -1)
-    stored = np.empty((height, width, 4), encoding(image).dtype)
-    rows = stored.reshape(-1, 4)
+    return pixels.reshape(width * height, -1)
+
+
+def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> None:
+    """Fill texels (H,W,4) from the first of the pixels (N,channels), which are overwritten."""
+    rows = texels.reshape(-1, 4)
     for first in range(0, len(rows), TEXELS_AT_A_TIME):
-        batch = slice(first, first + TEXELS_AT_A_TIME)
+        batch = slice(first, min(first + TEXELS_AT_A_TIME, len(rows)))
         rows[batch] = _encoded(image, _four_channels(pixels[batch]), on_black)
-    return stored
+    texel_files.release_memory(texels)
+
+
+def read_frame(image: bpy.types.Image, path: str, repeat: bool, on_black: bool) -> Image | None:
+    """One file of an image sequence. Blender does not give the texels of a sequence's frames."""
+    if not os.path.isfile(path):
+        return None
+    with bpy.data.temp_data() as data:  # a new image in the open file would change all depsgraphs
+        frame = data.images.load(path)
+        frame.colorspace_settings.name, frame.alpha_mode = image.colorspace_settings.name, image.alpha_mode
+        return read(frame, repeat, on_black)
 
 
 def mean_texel(image: Image) -> np.ndarray:
@@ -78,7 +154,9 @@ def mean_texel(image: Image) -> np.ndarray:
     step = max(max(image.texels.shape[:2]) // MEAN_TEXELS, 1)
     some = image.texels[::step, ::step]
     alpha = some[..., 3].mean(dtype=np.float64) / (1.0 if image.encoding is Encoding.FLOAT else 255.0)
-    return np.append(linear(some[..., :3], image.encoding).mean((0, 1), dtype=np.float64), alpha)
+    mean = np.append(linear(some[..., :3], image.encoding).mean((0, 1), dtype=np.float64), alpha)
+    texel_files.release_memory(image.texels)
+    return mean
 
 
 def linear(stored: np.ndarray, encoded: Encoding) -> np.ndarray:
@@ -89,18 +167,12 @@ def linear(stored: np.ndarray, encoded: Encoding) -> np.ndarray:
     return (linear_from_srgb(values) if encoded is Encoding.SRGB else values).astype(np.float32)[stored]
 
 
-def texels_of_frame(image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
-    """The texels of one file of an image sequence. Blender does not give the texels of a sequence's frames."""
-    if not os.path.isfile(path):
-        return None
-    with bpy.data.temp_data() as data:  # a new image in the open file would change all depsgraphs
-        return _loaded(data, image, path, on_black)
-
-
-def _loaded(data: bpy.types.BlendData, image: bpy.types.Image, path: str, on_black: bool) -> np.ndarray | None:
-    frame = data.images.load(path)
-    frame.colorspace_settings.name, frame.alpha_mode = image.colorspace_settings.name, image.alpha_mode
-    return texels(frame, on_black)
+def _encoding(image: bpy.types.Image, is_float: bool) -> Encoding:
+    if is_float:
+        return Encoding.FLOAT
+    space = image.colorspace_settings.name
+    keeps_values = space in DATA or (space in LINEAR and working_space() == REC709)
+    return Encoding.LINEAR if keeps_values else Encoding.SRGB
 
 
 def _encoded(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:

@@ -23,6 +23,9 @@ ImageKey = tuple[int, bool, bool, str]
 #: The only input that an image may give.
 COLOR = "base_color"
 
+#: Sources of images that Blender makes again when it needs them after they were freed.
+DECODED_AGAIN = {"FILE", "GENERATED", "TILED"}
+
 #: Default values of the inputs and of the emission.
 DEFAULTS: dict[str, Any] = {
     name: [each.default] * each.components if each.components > 1 else each.default
@@ -74,7 +77,9 @@ GREY_ROW = _Row(DEFAULTS)
 class MaterialReader:
     """Reads materials and images on first use. The index of a material never changes."""
 
-    def __init__(self) -> None:
+    def __init__(self, frees_buffers: bool = False) -> None:
+        """With `frees_buffers`, images that Blender decodes for this reader are freed in Blender after it."""
+        self._frees_buffers = frees_buffers
         self._indices: dict[int, int] = {}
         self._rows: list[_Row | None] = []
         self._used: set[int] = set()
@@ -251,7 +256,7 @@ class MaterialReader:
         if loaded is None:
             findings.warn("Images that are missing or cannot be read are magenta, as in Blender", image.name)
             return -1, findings
-        if not images.is_known_space(image):
+        if not images.is_known_space(image, loaded.encoding):
             findings.warn("Images in a colour space that is not known are taken for sRGB", image.name)
         if image.source == "TILED":
             findings.warn("Of tiled images one tile is drawn", image.name)
@@ -271,16 +276,16 @@ class MaterialReader:
         return len(self._images)
 
     def _load(self, key: ImageKey, image: bpy.types.Image) -> Image | None:
-        """An image's texels: those read last time, if the origin is the same."""
+        """An image: the one read last time, if the origin is the same."""
         _, repeat, on_black, path = key
         origin, cached = images.origin(image.original), self._image_cache.pop(key, None)
-        if cached is None or origin is None or cached[0] != origin:
-            texels = images.texels_of_frame(image, path, on_black) if path else images.texels(image, on_black)
-            if texels is None:
-                return None
-            loaded = Image(texels, repeat, images.encoding(image))
+        if cached is not None and origin is not None and cached[0] == origin:
+            loaded: Image | None = cached[1]
         else:
-            loaded = cached[1]
-        if origin is not None:
+            was_decoded = image.has_data
+            loaded = images.read_frame(image, path, repeat, on_black) if path else images.read(image, repeat, on_black)
+            if self._frees_buffers and not was_decoded and image.source in DECODED_AGAIN:
+                image.buffers_free()
+        if loaded is not None and origin is not None:
             self._image_cache[key] = origin, loaded
         return loaded

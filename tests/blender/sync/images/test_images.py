@@ -9,26 +9,6 @@ from bpy.app.handlers import depsgraph_update_post
 from ism_addon.blender.sync import scene_reader
 
 
-@pytest.fixture
-def textured(add):
-    """textured(image, layers): makes a square whose material has the image; returns its Image Texture node."""
-
-    def textured(image, layers=("UV",)):
-        thing = add("Square")
-        for index, name in enumerate(layers):
-            thing.data.uv_layers.new(name=name).uv.foreach_set("vector", np.float32([(index + 1) / 4] * 8))
-        material = bpy.data.materials.new("Paint")
-        material.use_nodes = True
-        tree = material.node_tree
-        node = tree.nodes.new("ShaderNodeTexImage")
-        node.image = image
-        tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
-        thing.data.materials.append(material)
-        return node
-
-    return textured
-
-
 def test_a_uv_map_node_selects_the_layer_and_can_be_edited(textured, read_scene, latest_scene):
     node = textured(bpy.data.images.new("Picture", 2, 2), ("First", "Second"))
     uv_map = node.id_data.nodes.new("ShaderNodeUVMap")
