@@ -7,9 +7,10 @@ import sys
 
 import pytest
 
-from tests.benchmark import draws
+from tests.benchmark import draws, image_memory
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import with_quality
+from tests.tools import memory
 from tests.tools.project import ROOT
 
 pytestmark = pytest.mark.any_release  # dev.py bench has the first bpy
@@ -43,3 +44,13 @@ def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):
     assert record["machine"]["opengl"]
     assert len(repetitions) == 2
     assert all(min(each["whole"], each["read"], each["BuildBLAS"], each["Cycles"]) > 0.0 for each in repetitions)
+
+
+@pytest.mark.alone
+@pytest.mark.skipif(not memory.resident(), reason="no /proc")
+def test_large_images_take_little_more_memory_than_their_textures():
+    """Their textures are in this process if the driver is software, and nowhere else then are all of their texels."""
+    none, four = (image_memory.measure_in_processes(image_memory.Images(count, 4096)) for count in (0, 4))
+    textures = 4 * 4096**2 * 4 * 4 / 3
+    assert four["images decoded"] - four["file open"] > 4 * 4096**2 * 4
+    assert four["peak"] - none["peak"] < 1.5 * textures
