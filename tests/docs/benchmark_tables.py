@@ -150,6 +150,18 @@ def small_meshes_table() -> str:
     return f"{error_report.table(rows)}\n\n{recorded['meshes']:,} meshes. {record.sentence(recorded)}"
 
 
+def image_memory_table() -> str:
+    """Memory of Blender and of our render, by images."""
+    recorded = record.read("image_memory")
+    rows = [["images", "file open", "images decoded", "render", "above file open", "above images decoded"]]
+    for each in recorded["results"]:
+        count, side, file_format = each["images"].values()
+        name = f"{count} of {side}² px, {file_format.replace('_', '')}" if count else "none"
+        opened, decoded, peak = (each[part] / 1e9 for part in ("file open", "images decoded", "peak"))
+        rows.append([name, *(f"{value:.2f}" for value in (opened, decoded, peak, peak - opened, peak - decoded))])
+    return f"{error_report.table(rows)}\n\nGB. {record.sentence(recorded)}"
+
+
 def pass_table() -> str:
     """Milliseconds of each pass in the atrium's render of median time."""
     recorded = record.read("atrium")
@@ -204,6 +216,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "atrium": atrium_table,
     "passes": pass_table,
     "small meshes": small_meshes_table,
+    "image memory": image_memory_table,
     "gpu": gpu_table,
     "constants": constants_table,
     "draws": draws_table,
