@@ -95,6 +95,16 @@ def test_mip_levels_keep_the_mean(encoding, shape):
         assert last == pytest.approx(linear(image).mean((0, 1)), abs=0.01)
 
 
+@pytest.mark.parametrize("shape", [(1, 1), (1, 8192), (8192, 1)])
+@pytest.mark.parametrize("uv", [1.0, -1e8, 1e30])
+def test_odd_sizes_and_far_coordinates_show_colours_of_the_image(device, shape, uv):
+    texels = np.random.default_rng(2).integers(90, 160, (*shape, 4), np.uint8)
+    floor = quad((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), uv=uv)
+    color = gbuffer(device, make_scene([floor], image=Image(texels)), view_from_above(1.6, (16, 16)))["base_color"]
+    low, high = linear_from_srgb(np.array([90, 160]) / 255.0)
+    assert color[:, :3].min() > low - 6e-3 and color[:, :3].max() < high + 6e-3  # 8-bit sRGB
+
+
 def test_images_of_all_encodings_side_by_side(device):
     """Each encoding has a texture of its own, and the shader's variant declares those that exist."""
     color = np.full((2, 2, 4), (60, 30, 90, 255), np.uint8)
