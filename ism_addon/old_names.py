@@ -99,6 +99,7 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         converted |= {
             f"{materials}{name}": np.zeros((0, 2), np.int32) for name in ("transparency", "transparency_constant")
         }
+        converted |= {f"{materials}{name}": np.zeros(0, np.int32) for name in ("emission_graph", "emission_constant")}
     for name in arrays:
         if (name.startswith("scene/meshes/")) and name.endswith("/positions"):
             converted[name.replace("/positions", "/attributes")] = np.zeros((0, 3, 0, 4), np.float32)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
     from .gpu.gl.buffer_texture import BufferTexture, RecordTable
-    from .gpu.materials.transparency import SceneTransparency
+    from .gpu.materials.point_graphs import ScenePointGraphs
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.retests import Candidates, Retest
     from .gpu.passes.shadow_maps.atlas import Batch
@@ -67,7 +67,7 @@ MESH_BUFFERS: Resource[MeshBuffers] = Resource("mesh_buffers", "Vertices and tri
 UV_BUFFERS: Resource[UVBuffers] = Resource("uv_buffers", "Texture coordinates of resident meshes", _SCENE)
 ATTRIBUTE_BUFFERS: Resource[AttributeBuffers] = Resource("attribute_buffers", "What else graphs read of them", _SCENE)
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
-TRANSPARENCY: Resource[SceneTransparency] = Resource("transparency", "What passes through surfaces", _SCENE)
+POINT_GRAPHS: Resource[ScenePointGraphs] = Resource("point_graphs", "Graphs of transparency, of emission", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 LIGHT_BUFFERS: Resource[Mapping[str, RecordTable]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
 SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)

@@ -32,6 +32,10 @@ VERSION = 3
 PREVIOUS_VERSION = 2
 
 
+#: Of materials without rows of all of them, the fields of graphs that rays read.
+GRAPHS = {"transparency": "transparency", "emission": "emission_graph"}
+
+
 class SnapshotError(ValueError):
     """The file is not a snapshot that this version can read. The message is one sentence."""
 
@@ -225,10 +229,12 @@ def _check_indices(scene: Scene) -> None:
 def _check_graphs(scene: Scene) -> None:
     """Raise if a material has no constants where its graph reads them, or a constant is no index of an image."""
     table = scene.materials
-    if table.transparency.shape != table.transparency_constant.shape or len(table.transparency) > table.row_count:
-        raise SnapshotError("The snapshot's scene/materials/transparency has another length than its materials.")
-    graphs = np.append(table.graph, table.transparency)
-    first_constants = np.append(table.first_constant, table.transparency_constant)
+    graphs, first_constants = table.graph, table.first_constant
+    for name in ("transparency", "emission"):
+        own, first = getattr(table, GRAPHS[name]), getattr(table, f"{name}_constant")
+        if len(own) not in (0, table.row_count):
+            raise SnapshotError(f"The snapshot's scene/materials/{name} has another length than its materials.")
+        graphs, first_constants = np.append(graphs, own), np.append(first_constants, first)
     for row in np.flatnonzero(graphs >= 0):
         graph, first = scene.graphs[graphs[row]], int(first_constants[row])
         constants = table.constants[max(first, 0) : max(first, 0) + graph.rows]

@@ -109,5 +109,5 @@ EMISSION: Estimator = SeenEmission()
 
 def estimators(scene: Scene, settings: Settings) -> tuple[Estimator, ...]:
     """The estimators of a scene's picture with these settings."""
-    has_emission = scene.materials.emission.any() or scene.lights.visible_camera.any()
+    has_emission = scene.has_emission_graphs or scene.materials.emission.any() or scene.lights.visible_camera.any()
     return DIRECT[settings.shadow.method], WORLD_LIGHT, *((EMISSION,) if has_emission else ())

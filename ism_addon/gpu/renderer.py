@@ -44,6 +44,7 @@ from .passes.surfaces.visibility_buffer import VisibilityBuffer
 from .passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
+from .passes.upload.upload_point_graphs import UploadPointGraphs
 from .passes.upload.upload_scene import (
     UploadAttributes,
     UploadInstances,
@@ -51,7 +52,6 @@ from .passes.upload.upload_scene import (
     UploadMeshes,
     UploadUVs,
 )
-from .passes.upload.upload_transparency import UploadTransparency
 from .profile import Profile
 from .read_back import image
 from .submission import Submission, never
@@ -59,7 +59,7 @@ from .submission import Submission, never
 #: Uploads what has changed in the scene. Triangles lie in the order of their BLAS.
 UPLOAD = (
     *(CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadAttributes),
-    *(UploadInstances, UploadMaterials, UploadTransparency, UploadLights),
+    *(UploadInstances, UploadMaterials, UploadPointGraphs, UploadLights),
 )
 #: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, FindGraphs, GBuffer

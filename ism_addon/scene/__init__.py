@@ -99,6 +99,11 @@ class Scene:
         camera, shadow = (self.materials.transparency >= 0).any(0).tolist()
         return camera, shadow
 
+    @property
+    def has_emission_graphs(self) -> bool:
+        """Whether the radiance of any material varies."""
+        return bool((self.materials.emission_graph >= 0).any())
+
     def reusing(self, other: Self) -> Self:
         """This scene, with equal objects replaced by the other's; if all are equal, the other scene itself."""
         tables = {name: getattr(self, name) for name in ("instances", "materials", "lights", "world")}

@@ -48,7 +48,7 @@ class Materials(Arrays):
     )
     #: -1: no image.
     image: np.ndarray = index("int32 M", into="images", first=-1)
-    #: Radiance, the same in all directions.
+    #: Radiance, the same in all directions; about the mean of one that varies.
     emission: np.ndarray = array("float32 M 3", "W/(sr m²)", max_abs=MAX_EMISSION)
     #: -1: no graph. The base color is then that of a material whose graph cannot be drawn.
     graph: np.ndarray = index("int32 M", into="graphs", first=-1)
@@ -60,6 +60,10 @@ class Materials(Arrays):
     #: constants. Without rows if all materials are opaque.
     transparency: np.ndarray = optional_array("int32 T 2", into="graphs", first=-1)
     transparency_constant: np.ndarray = optional_array("int32 T 2", into="constants", first=-1)
+    #: The graph of the radiance that the camera sees, -1 where it is `emission`; and the first of its constants.
+    #: Without rows if none varies.
+    emission_graph: np.ndarray = optional_array("int32 E", into="graphs", first=-1)
+    emission_constant: np.ndarray = optional_array("int32 E", into="constants", first=-1)
 
 
 #: Inputs by name.

@@ -95,6 +95,11 @@ class Builder:
             (value,) = self._operations[value.operation][1]
         return value
 
+    def varies(self, value: Value) -> bool:
+        """Whether a value depends on the point of the surface or on an image."""
+        used = self.used_by([value]) - self._notes.keys()
+        return any(OPERATIONS[self._operations[index][0]].reference is None for index in used)
+
     def operation_of(self, value: Value) -> tuple[str, tuple[Value, ...], int]:
         """The operation, operands and parameter of a result."""
         name, operands, parameter = self._operations[value.operation]

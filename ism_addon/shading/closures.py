@@ -12,7 +12,7 @@ COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_sheen", "closure_rough_diffuse"
 
 #: Operations that do not end with the normal.
-WITHOUT_NORMAL = ("closure_transparent",)
+WITHOUT_NORMAL = "closure_transparent", "closure_emission"
 
 
 def closure(file: str, operands: str, *names: str, parameter: bool = False, cost: int = 1) -> None:
@@ -23,8 +23,8 @@ def closure(file: str, operands: str, *names: str, parameter: bool = False, cost
     )
 
 
-# What passes.
-closure("closures", "vec3", "closure_transparent")
+# What passes, and what is emitted.
+closure("closures", "vec3", "closure_transparent", "closure_emission")
 # What is reflected, and the normal.
 closure("closures", "vec3 vec3", "closure_diffuse")
 # Weight, color, roughness and normal.

@@ -14,11 +14,17 @@ VECTOR_TYPES = "point", "vector", "normal"
 
 
 def at_point(
-    file: str, result: str, *names: str, operands: str = "", parameter: bool = False, unfiltered: tuple[int, ...] = ()
+    file: str,
+    result: str,
+    *names: str,
+    operands: str = "",
+    parameter: bool = False,
+    unfiltered: tuple[int, ...] = (),
+    mean: float = 0.0,
 ) -> None:
     """Register operations that depend on the point. `operands`: types separated by spaces."""
     types = tuple(operands.split())
-    operation = Operation(types, result, file, at_point=True, has_parameter=parameter, unfiltered=unfiltered)
+    operation = Operation(types, result, file, at_point=True, has_parameter=parameter, unfiltered=unfiltered, mean=mean)
     OPERATIONS.update(dict.fromkeys(names, operation))
 
 
@@ -31,7 +37,8 @@ at_point(
     *(f"coordinate_{name}" for name in ("reflection", "camera", "window")),
 )
 at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
-at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", "layer_weight_facing", operands="float vec3")
+at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", operands="float vec3", mean=0.1)
+at_point("point_inputs", "float", "layer_weight_facing", operands="float vec3", mean=0.3)
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
 at_point("object", "vec4", "object_color")
 at_point("object", "float", "object_index", "object_random")

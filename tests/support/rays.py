@@ -8,7 +8,7 @@ import numpy as np
 
 from ism_addon.gpu.gl.shader_compiler import FOLDER, UNIFORM, bind, expand, head
 from ism_addon.gpu.gl.shader_records import CASTER
-from ism_addon.gpu.materials.transparency import OPAQUE
+from ism_addon.gpu.materials.point_graphs import OPAQUE
 from ism_addon.gpu.passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from ism_addon.gpu.passes.upload.cull_meshes import CullMeshes
 from ism_addon.gpu.passes.upload.upload_scene import UploadInstances, UploadMeshes

@@ -92,8 +92,8 @@ MUTATIONS = (
     ),
     Mutation(
         "instances that moved are seen where they were",
-        "inputs = MESH_BUFFERS, INSTANCE_BUFFERS, TRANSPARENCY",
-        "inputs = MESH_BUFFERS, TRANSPARENCY",
+        "inputs = MESH_BUFFERS, INSTANCE_BUFFERS, POINT_GRAPHS",
+        "inputs = MESH_BUFFERS, POINT_GRAPHS",
         ("test_edits", "test_reuse"),
     ),
     Mutation(

@@ -36,7 +36,7 @@ class MaterialBuffers:
         self.table = MATERIAL.upload(device, table)
         self.constants = device.buffer_from(materials.constants)
         self.texels = texels
-        self.emissive = bool(materials.emission.any())
+        self.emissive = bool(materials.emission.any() or (materials.emission_graph >= 0).any())
         #: Indices of the graphs that any material has; -1 for materials without.
         self.graphs: list[int] = np.unique(materials.graph).tolist() or [-1]
         self._left_out: list[int] = []

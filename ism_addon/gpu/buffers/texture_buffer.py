@@ -40,7 +40,9 @@ class TextureBuffer:
                 row["first_line"], row["levels"] = line, max(image.texels.shape[:2]).bit_length() - first
                 row["height"], row["width"] = level(image.texels.shape, first)
                 self.bytes += _write(texture, line, image, first)
-        self.rows, self.table = table, IMAGE.upload(device, table)
+        #: Rows of IMAGE.
+        self.rows = with_levels(table)
+        self.table = IMAGE.upload(device, self.rows)
 
     @property
     def samplers(self) -> dict[str, moderngl.TextureArray | BufferTexture]:
@@ -53,6 +55,18 @@ class TextureBuffer:
         return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
             f"has_{name}": int(name in self.textures) for name in TEXELS
         }
+
+
+def with_levels(images: np.ndarray) -> np.ndarray:
+    """Rows of IMAGE for images (N,), and after them for the mip levels of each."""
+    levels = np.zeros(int(images["levels"].sum()), IMAGE.dtype)
+    images["first_level"] = len(images) + np.cumsum(images["levels"]) - images["levels"]
+    for image in images:
+        own = levels[image["first_level"] - len(images) :][: image["levels"]]
+        for axis in ("width", "height"):
+            own[axis] = np.maximum(image[axis] >> np.arange(image["levels"]), 1)
+        own["first_line"] = np.cumsum(own["width"] * own["height"]) - own["width"] * own["height"]
+    return np.concatenate([images, levels])
 
 
 def _texture(device: Device, lines: int, dtype: np.dtype) -> moderngl.TextureArray:

@@ -149,11 +149,18 @@ MATERIAL = Record(
 #: of its constants.
 MATERIAL_TRANSPARENCY = Record("Transparency", graphs="ivec2", first_constants="ivec2")
 
+#: The graph of the radiance that the camera sees of a material, -1 if it is even, and the first of its constants.
+MATERIAL_EMISSION = Record("MaterialEmission", graph="int", first_constant="int")
+
 #: Constants of graphs.
 GRAPH_CONSTANT = Record("GraphConstant", numbers="vec4")
 
-#: An image: where its texels are, see textures/image.glsl.
-IMAGE = Record("Image", encoding="int", first_line="int", width="int", height="int", repeat="int", levels="int")
+#: An image: where its texels are, see textures/image.glsl. After all images, the table has rows for their mip levels,
+#: which begin with `first_level`: the size of a level, and as `first_line` its first texel, from the image's on.
+IMAGE = Record(
+    "Image",
+    **dict.fromkeys(("encoding", "first_line", "width", "height", "repeat", "levels", "first_level"), "int"),
+)
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
 #: the sine of half of their angle. Of emissive meshes: a sphere around the triangles; as axes, two corners of a box;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Translates node graphs to GLSL: a function with a line for each instruction.
 
-A surface has one graph, in a shader of its own. Transparency is evaluated where rays meet surfaces: shaders of rays
-have a function for each graph, at single points.
+A surface has one graph, in a shader of its own. Transparency and emission are evaluated where rays meet surfaces:
+shaders of rays have a function for each graph, at single points.
 
 Operations that need differences, such as the footprint of an image, have operands that are evaluated three times: at
 the point of the surface, and a pixel further in x and in y. Bumps have points of their own, further by their filters'
@@ -16,8 +16,9 @@ from ...shading.operations import OPERATIONS
 from ..gl.shader_compiler import GENERATED, Include
 
 FILE = "surfaces/node_graph.glsl"
-TRANSPARENCY_FILE = "surfaces/transparency.glsl"
-GENERATED[FILE] = GENERATED[TRANSPARENCY_FILE] = lambda _constants: ""  # of shaders without a graph
+#: Files of point_functions.
+POINT_FILES = {"transparency": "surfaces/transparency.glsl", "emission": "surfaces/surface_emission.glsl"}
+GENERATED |= dict.fromkeys((FILE, *POINT_FILES.values()), lambda _constants: "")  # of shaders without a graph
 
 #: The point at which instructions are evaluated, and those for the differences between pixels: their names in GLSL.
 CENTRE = "at"
@@ -43,35 +44,33 @@ def glsl(graph: NodeGraph) -> Include:
     return Include(FILE, "\n".join([*lines, "    return closures;", "}"]))
 
 
-def transparency_glsl(graphs: Mapping[int, NodeGraph], column: str) -> Include:
-    """The file that shaders of rays include: what passes at a point, by graphs of these indices.
+def point_functions(graphs: Mapping[int, NodeGraph], member: str, table: str, fields: tuple[str, str]) -> Include:
+    """A file with functions that evaluate graphs of these indices where rays meet surfaces.
 
-    `column`: of members of Transparency.
+    `member` of Closures is their result, and the functions' name. `fields` of `table`, rows by material of the record
+    with that name: the index of a graph, or -1, and the first of its constants.
     """
     lines = [
         '#include "nodes/closures.glsl"',
         *dict.fromkeys(each for graph in graphs.values() for each in includes(graph)),
     ]
     for key, graph in graphs.items():
-        lines += [f"vec3 transparency{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
+        lines += [f"vec3 {member}{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
         for index, instruction in enumerate(graph.instructions):
             lines.append(line(graph, index, instruction, CENTRE, at_points=False))
-        lines += ["    return closures.transparency;", "}"]
+        lines += [f"    return closures.{member};", "}"]
+    graph_field, constant_field = fields
+    row = f"fetch_{table}(scene_records, {member}_graphs + material)"
     lines += [
-        "uniform int transparencies; // rows of Transparency, by material",
-        "bool is_transparent(int material) {",
-        f"    return fetch_Transparency(scene_records, transparencies + material).graphs.{column} >= 0;",
-        "}",
-        "vec3 transparency(int material, ShadingPoint at) {",
-        "    Transparency row = fetch_Transparency(scene_records, transparencies + material);",
-        *(
-            f"    if (row.graphs.{column} == {key}) return transparency{key}(at, row.first_constants.{column});"
-            for key in graphs
-        ),
+        f"uniform int {member}_graphs; // rows of {table}, by material",
+        f"bool has_{member}(int material) {{ return {row}.{graph_field} >= 0; }}",
+        f"vec3 {member}(int material, ShadingPoint at) {{",
+        f"    {table} row = {row};",
+        *(f"    if (row.{graph_field} == {key}) return {member}{key}(at, row.{constant_field});" for key in graphs),
         "    return vec3(0.0);",
         "}",
     ]
-    return Include(TRANSPARENCY_FILE, "\n".join(lines))
+    return Include(POINT_FILES[member], "\n".join(lines))
 
 
 def includes(graph: NodeGraph) -> list[str]:

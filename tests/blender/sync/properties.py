@@ -215,8 +215,8 @@ IRRELEVANT: dict[str, dict[str, str]] = {
 INPUTS: dict[str, tuple[str, str]] = {
     "Principled": (
         "Alpha|Base Color|Normal|Metallic|Roughness|IOR|Diffuse Roughness|Specular IOR Level|Anisotropic|Coat Weight|"
-        "Sheen Weight",
-        "Subsurface Weight|Transmission Weight|Emission Strength|Thin Film Thickness",
+        "Sheen Weight|Emission Strength",
+        "Subsurface Weight|Transmission Weight|Thin Film Thickness",
     ),
     "Diffuse": ("Color|Normal|Roughness", ""),
     "Emission": ("Color|Strength", ""),

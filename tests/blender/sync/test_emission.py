@@ -77,7 +77,7 @@ def test_an_image_is_emitted_as_its_mean(emitter, read_scene):
     texture(material, color, new_image(pixels=[(1, 0, 0, 1), (1, 1, 0, 1), (0, 0, 0, 1), (0, 1, 0, 1)]))
     scene = read_scene()
     assert np.allclose(scene.materials.emission, [(1.5, 1.5, 0.0)], atol=0.01)
-    assert scene.warnings == ("Surfaces whose emission nodes give emit about its mean: 'Paint'.",)
+    assert scene.warnings == ("Surfaces whose emission nodes give light others by about its mean: 'Paint'.",)
 
 
 def test_other_nodes_are_reported(emitter, read_scene):

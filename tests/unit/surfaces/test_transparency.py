@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.resources import TRANSPARENCY
+from ism_addon.resources import POINT_GRAPHS
 from ism_addon.scene import Image, LightShape
 from ism_addon.shading.builder import Builder, Value, constant
 from tests.scenes.parts.tables import materials_of
@@ -141,15 +141,15 @@ def test_opaque_scenes_have_no_tables_and_no_other_shader(device):
     scene = make_scene([quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))], light())
     before = set(device.programs)
     drawn = draw(device, scene, view_from_above(3.0, SIZE), with_quality(SMALL_SETTINGS, samples=2))
-    assert drawn.renderer.graph.get(TRANSPARENCY) is None
-    assert not drawn.profile.rows["UploadTransparency"].drawn
+    assert drawn.renderer.graph.get(POINT_GRAPHS) is None
+    assert not drawn.profile.rows["UploadPointGraphs"].drawn
     assert not [key for key in device.programs.keys() - before if ("transparency", 1) in key[-1]]
 
 
 def test_opaque_meshes_of_a_scene_are_drawn_by_the_shader_of_opaque_ones(device):
     scene = scene_of(even(CLEAR), even(CLEAR))
     renderer = draw(device, scene, view_from_above(3.0, SIZE)).renderer
-    passes = renderer.graph[TRANSPARENCY].camera
+    passes = renderer.graph[POINT_GRAPHS].camera
     buffers = next(
         content for resource, content in renderer.graph.contents.items() if resource.name == "instance_buffers"
     )

@@ -14,7 +14,7 @@ from ..node_graphs.converters import CONVERTERS
 from ..node_graphs.normal_nodes import displaced_normal
 from ..node_graphs.reader import GraphReader, Ray
 from . import images, nodes, unsupported_features
-from .surface import Surface
+from .surface import Emission, Surface
 from .transparency import Transparency
 
 #: The session_uid of an image, whether it repeats, whether it is on black, and the file of a sequence's frame or "".
@@ -56,19 +56,22 @@ class _Row(NamedTuple):
     constants: np.ndarray = NO_CONSTANTS  # of the graph
     #: For camera rays and for shadow rays; None: nothing passes.
     transparency: tuple[Transparency | None, Transparency | None] = (None, None)
+    #: What varies.
+    emission: Emission | None = None
     needs: Needs = NOTHING
     images: frozenset[int] = frozenset()  # that it or its graph uses
     findings: tuple[Diagnostics, ...] = ()  # those of an image are shared by all materials that use the image
 
     @property
     def graphs(self) -> tuple[NodeGraph | None, ...]:
-        """Those of the surface and of its transparency."""
-        return self.graph, *(None if each is None else each.graph for each in self.transparency)
+        """Those of the surface, of its transparency and of its emission."""
+        return self.graph, *(None if each is None else each.graph for each in (*self.transparency, self.emission))
 
     @property
     def all_constants(self) -> tuple[np.ndarray, ...]:
         """Those of `graphs`."""
-        return self.constants, *(NO_CONSTANTS if each is None else each.constants for each in self.transparency)
+        others = (NO_CONSTANTS if each is None else each.constants for each in (*self.transparency, self.emission))
+        return self.constants, *others
 
 
 GREY_ROW = _Row(DEFAULTS)
@@ -134,10 +137,11 @@ class MaterialReader:
         graphs = self.graphs()
         constants = [each for row in rows for each in row.all_constants]
         counts = np.array([len(each) for each in constants], np.int64)
-        first = np.where(counts > 0, np.cumsum(counts) - counts, -1).reshape(len(rows), 3)
+        first = np.where(counts > 0, np.cumsum(counts) - counts, -1).reshape(len(rows), 4)
         indices = np.array([[-1 if each is None else graphs.index(each) for each in row.graphs] for row in rows])
-        indices = indices.reshape(len(rows), 3)
-        is_opaque = (indices[:, 1:] < 0).all()
+        indices = indices.reshape(len(rows), 4)
+        passes = slice(None if (indices[:, 1:3] >= 0).any() else 0)
+        varies = slice(None if (indices[:, 3] >= 0).any() else 0)
         values = {name: [row.values[name] for row in rows] for name in DEFAULTS}
         return Materials.of(
             **values,
@@ -145,8 +149,10 @@ class MaterialReader:
             graph=indices[:, 0],
             first_constant=first[:, 0],
             constants=np.concatenate([NO_CONSTANTS, *constants]),
-            transparency=indices[:0, 1:] if is_opaque else indices[:, 1:],
-            transparency_constant=first[:0, 1:] if is_opaque else first[:, 1:],
+            transparency=indices[passes, 1:3],
+            transparency_constant=first[passes, 1:3],
+            emission_graph=indices[varies, 3],
+            emission_constant=first[varies, 3],
         )
 
     def graphs(self) -> tuple[NodeGraph, ...]:
@@ -202,20 +208,23 @@ class MaterialReader:
             shadow = None
         elif reader.depends_on_ray:
             shadow = surface.transparency(reader.surface(output, Ray.SHADOW), findings)
-        graphs = [each.graph for each in (reflection, camera, shadow) if each is not None and each.graph is not None]
+        emission = surface.emission(findings)
+        every = (each for each in (reflection, camera, shadow, emission) if each is not None)
+        graphs = [each.graph for each in every if each.graph is not None]
         needs = NOTHING
         if graphs:
             reads_objects = any(graph.reads_objects for graph in graphs)
             needs = Needs(reader.uv_layer, tuple(reader.attributes), reads_objects)
         elif reflection.image >= 0:
             needs = Needs(reader.uv_layer)
-        values = DEFAULTS | {COLOR: reflection.base_color, "emission": surface.emission(findings)}
+        values = DEFAULTS | {COLOR: reflection.base_color, "emission": emission.radiance}
         return _Row(
             values,
             reflection.image,
             reflection.graph,
             reflection.constants,
             (camera, shadow),
+            emission,
             needs,
             frozenset(used_images),
             (findings, *used_images.values()),

@@ -15,9 +15,9 @@ from ....shading.node_graph import NUMBERS
 from ....shading.operations import OPERATIONS, Constant
 from ..diagnostics import Diagnostics
 from ..node_graphs.reader import UNKNOWN, Closure, GraphReader
-from .lobes import ONE, Lobe, Lobes
+from .lobes import BLACK, ONE, ZERO, Lobe, Lobes
 from .nodes import color
-from .transparency import Transparency, covered, passing, transparency
+from .transparency import MAX_POINT_COST, Transparency, covered, passing, transparency
 
 #: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
 MAX_COST = 800
@@ -31,6 +31,14 @@ class Reflection(NamedTuple):
 
     base_color: np.ndarray  # (3,), or the mean of what the graph computes
     image: int = -1
+    graph: NodeGraph | None = None
+    constants: np.ndarray = np.zeros((0, 4), np.float32)
+
+
+class Emission(NamedTuple):
+    """What a surface emits: its radiance (3,) W/(sr m²), about the mean of one that varies; then a graph too."""
+
+    radiance: np.ndarray
     graph: NodeGraph | None = None
     constants: np.ndarray = np.zeros((0, 4), np.float32)
 
@@ -72,7 +80,7 @@ class Surface:
         """What is reflected where camera rays do not pass: with weights divided by the probability of that."""
         builder, name = self._builder, self._material.name
         shaders = [each for each in self._closures if each.name != "transparent"]
-        opaque = builder.call("math_subtract", ONE, builder.call("average", passing(builder, self._closures)))
+        opaque = self._opaque()
         is_alone = len(self._closures) == 1 and shaders == self._closures and shaders[0].weight.equals(1.0)
         maker, lobes = Lobes(builder, self._normal), list[Lobe]()
         for closure in shaders:
@@ -94,30 +102,50 @@ class Surface:
         """What passes through a surface of these closures; None if nothing does."""
         return transparency(self._builder, closures, self._mean, self._material, findings)
 
-    def emission(self, findings: Diagnostics) -> np.ndarray:
-        """(3,) W/(sr m²): the radiance of the surface, the mean of what varies."""
-        name, total = self._material.name, np.zeros(3)
+    def emission(self, findings: Diagnostics) -> Emission:
+        """The radiance of the surface."""
+        builder, name, total, mean = self._builder, self._material.name, BLACK, np.zeros(3)
         for closure in self._closures:
             inputs, is_principled = closure.inputs, closure.name == "principled"
             if closure.name not in ("emission", "principled"):
                 continue
             prefix = "emission_" if is_principled else ""
-            emitted_color, strength = inputs[f"{prefix}color"], inputs[f"{prefix}strength"]
-            if emitted_color.equals(0.0) or strength.equals(0.0):
+            color, strength = inputs[f"{prefix}color"], inputs[f"{prefix}strength"]
+            if color.equals(0.0) or strength.equals(0.0):
                 continue
-            roots = closure.weight, emitted_color, strength
-            for note in self._builder.notes(roots):
-                findings.warn(note, name)
-            if any(not self._builder.known(root).is_constant for root in roots):
-                findings.warn("Surfaces whose emission nodes give emit about its mean", name)
-            emitted = self._mean(strength)
             if is_principled and bpy.app.version >= (5, 0):
-                emitted = np.maximum(emitted, 0.0)  # as in Cycles, which subtracted light before
-            total += self._mean(closure.weight) * self._mean(emitted_color) * emitted
-        if not is_within(total, MAX_EMISSION).all():
+                strength = builder.call("math_maximum", strength, ZERO)  # as in Cycles, which subtracted light before
+            weight = builder.call("math_multiply", closure.weight, covered(builder, closure))
+            scale = builder.call("math_multiply", weight, strength)
+            total = builder.call("vector_add", total, builder.call("vector_scale", color, scale))
+            mean += self._mean(scale) * self._mean(color)
+        for note in builder.notes([total]):
+            findings.warn(note, name)
+        if not is_within(mean, MAX_EMISSION).all():
             findings.warn("Materials too bright to be drawn emit nothing", name)
-            return np.zeros(3, np.float32)
-        return total.astype(np.float32)
+            return Emission(np.zeros(3, np.float32))
+        radiance = mean.astype(np.float32)
+        opaque = self._opaque()
+        if opaque.equals(0.0) and radiance.any():
+            findings.warn("Emission of surfaces that let all light pass lights others, but is not seen", name)
+        if opaque.equals(1.0) and not builder.varies(total):
+            return Emission(radiance)
+        # What the camera sees is divided by the probability that it sees the surface.
+        if not opaque.equals(1.0):
+            share = builder.call("math_divide", ONE, builder.call("math_maximum", opaque, MIN_WEIGHT))
+            total = builder.call("vector_scale", total, share)
+        graph, constants = builder.finish([builder.call("closure_emission", total)])
+        if graph.cost > MAX_POINT_COST:
+            findings.warn("Materials with too many nodes for what they emit emit evenly", name)
+            return Emission(radiance)
+        if radiance.any() and builder.varies(total):
+            findings.warn("Surfaces whose emission nodes give light others by about its mean", name)
+        return Emission(radiance, graph, constants)
+
+    def _opaque(self) -> Value:
+        """The probability that camera rays do not pass the surface."""
+        passes = self._builder.call("average", passing(self._builder, self._closures))
+        return self._builder.call("math_subtract", ONE, passes)
 
     def _mean(self, value: Value) -> Constant:
         """About the mean of a value over the surface: with the means of images."""

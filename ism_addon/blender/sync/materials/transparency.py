@@ -15,8 +15,8 @@ from ..node_graphs.reader import Closure
 
 ONE, BLACK = constant(1.0), constant((0.0, 0.0, 0.0))
 
-#: Limit of a graph's cost. All shaders that trace shadow rays contain the graphs of a scene.
-MAX_COST = 300
+#: Limit of the cost of a graph that rays read. All shaders that trace such rays contain the graphs of a scene.
+MAX_POINT_COST = 300
 
 
 class Transparency(NamedTuple):
@@ -65,7 +65,7 @@ def transparency(
     for note in builder.notes([color]):
         findings.warn(note, material.name)
     graph, constants = builder.finish([builder.call("closure_transparent", color)])
-    if graph.cost > MAX_COST:
+    if graph.cost > MAX_POINT_COST:
         issue = "Materials with too many nodes for what passes through them are evenly transparent"
         findings.warn(issue, material.name)
         graph, constants = builder.finish([builder.call("closure_transparent", constant(mean(color)))])

@@ -15,6 +15,7 @@ struct GlossyClosures {
 
 struct Closures {
     vec3 transparency;
+    vec3 emission;
     vec3 diffuse;
     float diffuse_roughness; // weighted by what diffuse shaders reflect
     float diffuse_weight;    // likewise: the rough shaders' weights
@@ -30,12 +31,14 @@ struct Closures {
 
 Closures no_closures() {
     GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
-    return Closures(vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0), none, 0.0, vec3(0.0), none, vec3(0.0), vec3(0.0), vec2(0.0));
+    return Closures(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0), none, 0.0, vec3(0.0), none, vec3(0.0), vec3(0.0), vec2(0.0));
 }
 
 void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {
     closures.transparency += max(color, 0.0);
 }
+
+void closure_emission(inout Closures closures, ShadingPoint at, vec3 radiance) { closures.emission += radiance; }
 
 float sum_of(vec3 color) { return color.r + color.g + color.b; }
 

@@ -9,6 +9,11 @@ uniform int seen_count;
 #include "trace/triangle_fetch.glsl"
 uniform usamplerBuffer materials;
 #endif
+#if EMISSION_GRAPHS
+#include "surfaces/shading_point.glsl"
+#include "surfaces/surface_emission.glsl"
+const float MAX_EMISSION = 1e30;
+#endif
 
 // Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles.
 vec3 seen_radiance(Ray ray, float farthest) {
@@ -27,11 +32,26 @@ vec3 seen_radiance(Ray ray, float farthest) {
     return sum;
 }
 
+#if EMISSIVE
+// Radiance of a surface at a point.
+vec3 surface_radiance(int triangle, int instance, vec3 p, vec3 incoming) {
+    int material = fetch_triangle(triangle).material;
+#if EMISSION_GRAPHS
+    if (has_emission(material)) {
+        vec3 radiance = emission(material, shading_point(triangle, instance, p, incoming));
+        return any(isnan(radiance)) ? vec3(0.0) : clamp(radiance, -MAX_EMISSION, MAX_EMISSION);
+    }
+#endif
+    return fetch_Material(materials, material).emission;
+}
+#endif
+
 // Of the surface at a depth along the view's axis, and of the lights before it. Triangle -1: there is no surface.
-vec3 emission_along(Ray ray, float depth, int triangle) {
+vec3 emission_along(Ray ray, float depth, int triangle, int instance) {
     vec3 sum = seen_radiance(ray, triangle < 0 ? 1e30 : depth * length(ray.direction));
 #if EMISSIVE
-    if (triangle >= 0) sum += fetch_Material(materials, fetch_triangle(triangle).material).emission;
+    vec3 p = ray.origin + depth * ray.direction;
+    if (triangle >= 0) sum += surface_radiance(triangle, instance, p, -normalize(ray.direction));
 #endif
     return sum;
 }

@@ -23,10 +23,10 @@ MipLevel halved(MipLevel level) {
     return MipLevel(level.first + level.size.x * level.size.y, max(level.size >> 1, ivec2(1)));
 }
 
+// From the table: with a loop here, Mesa's software driver takes minutes to compile a graph of several images.
 MipLevel mip_level(Image image, int index) {
-    MipLevel level = MipLevel(0, ivec2(image.width, image.height));
-    for (int k = 1; k <= index; ++k) level = halved(level);
-    return level;
+    Image level = image_at(image.first_level + index);
+    return MipLevel(level.first_line, ivec2(level.width, level.height));
 }
 
 // The level, with a fraction, whose texels are as large as the shorter side of a footprint: the derivatives of uv by

@@ -83,7 +83,7 @@ float triangle_distance(int triangle, vec3 origin, vec3 ray) {
     return inside && height * slope > 0.0 ? height / slope : 2.0;
 }
 
-struct Intersection { float distance; int triangle; }; // a fraction of the ray's length, 1 if there is none
+struct Intersection { float distance; int triangle; int instance; }; // a fraction of the ray's length, 1 if there is none
 
 #if TRANSPARENCY
 // What passes through a triangle where a ray meets it. `blas_from_anchor`: linear; `origin`, `ray`: in its space.
@@ -92,7 +92,7 @@ vec3 transparency_at(int triangle, int instance, mat3 blas_from_anchor, vec3 pos
     vec3 n = cross(corners.u, corners.v), scaled = n / dot(n, n), in_triangle = on_mesh - corners.first;
     float s = dot(cross(in_triangle, corners.v), scaled), t = dot(cross(corners.u, in_triangle), scaled);
     vec3 normal = normalize(n * blas_from_anchor), incoming = -normalize(anchor_ray);
-    if (determinant(blas_from_anchor) < 0.0) normal = -normal;
+    // A mirrored instance flips its triangles, and by that matrix also their normals.
     bool is_back = dot(normal, incoming) < 0.0;
     if (is_back) normal = -normal;
     ShadingPoint at = ShadingPoint(position, vec3(1.0 - s - t, s, t), normal, normal, incoming, is_back, triangle, instance);
@@ -111,7 +111,7 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
     vec3 anchor_ray = avoid_zero(to - from), tlas_inverse_ray = 1.0 / (anchor_ray * tlas_scale);
     vec3 tlas_origin = (from - tlas_centre) * tlas_scale;
     TraversalState outer = TraversalState(1, uvec2(0u));
-    Intersection nearest = Intersection(1.0, -1);
+    Intersection nearest = Intersection(1.0, -1, -1);
     while (outer.node > 0) {
         float end = any_is_enough ? 1.0 : nearest.distance;
         while (outer.node > 0 && outer.node < tlas_leaves)
@@ -135,14 +135,14 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
                 float distance = triangle_distance(k, origin, ray);
                 bool is_hit = distance < end && k != ignored;
 #if TRANSPARENCY
-                if (any_is_enough && is_hit && is_transparent(fetch_triangle(k).material)) {
+                if (any_is_enough && is_hit && has_transparency(fetch_triangle(k).material)) {
                     vec3 position = mix(from, to, distance), on_mesh = origin + distance * ray;
                     passed *= transparency_at(k, caster.instance, mat3(blas_from_anchor), position, anchor_ray, on_mesh);
                     ++hits;
                     is_hit = hits > transparent_hits || passed == vec3(0.0);
                 }
 #endif
-                if (is_hit) nearest = Intersection(distance, k);
+                if (is_hit) nearest = Intersection(distance, k, caster.instance);
                 end = any_is_enough ? 1.0 : nearest.distance;
             }
             state = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(state);

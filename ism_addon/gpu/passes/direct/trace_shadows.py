@@ -28,6 +28,7 @@ from ....resources import (
     LIGHT_INFLUENCE,
     LIGHTS_USED,
     MEAN_LUMINANCE,
+    POINT_GRAPHS,
     PREDICTED_PIXEL,
     PREDICTED_VISIBILITY,
     PREDICTION,
@@ -37,7 +38,6 @@ from ....resources import (
     TILE_VISIBILITY,
     TILES,
     TLAS,
-    TRANSPARENCY,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
@@ -49,7 +49,7 @@ from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
 from ...material_inputs import MATERIAL, material_constants, material_samplers
-from ...materials.transparency import ALL_OPAQUE, OPAQUE, RayTransparency
+from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
 from ...surface_inputs import SURFACE, surface_samplers
 from .faint_lights import drawn_pairs
 from .ray_correction import (
@@ -76,7 +76,7 @@ class TraceShadows(Pass):
 
     inputs = (
         *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
-        *(TRANSPARENCY, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
+        *(POINT_GRAPHS, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -119,7 +119,7 @@ class TraceShadows(Pass):
         surfaces, programs, tiles = self.surfaces(frame), set[moderngl.Program](), TilesOfLights(frame)
         shared = self.shared_uniforms(frame)
 
-        def bind_light(program: moderngl.Program, occluders: RayTransparency, **uniforms: Any) -> None:
+        def bind_light(program: moderngl.Program, occluders: PointGraphs, **uniforms: Any) -> None:
             """Bind the uniforms of a light, and once those that all lights share."""
             bind(program, **uniforms, **({} if program in programs else shared | occluders.uniforms))
             programs.add(program)
@@ -153,9 +153,9 @@ class TraceShadows(Pass):
         return used
 
     @staticmethod
-    def surfaces(frame: Frame) -> RayTransparency:
+    def surfaces(frame: Frame) -> PointGraphs:
         """What shadow rays pass."""
-        return (frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow
+        return (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).shadow
 
     @staticmethod
     def variant(frame: Frame, light: int) -> dict[str, Any]:

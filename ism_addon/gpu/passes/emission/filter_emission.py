@@ -11,10 +11,10 @@ from ....resources import (
     EMISSION_EDGES,
     FILTERED_EMISSION,
     MEAN_LUMINANCE,
+    POINT_GRAPHS,
     SUBSAMPLE_EMISSION,
     TILES,
     TLAS,
-    TRANSPARENCY,
 )
 from ....sampling.pixel_grid import filter_margin, subpixel_offsets
 from ....scene import Change
@@ -25,9 +25,9 @@ from ...frame import Frame, Pass, outputs
 from ...gl.depth import depth_range
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import CASTER
-from ...materials.transparency import ALL_OPAQUE, OPAQUE
+from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE
 from ...tiles import neighbourhood_max, tiles_where
-from .seen_emission import EMISSION, emission_constants, emission_records, emission_uniforms
+from .seen_emission import EMISSION, emission_constants, emission_parts, emission_uniforms
 
 #: Camera rays of a pixel in a sample. In `bench error`, 16 samples of street have an error of .0178 with 4, and .0160
 #: with 8. In lanterns, 4 and 8 leave the same error after the same time.
@@ -42,14 +42,14 @@ class FilterEmission(Pass):
     """Filtered radiance W/(sr m²) of surfaces that emit and of lights, where it has edges."""
 
     inputs = (
-        *(*EMISSION, EMISSION_EDGES, TILES, TLAS, TRANSPARENCY, MEAN_LUMINANCE),
+        *(*EMISSION, EMISSION_EDGES, TILES, TLAS, POINT_GRAPHS, MEAN_LUMINANCE),
         *(Change.VIEW, Change.SAMPLE),
     )
     outputs = outputs(SUBSAMPLE_EMISSION, FILTERED_EMISSION)
 
     def needed(self, frame: Frame) -> bool:
         contrast = frame.get(EMISSION_EDGES)
-        if (frame.get(TRANSPARENCY) or ALL_OPAQUE).camera is not OPAQUE:  # its camera rays pass no surface
+        if (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).camera is not OPAQUE:  # its camera rays pass no surface
             return False
         return contrast is not None and bool(contrast.any())
 
@@ -58,7 +58,7 @@ class FilterEmission(Pass):
         margin = filter_margin(width)
         frame.allocate(SUBSAMPLE_EMISSION, (frame.size[0] + 2 * margin, frame.size[1] + 2 * margin))
         trace = self.tile_program(
-            CASTER, *emission_records(frame), **emission_constants(frame), **OPAQUE.constants, border=margin
+            CASTER, *emission_parts(frame), **emission_constants(frame), **OPAQUE.constants, border=margin
         )
         bind(trace, depths=self.depths(frame), **frame[TLAS] | emission_uniforms(frame))
         add = self.tile_program(suffix="add", margin=margin)

@@ -8,5 +8,6 @@ layout(location = 0) out vec4 sample_emission;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Ray ray = view_ray(gl_FragCoord.xy + visibility_texel_and_offset.zw);
-    sample_emission = vec4(emission_along(ray, fetch(depth, at).x, int(fetch(primitive, at).x) - 1), 0.0);
+    uvec2 id = fetch(primitive, at).xy;
+    sample_emission = vec4(emission_along(ray, fetch(depth, at).x, int(id.x) - 1, int(id.y)), 0.0);
 }

@@ -6,7 +6,7 @@ from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from .seen_emission import EMISSION, emission_constants, emission_records, emission_uniforms
+from .seen_emission import EMISSION, emission_constants, emission_parts, emission_uniforms
 
 
 class ShadeEmission(Pass):
@@ -17,6 +17,6 @@ class ShadeEmission(Pass):
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
-        program = self.tile_program(*emission_records(frame), **emission_constants(frame))
+        program = self.tile_program(*emission_parts(frame), **emission_constants(frame))
         bind(program, primitive=frame[PRIMITIVE], depth=frame[DEPTH], **emission_uniforms(frame))
         draw_tiles(frame, frame.framebuffer(SAMPLE_EMISSION), program)

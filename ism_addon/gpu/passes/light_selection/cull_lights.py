@@ -27,6 +27,7 @@ from ....resources import (
     HIDDEN_LIGHTS,
     LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
+    POINT_GRAPHS,
     POSITION,
     RECEIVER_REGION,
     REDISCOVERED,
@@ -36,7 +37,6 @@ from ....resources import (
     TILE_NORMAL_CONE,
     TILE_SIZE,
     TLAS,
-    TRANSPARENCY,
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
@@ -82,7 +82,7 @@ class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
     schedule = Schedule.DOUBLING  # further samples show additional surfaces
-    inputs = *SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, TRANSPARENCY, Change.LIGHTS, Change.SAMPLE, "shortcuts"
+    inputs = *SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
     feedback = (RETESTS,)
     outputs = outputs(
         *(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, REDISCOVERED),

@@ -11,7 +11,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, PROBE, TLAS, TRANSPARENCY
+from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PROBE, TLAS
 from ....sampling.dimensions import fixed_points
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
@@ -20,7 +20,7 @@ from ...gl.render_targets import create
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
 from ...lights import mixed_variant
-from ...materials.transparency import ALL_OPAQUE
+from ...materials.point_graphs import NO_POINT_GRAPHS
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
 
@@ -86,7 +86,7 @@ def trace_tiles(
 
 def ray_program(frame: Frame, vertices: str, variant: dict[str, int]) -> moderngl.Program:
     """The program with a vertex shader, for a variant of lights."""
-    surfaces = (frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow
+    surfaces = (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).shadow
     records, constants = (*RECORDS, *surfaces.records), variant | surfaces.constants
     return compile_program(frame.device, vertices, SHADER, *surfaces.includes, records=records, **constants)
 
@@ -96,7 +96,7 @@ def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -
     return {
         **surface_samplers(frame),
         **frame[TLAS],
-        **(frame.get(TRANSPARENCY) or ALL_OPAQUE).shadow.uniforms,
+        **(frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).shadow.uniforms,
         **frame[LIGHT_BUFFERS],
         "probe_blocks": blocks,
         "first_block": first,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: a shadow ray from one pixel of every 2×2, in the tiles that CullLights selects."""
 
-from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, PROBE, PROBE_SPACING, PROBES, TLAS, TRANSPARENCY
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, POINT_GRAPHS, PROBE, PROBE_SPACING, PROBES, TLAS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...frame import Frame, Pass, Schedule, outputs
@@ -16,7 +16,7 @@ class ProbeVisibility(Pass):
     """For each light that casts shadows, whether a ray from one pixel in 2×2 is unoccluded."""
 
     schedule = Schedule.FIRST
-    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, TRANSPARENCY, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
+    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
     outputs = outputs(PROBES)
 
     def needed(self, frame: Frame) -> bool:

@@ -12,13 +12,13 @@ from ....resources import (
     HIDDEN_LIGHTS,
     LIGHT_BUFFERS,
     LIGHT_INFLUENCE,
+    POINT_GRAPHS,
     PROBE_SPACING,
     REDISCOVERED,
     RETEST_CANDIDATES,
     RETESTS,
     TILE_VISIBILITY,
     TLAS,
-    TRANSPARENCY,
 )
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
@@ -39,7 +39,7 @@ class RetestOccluded(Pass):
     """Where lights are visible that had been believed occluded."""
 
     inputs = (
-        *(*SURFACE, LIGHT_BUFFERS, TLAS, TRANSPARENCY, LIGHT_INFLUENCE, HIDDEN_LIGHTS, REDISCOVERED),
+        *(*SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, HIDDEN_LIGHTS, REDISCOVERED),
         *(Change.LIGHTS, Change.SAMPLE),
     )
     feedback = (TILE_VISIBILITY,)

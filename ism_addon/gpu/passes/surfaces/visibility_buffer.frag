@@ -2,8 +2,8 @@
 // the probability that they are opaque (Enderton et al. 2010): samples of a pixel are stratified for each triangle.
 #if TRANSPARENCY
 #include "surfaces/camera_ray.glsl"
+#include "surfaces/shading_point.glsl"
 #include "surfaces/transparency.glsl"
-#include "trace/triangle_fetch.glsl"
 uniform mat2 pixel_from_fine;
 uniform vec2 first;      // fine pixel of the first pixel
 uniform uvec3 strata; // number of fine pixels in a pixel, a power of two; factor of y that numbers them; of the first
@@ -11,7 +11,6 @@ uniform uvec2 sample_digits; // by that number the index of the sample in the gr
 uniform uint round_seed; // other for each 16 samples
 in vec3 position;
 in vec3 barycentric;
-flat in vec3 geometric_normal;
 #endif
 flat in uvec2 triangle_and_instance;
 uniform vec2 depth; // see depth.py
@@ -52,14 +51,11 @@ float stratified_number(uvec2 id, vec2 fine_pixel) {
 
 void main() {
 #if TRANSPARENCY
-    uint triangle = triangle_and_instance.x - 1u;
-    int material = fetch_triangle(int(triangle)).material;
-    if (is_transparent(material)) {
-        vec3 incoming = direction_to_camera(position), n = normalize(geometric_normal);
-        bool is_back = dot(n, incoming) < 0.0;
-        if (is_back) n = -n;
-        ShadingPoint at = ShadingPoint(position, barycentric, n, n, incoming, is_back, int(triangle),
-                                       int(triangle_and_instance.y));
+    int triangle = int(triangle_and_instance.x) - 1, instance = int(triangle_and_instance.y);
+    int material = fetch_triangle(triangle).material;
+    if (has_transparency(material)) {
+        vec3 incoming = direction_to_camera(position);
+        ShadingPoint at = shading_point(triangle, instance, barycentric, position, incoming);
         vec3 passes = clamp(transparency(material, at), 0.0, 1.0);
         if (stratified_number(triangle_and_instance, gl_FragCoord.xy) < dot(passes, vec3(1.0 / 3.0))) discard;
     }

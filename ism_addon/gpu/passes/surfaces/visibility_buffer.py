@@ -14,7 +14,7 @@ import numpy as np
 from ....resources import (
     INSTANCE_BUFFERS,
     MESH_BUFFERS,
-    TRANSPARENCY,
+    POINT_GRAPHS,
     VISIBILITY_BUFFER,
     VISIBILITY_DEPTH,
 )
@@ -26,7 +26,7 @@ from ...gl.depth import logarithm, nearness
 from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind, compile_program
 from ...gl.shader_records import INSTANCE
-from ...materials.transparency import ALL_OPAQUE, OPAQUE, RayTransparency
+from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
 
 #: OpenGL clips triangles at this distance outside the picture, as a fraction of its sides: it clips very large
 #: triangles imprecisely.
@@ -44,7 +44,7 @@ STRATA = 16
 class VisibilityBuffer(Pass):
     """The nearest triangle and its instance; 0 where there is none."""
 
-    inputs = MESH_BUFFERS, INSTANCE_BUFFERS, TRANSPARENCY, Change.VIEW, Change.PIXEL_GRID, "shortcuts"
+    inputs = MESH_BUFFERS, INSTANCE_BUFFERS, POINT_GRAPHS, Change.VIEW, Change.PIXEL_GRID, "shortcuts"
     outputs = outputs(VISIBILITY_BUFFER, VISIBILITY_DEPTH)
 
     def execute(self, frame: Frame) -> None:
@@ -61,7 +61,7 @@ class VisibilityBuffer(Pass):
         framebuffer.use()
         self.device.enable_only(moderngl.DEPTH_TEST)
         viewport_fraction = np.divide(size, framebuffer.viewport[2:])
-        instances, camera = frame[INSTANCE_BUFFERS], (frame.get(TRANSPARENCY) or ALL_OPAQUE).camera
+        instances, camera = frame[INSTANCE_BUFFERS], (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).camera
         if frame.settings.shortcuts:
             pixel = 2.0 / min(frame.size)
             is_drawn = instances.in_view(clip_from_anchor(frame.view, frame.anchor), pixel)
@@ -74,9 +74,7 @@ class VisibilityBuffer(Pass):
         if (is_drawn & passes).any():  # afterwards, as fewer of its pixels are visible then
             self.draw(frame, camera, is_drawn & passes, viewport_fraction)
 
-    def draw(
-        self, frame: Frame, surfaces: RayTransparency, is_drawn: np.ndarray, viewport_fraction: np.ndarray
-    ) -> None:
+    def draw(self, frame: Frame, surfaces: PointGraphs, is_drawn: np.ndarray, viewport_fraction: np.ndarray) -> None:
         """Draw the instances where `is_drawn` (I,) is true, with a program for opaque or for transparent surfaces."""
         program, instances = self.program(surfaces), frame[INSTANCE_BUFFERS]
         rotation, shift = frame.grid.fine_from_clip(*frame.size)
@@ -106,7 +104,7 @@ class VisibilityBuffer(Pass):
                 frame.submission.submit()
                 unsubmitted = 0
 
-    def program(self, surfaces: RayTransparency) -> moderngl.Program:
+    def program(self, surfaces: PointGraphs) -> moderngl.Program:
         """The program for such surfaces."""
         stages = (f"passes/surfaces/visibility_buffer.{stage}" for stage in ("vert", "frag"))
         return compile_program(

@@ -13,7 +13,6 @@ flat out uvec2 triangle_and_instance; // index of the triangle plus 1; index of 
 #if TRANSPARENCY
 out vec3 position;    // in anchor space
 out vec3 barycentric;
-flat out vec3 geometric_normal;
 #endif
 
 void main() {
@@ -25,10 +24,8 @@ void main() {
     vec4 p = vec4(vertices.first + (corner == 0 ? vec3(0.0) : corner == 1 ? vertices.u : vertices.v), 1.0);
     vec3 in_anchor = vec3(dot(instance.row0, p), dot(instance.row1, p), dot(instance.row2, p));
 #if TRANSPARENCY
-    mat3 linear = transpose(mat3(instance.row0.xyz, instance.row1.xyz, instance.row2.xyz));
     position = in_anchor;
     barycentric = vec3(corner == 0, corner == 1, corner == 2);
-    geometric_normal = cross(linear * vertices.u, linear * vertices.v);
 #endif
     gl_Position = clip_from_anchor * vec4(in_anchor, 1.0);
 #if REVERSED_DEPTH

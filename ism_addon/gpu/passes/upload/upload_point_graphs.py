@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Upload what shaders need to evaluate graphs where rays meet surfaces."""
+
+from typing import Any
+
+import numpy as np
+
+from ....resources import (
+    ATTRIBUTE_BUFFERS,
+    INSTANCE_BUFFERS,
+    MATERIAL_BUFFERS,
+    MESH_BUFFERS,
+    POINT_GRAPHS,
+    UV_BUFFERS,
+)
+from ....scene import Change, NodeGraph
+from ...buffers.corner_buffers import attribute_uniforms
+from ...frame import Frame, Pass, Schedule, outputs
+from ...gl.shader_records import (
+    GRAPH_CONSTANT,
+    IMAGE,
+    INSTANCE,
+    MATERIAL_EMISSION,
+    MATERIAL_TRANSPARENCY,
+    OBJECT_INFO,
+)
+from ...materials.compiler import point_functions
+from ...materials.point_graphs import EVEN, OPAQUE, RECORDS, PointGraphs, ScenePointGraphs
+
+
+class UploadPointGraphs(Pass):
+    """Upload what passes through surfaces, for camera rays and for shadow rays, and what they emit, as graphs."""
+
+    schedule = Schedule.FIRST
+    inputs = Change.MATERIALS, MESH_BUFFERS, UV_BUFFERS, ATTRIBUTE_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS
+    outputs = outputs(POINT_GRAPHS)
+
+    def needed(self, frame: Frame) -> bool:
+        return any(frame.scene.has_transparency) or frame.scene.has_emission_graphs
+
+    def execute(self, frame: Frame) -> None:
+        (camera, shadow), emits = frame.scene.has_transparency, frame.scene.has_emission_graphs
+        frame[POINT_GRAPHS] = ScenePointGraphs(
+            self.transparency(frame, 0) if camera else OPAQUE,
+            self.transparency(frame, 1) if shadow else OPAQUE,
+            self.emission(frame) if emits else EVEN,
+        )
+
+    def transparency(self, frame: Frame, column: int) -> PointGraphs:
+        """What passes, by the graphs in a column of Materials.transparency."""
+        scene, table = frame.scene, frame.scene.materials.transparency
+        rows = np.zeros(len(table), MATERIAL_TRANSPARENCY.dtype)
+        rows["graphs"], rows["first_constants"] = table, scene.materials.transparency_constant
+        uniforms: dict[str, Any] = {
+            "transparency_graphs": MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
+        }
+        if column == 1:
+            uniforms["transparent_hits"] = scene.transparent_bounces
+        fields = f"graphs.{'xy'[column]}", f"first_constants.{'xy'[column]}"
+        evaluated = self.evaluated(frame, table[:, column], "transparency", MATERIAL_TRANSPARENCY.name, fields)
+        constants, uniforms = evaluated.constants | {"transparency": 1}, uniforms | evaluated.uniforms
+        return PointGraphs(constants, evaluated.parts, uniforms | (instance_uniforms(frame) if column == 0 else {}))
+
+    def emission(self, frame: Frame) -> PointGraphs:
+        """What the camera sees emitted, by Materials.emission_graph."""
+        materials = frame.scene.materials
+        rows = np.zeros(len(materials.emission_graph), MATERIAL_EMISSION.dtype)
+        rows["graph"], rows["first_constant"] = materials.emission_graph, materials.emission_constant
+        table = MATERIAL_EMISSION.write(frame.scene_records, "emission_graphs", rows)
+        fields = "graph", "first_constant"
+        evaluated = self.evaluated(frame, materials.emission_graph, "emission", MATERIAL_EMISSION.name, fields)
+        uniforms = evaluated.uniforms | instance_uniforms(frame) | {"emission_graphs": table}
+        return PointGraphs(evaluated.constants | {"emission_graphs": 1}, evaluated.parts, uniforms)
+
+    @staticmethod
+    def evaluated(frame: Frame, indices: np.ndarray, member: str, table: str, fields: tuple[str, str]) -> PointGraphs:
+        """What evaluates the graphs of these indices; see point_functions."""
+        scene, texels = frame.scene, frame[MATERIAL_BUFFERS].texels
+        graphs: dict[int, NodeGraph] = {k: scene.graphs[k] for k in np.unique(indices).tolist() if k >= 0}
+        rows = np.zeros(len(scene.materials.constants), GRAPH_CONSTANT.dtype)
+        rows["numbers"] = scene.materials.constants
+        constants = {"in_scene_records": 1}
+        uniforms: dict[str, Any] = {
+            "graph_constants": GRAPH_CONSTANT.write(frame.scene_records, "graph_constants", rows)
+        }
+        if any(graph.uses("image") for graph in graphs.values()):
+            uniforms |= {"images": IMAGE.write(frame.scene_records, "images", texels.rows), **texels.textures}
+            constants |= texels.constants
+        if any(graph.uses("uv_map") for graph in graphs.values()):
+            uniforms["uvs"] = frame[UV_BUFFERS].texture
+        if any(graph.uses("mesh_attribute") for graph in graphs.values()):
+            uniforms |= attribute_uniforms(frame[ATTRIBUTE_BUFFERS])
+        if any(graph.reads_objects for graph in graphs.values()):
+            rows_of_objects = frame[INSTANCE_BUFFERS].object_info
+            info = OBJECT_INFO.write(frame.scene_records, "object_info", rows_of_objects)
+            uniforms |= {"instances": transforms(frame), "object_info": info}
+        return PointGraphs(constants, (*RECORDS, point_functions(graphs, member, table, fields)), uniforms)
+
+
+def instance_uniforms(frame: Frame) -> dict[str, Any]:
+    """Uniforms of surfaces/shading_point.glsl."""
+    normals = frame[MESH_BUFFERS].samplers["corner_normal_buffer"]
+    return {"instances": transforms(frame), "corner_normal_buffer": normals}
+
+
+def transforms(frame: Frame) -> Any:
+    """The instances' matrices among the scene's records."""
+    return INSTANCE.write(frame.scene_records, "instances", frame[INSTANCE_BUFFERS].transforms)
