@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials and their images on the GPU."""
 
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -12,9 +13,8 @@ from ...setting_limits import LAYER_LINES, TEXTURE_WIDTH, images_within_limits, 
 from ..gl import driver_variants
 from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
-from ..gl.shader_compiler import Include
 from ..gl.shader_records import IMAGE, MATERIAL
-from ..materials import compiler
+from ..materials.shader import MaterialShader, material_shader
 
 #: Types of texels by the sampler's name.
 TEXELS: dict[str, np.dtype] = {"byte_texels": np.dtype(np.uint8), "float_texels": np.dtype(np.float16)}
@@ -63,24 +63,13 @@ class TextureBuffer:
         """The table and the textures by sampler name in textures/image.glsl."""
         return {"images": self.table, **self.textures}
 
-    @property
-    def constants(self) -> dict[str, int]:
-        """Constants of shader variants: the size of layers, and which texels are present."""
-        return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
-            f"has_{name}": int(name in self.textures) for name in TEXELS
-        }
 
-
-class MaterialShader(NamedTuple):
-    """The parts of a shader that draws the materials of one graph."""
-
-    includes: tuple[Include, ...]
-    constants: dict[str, Any]
-    samplers: dict[str, Any]
-    reads_uvs: bool
-    reads_attributes: bool
-    reads_objects: bool
-    has_gloss: bool
+def image_constants(images: Iterable[Image]) -> dict[str, int]:
+    """Constants of shaders that read the TextureBuffer of images: the size of layers, and which texels are present."""
+    present = {image.texels.dtype for image in images}
+    return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
+        f"has_{name}": int(dtype in present) for name, dtype in TEXELS.items()
+    }
 
 
 class MaterialBuffers:
@@ -99,9 +88,8 @@ class MaterialBuffers:
         self.graphs: list[int] = np.unique(materials.graph).tolist() or [-1]
         self._left_out: list[int] = []
         self.bytes = table.nbytes + materials.constants.nbytes
-        self._node_graphs = graphs
-        self._has_images = bool((materials.image[materials.graph < 0] >= 0).any())
-        self._sources = {index: compiler.glsl(graphs[index]) for index in self.graphs if index >= 0}
+        constants = image_constants(texels.images)
+        self._shaders = {index: material_shader(materials, graphs, constants, index) for index in {-1, *self.graphs}}
 
     def leave_out(self, graph: int) -> int:
         """Draw the materials of a graph, which cannot be compiled, in their base color. Returns their number."""
@@ -119,27 +107,14 @@ class MaterialBuffers:
 
     def shader(self, graph: int) -> MaterialShader:
         """What draws the materials of a graph, or for -1 of none."""
-        node_graph = self._node_graphs[graph] if graph >= 0 else None
-        has_gloss = node_graph is not None and node_graph.has_gloss
-        has_images = self._has_images if node_graph is None else node_graph.uses("image")
-        return MaterialShader(
-            includes=() if node_graph is None else (self._sources[graph],),
-            constants={
-                "graph": int(node_graph is not None),
-                "glossy": int(has_gloss),
-                **({"several_graphs": 1} if len(self.graphs) > 1 else {}),
-                "images": int(has_images),
-                **(self.texels.constants if has_images else {}),
-            },
-            samplers={
-                **(self.texels.samplers if has_images else {}),
-                **({} if node_graph is None else {"graph_constants": self.constants}),
-            },
-            reads_uvs=has_images if node_graph is None else node_graph.uses("uv_map"),
-            reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),
-            reads_objects=node_graph is not None and node_graph.reads_objects,
-            has_gloss=has_gloss,
-        )
+        return self._shaders[graph]
+
+    def samplers(self, shader: MaterialShader) -> dict[str, Any]:
+        """What such a shader reads, by sampler name."""
+        return {
+            **(self.texels.samplers if shader.reads_images else {}),
+            **({"graph_constants": self.constants} if shader.has_graph else {}),
+        }
 
 
 def write_lines(texture: moderngl.TextureArray, texels: np.ndarray, first: int) -> None:

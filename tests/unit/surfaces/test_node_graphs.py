@@ -156,3 +156,31 @@ def test_more_graphs_than_bits(device, count):
     )
     blue = gbuffer(device, scene, view)["base_color"][:, 2].reshape(8, 4 * count)[4, 2::4]
     assert np.allclose(blue, (np.arange(count) + 1.0) / count, atol=1e-3)
+
+
+def coated_graph(coated):
+    """A diffuse surface below a dielectric, and if it is coated, below a coat."""
+    builder = Builder()
+    weight, normal = builder.call("geometry_true_normal"), builder.call("geometry_normal")
+    ior, roughness, white = constant(1.5), constant(0.3), constant((1.0, 1.0, 1.0))
+    lobes = [
+        builder.call("closure_diffuse", weight, normal),
+        builder.call("closure_dielectric", weight, ior, constant(0.5), white, roughness, normal, parameter=0),
+    ]
+    if coated:
+        lobes.append(builder.call("closure_coat", weight, ior, roughness, normal, parameter=0))
+    return builder.finish(lobes)
+
+
+def test_layers_have_programs_of_the_graphs_that_have_any(device):
+    """Where one of 27 graphs has a coat, one program more is compiled for it, and one for what has none."""
+    device.forget_programs()
+    scene = scene_of([coated_graph(True), coated_graph(False), None])
+    drawn = draw(device, scene, view_from_above(3.0, SIZE))
+    programs = [dict(each.constants) for each in device.programs if "passes/surfaces/gbuffer.frag" in each.sources]
+    assert sorted((each["layers"], each["graph"], each["coat"]) for each in programs) == [
+        *((0, 0, 0), (0, 1, 0), (0, 1, 1)),
+        *((1, 0, 1), (1, 1, 1)),
+    ]
+    coat = drawn.target("coat").reshape(SIZE[1], SIZE[0], 4)
+    assert coat[:, 1:9].any() and not coat[:, 11:].any()
