@@ -184,3 +184,40 @@ def test_layers_have_programs_of_the_graphs_that_have_any(device):
     ]
     coat = drawn.target("coat").reshape(SIZE[1], SIZE[0], 4)
     assert coat[:, 1:9].any() and not coat[:, 11:].any()
+
+
+def overflow(builder, minus_itself):
+    """Infinite where x is not 0; or what is no number."""
+    value = builder.call("vector_scale", builder.call("geometry_position"), constant(3e38))
+    value = builder.call("vector_scale", value, constant(3e38))
+    return builder.call("vector_subtract", value, value) if minus_itself else value
+
+
+def broken_graph(what, minus_itself):
+    """A graph of diffuse and metallic closures, of which the color, the roughness or the normal is no number."""
+    builder = Builder(simplify=False)
+    broken, white, normal = overflow(builder, minus_itself), constant((1.0, 1.0, 1.0)), builder.call("geometry_normal")
+    color, roughness = constant((0.5, 0.5, 0.5)), constant(0.3)
+    if what == "color":
+        color = broken
+    elif what == "roughness":
+        roughness = builder.call("separate_x", broken)
+    else:
+        normal = broken
+    metal = builder.call("closure_metal", white, color, white, roughness, normal, parameter=1)
+    return builder.finish([builder.call("closure_diffuse", color, normal), metal])
+
+
+@pytest.mark.parametrize("minus_itself", [False, True])
+@pytest.mark.parametrize("what", ["color", "roughness", "normal"])
+def test_what_is_no_number_does_not_spread(device, what, minus_itself):
+    """Such a color is black. Neighbors of the surface look as if it were black, and all targets are finite."""
+    view = view_from_above(3.0, SIZE)
+    broken = draw(device, scene_of([broken_graph(what, minus_itself), position_graph(), None]), view)
+    whole = draw(device, scene_of([position_graph(), position_graph(), None]), view)
+    assert np.isfinite(broken.color).all()
+    assert np.array_equal(broken.color[:, 11:], whole.color[:, 11:])
+    for name in ("base_color", "normal", "position"):
+        assert np.isfinite(broken.target(name)).all(), name
+    if what == "color":
+        assert not broken.target("base_color")[:, 1:9, :3].max() > 0.0
