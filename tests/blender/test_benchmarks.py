@@ -5,10 +5,12 @@ import json
 import subprocess
 import sys
 
+import bpy
 import pytest
 
-from tests.benchmark import draws
+from tests.benchmark import draws, first_picture
 from tests.scenes.small import box_over_plane
+from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import with_quality
 from tests.tools.project import ROOT
 
@@ -43,3 +45,19 @@ def test_renders_of_small_meshes_are_measured_beside_cycles(tmp_path):
     assert record["machine"]["opengl"]
     assert len(repetitions) == 2
     assert all(min(each["whole"], each["read"], each["BuildBLAS"], each["Cycles"]) > 0.0 for each in repetitions)
+
+
+def test_a_slider_of_forty_nodes_compiles_nothing():
+    into_blender(*box_over_plane(48, 32))
+    material = next(each.active_material for each in bpy.data.objects if each.type == "MESH")
+    material.node_tree.nodes.clear()
+    shader, output = (
+        material.node_tree.nodes.new(f"ShaderNode{name}") for name in ("BsdfPrincipled", "OutputMaterial")
+    )
+    material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    slider = first_picture.add_nodes(material, first_picture.NODES)
+    viewport = first_picture.Viewport(out_of_blender()[1])
+    (changes,) = first_picture.drag(viewport, {"nodes": slider}, 3).values()
+    viewport.thread.stop()
+    assert [each["programs"] for each in changes] == [0, 0, 0]
+    assert all(each["seconds"] > each["read"] > 0.0 for each in changes)
