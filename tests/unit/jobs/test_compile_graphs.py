@@ -12,6 +12,7 @@ from ism_addon.gpu.jobs.job import Job, Request
 from ism_addon.gpu.jobs.render_loop import RenderLoop, draw_job
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.shading.builder import Builder, constant
+from ism_addon.shading.operations import OPERATIONS, Operation
 from tests.support.small_scenes import SMALL_SETTINGS, draw, view_from_above, with_quality
 from tests.unit.surfaces.test_node_graphs import finished, scene_of
 
@@ -136,3 +137,20 @@ def test_the_constants_of_forty_nodes_need_no_program(renderers, device, preview
         assert is_of(pictures[0], BLUE if scale else (0.0, 0.0, 0.0))
         assert previous is None or not np.array_equal(pictures[-1].color, previous)
         previous = pictures[-1].color
+
+
+@pytest.mark.parametrize("preview_pixel_size", [0, 1])
+def test_a_graph_that_the_driver_refuses_is_drawn_in_its_base_color(renderers, monkeypatch, preview_pixel_size):
+    """With one sentence, and with the graphs beside it."""
+    monkeypatch.setitem(OPERATIONS, "no_such_function", Operation((), "vec3", "arithmetic"))
+    builder = Builder()
+    broken = finished(builder, builder.call("no_such_function"))
+    red = np.tile(np.float32(RED), (3, 1))
+    scene = scene_of([broken, chain(3), broken])
+    job = new_job(replace(scene, materials=replace(scene.materials, base_color=red)), preview_pixel_size)
+    pictures, _ = pictures_of(renderers, job)
+    light = pictures[-1].color[..., :3].reshape(8, 3, 8, 3).sum((0, 2)) > 0.0
+    assert light.tolist() == [[True, False, False], [False, False, True], [True, False, False]]
+    (warning,) = job.warnings
+    assert warning.startswith("The graphics driver cannot compile the nodes of 2 materials, which have one colour: ")
+    assert "\n" not in warning
