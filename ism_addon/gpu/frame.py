@@ -19,7 +19,7 @@ from ..scene import Change, Scene, View
 from ..settings import Settings
 from .gl.buffer_texture import SceneRecords
 from .gl.context import Device
-from .gl.shader_compiler import Include, compile_program
+from .gl.shader_compiler import Include, ProgramSource, compile_program, program_of
 from .gl.shader_records import Record
 from .submission import Submission
 
@@ -249,11 +249,16 @@ class Pass:
         raise NotImplementedError
 
     def tile_program(self, *parts: Record | Include, suffix: str = "", **constants: int | float) -> moderngl.Program:
-        """The program of this pass's shader file for drawing.draw_tiles; see shader_name. `parts`: what it includes."""
-        stages = "glsl/tiles.vert", f"{self.shader_name(suffix)}.frag"
-        includes = (each for each in parts if isinstance(each, Include))
+        """The program of this pass's shader file for drawing.draw_tiles; see tile_source."""
+        return program_of(self.device, self.tile_source(*parts, suffix=suffix, **constants))
+
+    @classmethod
+    def tile_source(cls, *parts: Record | Include, suffix: str = "", **constants: int | float) -> ProgramSource:
+        """The source of such a program. `suffix`: see shader_name; `parts`: what the file includes."""
+        stages = "glsl/tiles.vert", f"{cls.shader_name(suffix)}.frag"
+        includes = tuple(each for each in parts if isinstance(each, Include))
         records = tuple(each for each in parts if isinstance(each, Record))
-        return compile_program(self.device, *stages, *includes, records=records, tile_size=TILE_SIZE, **constants)
+        return ProgramSource((*stages, *includes), records, (("tile_size", TILE_SIZE), *constants.items()))
 
     def full_screen_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
         """A full-screen triangle with this pass's shader file; see shader_name."""
@@ -261,9 +266,10 @@ class Pass:
         program = compile_program(self.device, *stages, records=records, **constants)
         return self.device.gl.vertex_array(program, [])
 
-    def shader_name(self, suffix: str = "") -> str:
+    @classmethod
+    def shader_name(cls, suffix: str = "") -> str:
         """Path of a shader file without its extension: this pass's module, or module_suffix."""
-        return shader_name(type(self).__module__, suffix)
+        return shader_name(cls.__module__, suffix)
 
 
 @cache

@@ -127,6 +127,14 @@ class Renderer:
         self.last = frame, profile
         self.device.free_released()
 
+    def surfaces(
+        self, scene: Scene, view: View, settings: Settings, profile: Profile, cancelled: Callable[[], bool] = never
+    ) -> Iterator[str]:
+        """Draw only the visible surfaces, as `sample` does. A picture that begins afterwards reuses them."""
+        self.submission.begin(0, cancelled)
+        frame = self.frame(scene, view, settings, 0, profile)
+        yield from self.graph.run((*UPLOAD, *SURFACES), frame, profile)
+
     def frame(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
     ) -> Frame:
@@ -228,6 +236,11 @@ class Renderer:
         images = {each.name: image(self.graph.targets, each, frame.anchor) for each in requested}
         self.device.check()  # after an error the images might be uninitialised memory
         return images
+
+    @property
+    def has_drawn(self) -> bool:
+        """Whether it has drawn any sample."""
+        return hasattr(self, "last")
 
     @property
     def error(self) -> Convergence:

@@ -6,7 +6,7 @@ meshes, images and light tables must be passed on as the same objects. SI units,
 space; world space is float64 (see `spaces`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import Enum
 from functools import cached_property
@@ -115,6 +115,11 @@ class Scene:
         merged = replace(self, **tables, images=images, light_images=light_images)
         is_same = all(getattr(merged, member.name) == getattr(other, member.name) for member in fields(self))
         return other if is_same else merged
+
+    def without_graphs(self, graphs: Collection[int]) -> Self:
+        """The scene with the materials of these graphs in their base color. Shaders of the other ones are the same."""
+        graph = np.where(np.isin(self.materials.graph, list(graphs)), -1, self.materials.graph)
+        return replace(self, materials=replace(self.materials, graph=graph.astype(np.int32)))
 
     @cached_property
     def extent(self) -> float:

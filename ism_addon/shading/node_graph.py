@@ -72,6 +72,11 @@ class NodeGraph:
         return any(operand < 0 or self.instructions[operand].operation != "geometry_normal" for operand in normals)
 
     @cached_property
+    def reflects(self) -> bool:
+        """Whether it is of what a surface reflects, not of its transparency or emission."""
+        return not any(each.operation in WITHOUT_NORMAL for each in self.instructions)
+
+    @cached_property
     def has_gloss(self) -> bool:
         """Whether it has other closures than Lambert's."""
         return self.has_coat or self.has_extra or any(each.operation in GLOSSY for each in self.instructions)

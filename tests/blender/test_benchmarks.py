@@ -5,10 +5,12 @@ import json
 import subprocess
 import sys
 
+import bpy
 import pytest
 
-from tests.benchmark import draws, image_memory
+from tests.benchmark import draws, first_picture, image_memory
 from tests.scenes.small import box_over_plane
+from tests.stress.pictures.into_blender import into_blender, out_of_blender
 from tests.support.small_scenes import with_quality
 from tests.tools import memory
 from tests.tools.project import ROOT
@@ -54,3 +56,19 @@ def test_large_images_take_little_more_memory_than_their_textures():
     textures = 4 * 4096**2 * 4 * 4 / 3
     assert four["images decoded"] - four["file open"] > 4 * 4096**2 * 4
     assert four["peak"] - none["peak"] < 1.5 * textures
+
+
+def test_a_slider_of_forty_nodes_compiles_nothing():
+    into_blender(*box_over_plane(48, 32))
+    material = next(each.active_material for each in bpy.data.objects if each.type == "MESH")
+    material.node_tree.nodes.clear()
+    shader, output = (
+        material.node_tree.nodes.new(f"ShaderNode{name}") for name in ("BsdfPrincipled", "OutputMaterial")
+    )
+    material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    slider = first_picture.add_nodes(material, first_picture.NODES)
+    viewport = first_picture.Viewport(out_of_blender()[1])
+    (changes,) = first_picture.drag(viewport, {"nodes": slider}, 3).values()
+    viewport.thread.stop()
+    assert [each["programs"] for each in changes] == [0, 0, 0]
+    assert all(each["seconds"] > each["read"] > 0.0 for each in changes)

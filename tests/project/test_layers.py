@@ -21,7 +21,7 @@ PASSES = sorted(path for path in PASS_ROOT.glob("*/*.py") if path.stem != "__ini
 SHADERS = sorted(path for path in ADDON.rglob("*") if path.suffix in {".frag", ".vert", ".glsl"})
 PASS_SHADERS = [path for path in SHADERS if path.is_relative_to(PASS_ROOT)]
 #: Vertex shaders that all passes share, and the method of Pass that uses each: for all pixels, or for some tiles.
-COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_program"}
+COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_source"}
 #: Shaders that are named after a part of their pass, and that pass.
 INTERNAL_SHADERS = {"pull": "fill_holes", "push": "fill_holes"}
 #: Limit of the files in a folder.
@@ -153,7 +153,8 @@ def defines_a_pass(path: Path) -> bool:
 @pytest.mark.parametrize("path", PASSES, ids=module_name)
 def test_a_pass_that_draws_has_a_shader_of_its_name_beside_it(path):
     source = path.read_text("utf-8")
-    draws = any(f"self.{method}(" in source for method in COMMON.values()) or "compile_program(" in source
+    methods = *COMMON.values(), "tile_program"
+    draws = any(f".{method}(" in source for method in methods) or "compile_program(" in source
     assert draws == any(belongs(shader, path) for shader in PASS_SHADERS)
 
 

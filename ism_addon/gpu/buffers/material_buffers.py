@@ -1,28 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials on the GPU."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...scene import MATERIAL_INPUTS, Materials, NodeGraph
 from ..gl.context import Device
-from ..gl.shader_compiler import Include
 from ..gl.shader_records import MATERIAL
-from ..materials import compiler
-from .texture_buffer import TextureBuffer
-
-
-class MaterialShader(NamedTuple):
-    """The parts of a shader that draws the materials of one graph."""
-
-    includes: tuple[Include, ...]
-    constants: dict[str, Any]
-    samplers: dict[str, Any]
-    reads_uvs: bool
-    reads_attributes: bool
-    reads_objects: bool
-    has_gloss: bool
+from ..materials.shader import MaterialShader, material_shader
+from .texture_buffer import TextureBuffer, image_constants
 
 
 class MaterialBuffers:
@@ -41,9 +28,8 @@ class MaterialBuffers:
         self.graphs: list[int] = np.unique(materials.graph).tolist() or [-1]
         self._left_out: list[int] = []
         self.bytes = table.nbytes + materials.constants.nbytes
-        self._node_graphs = graphs
-        self._has_images = bool((materials.image[materials.graph < 0] >= 0).any())
-        self._sources = {index: compiler.glsl(graphs[index]) for index in self.graphs if index >= 0}
+        constants = image_constants(texels.images)
+        self._shaders = {index: material_shader(materials, graphs, constants, index) for index in {-1, *self.graphs}}
 
     def leave_out(self, graph: int) -> int:
         """Draw the materials of a graph, which cannot be compiled, in their base color. Returns their number."""
@@ -61,24 +47,11 @@ class MaterialBuffers:
 
     def shader(self, graph: int) -> MaterialShader:
         """What draws the materials of a graph, or for -1 of none."""
-        node_graph = self._node_graphs[graph] if graph >= 0 else None
-        has_gloss = node_graph is not None and node_graph.has_gloss
-        has_images = self._has_images if node_graph is None else node_graph.uses("image")
-        return MaterialShader(
-            includes=() if node_graph is None else (self._sources[graph],),
-            constants={
-                "graph": int(node_graph is not None),
-                "glossy": int(has_gloss),
-                **({"several_graphs": 1} if len(self.graphs) > 1 else {}),
-                "images": int(has_images),
-                **(self.texels.constants if has_images else {}),
-            },
-            samplers={
-                **(self.texels.samplers if has_images else {}),
-                **({} if node_graph is None else {"graph_constants": self.constants}),
-            },
-            reads_uvs=has_images if node_graph is None else node_graph.uses("uv_map"),
-            reads_attributes=node_graph is not None and node_graph.uses("mesh_attribute"),
-            reads_objects=node_graph is not None and node_graph.reads_objects,
-            has_gloss=has_gloss,
-        )
+        return self._shaders[graph]
+
+    def samplers(self, shader: MaterialShader) -> dict[str, Any]:
+        """What such a shader reads, by sampler name."""
+        return {
+            **(self.texels.samplers if shader.reads_images else {}),
+            **({"graph_constants": self.constants} if shader.has_graph else {}),
+        }

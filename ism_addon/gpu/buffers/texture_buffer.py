@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images of materials on the GPU."""
 
+from collections.abc import Iterable
+
 import moderngl
 import numpy as np
 
@@ -49,12 +51,13 @@ class TextureBuffer:
         """The table and the textures by sampler name in textures/image.glsl."""
         return {"images": self.table, **self.textures}
 
-    @property
-    def constants(self) -> dict[str, int]:
-        """Constants of shader variants: the size of layers, and which texels are present."""
-        return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
-            f"has_{name}": int(name in self.textures) for name in TEXELS
-        }
+
+def image_constants(images: Iterable[Image]) -> dict[str, int]:
+    """Constants of shaders that read the TextureBuffer of images: the size of layers, and which texels are present."""
+    present = {image.texels.dtype for image in images}
+    return {"width": TEXTURE_WIDTH, "layer_lines": LAYER_LINES} | {
+        f"has_{name}": int(dtype in present) for name, dtype in TEXELS.items()
+    }
 
 
 def with_levels(images: np.ndarray) -> np.ndarray:

@@ -165,7 +165,7 @@ def open_device() -> Device:
     limit, name = gl.info["GL_MAX_TEXTURE_SIZE"], gl.info["GL_RENDERER"]
     buffer_textures = BufferTextureApi(load, gl.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
     submit, is_alive = two_in_flight(load), fence_alive(load)
-    clock, points = GpuClock(load), PointBatch(gl)
+    clock, points = GpuClock(load), PointBatch(gl, load)
     return Device(
         *(
             gl,

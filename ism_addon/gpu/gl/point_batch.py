@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws points that change with each draw: one buffer, refilled each time, and a vertex array for each program."""
 
+import ctypes
+from collections.abc import Callable
+
 import moderngl
 import numpy as np
 
@@ -8,8 +11,13 @@ import numpy as np
 class PointBatch:
     """The buffer and vertex arrays of one context."""
 
-    def __init__(self, gl: moderngl.Context):
+    def __init__(self, gl: moderngl.Context, load: Callable[[str], int]):
+        """`load` gives the addresses of OpenGL's functions."""
         self._gl = gl
+        # Without the GIL, unlike moderngl's: software drivers compile a program for up to a second when it first draws.
+        self._use_program = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glUseProgram"))
+        self._bind_vertex_array = ctypes.CFUNCTYPE(None, ctypes.c_uint)(load("glBindVertexArray"))
+        self._draw_arrays = ctypes.CFUNCTYPE(None, ctypes.c_uint, *[ctypes.c_int] * 3)(load("glDrawArraysInstanced"))
         self._buffer = gl.buffer(reserve=1, dynamic=True)
         self._vertex_arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
@@ -20,7 +28,9 @@ class PointBatch:
             self._vertex_arrays[program] = self._gl.vertex_array(program, content, skip_errors=True)
         self._buffer.orphan(rows.nbytes)  # the driver may still read the old contents
         self._buffer.write(rows)
-        self._vertex_arrays[program].render(moderngl.POINTS, vertices=len(rows))
+        self._use_program(program.glo)
+        self._bind_vertex_array(self._vertex_arrays[program].glo)
+        self._draw_arrays(moderngl.POINTS, 0, len(rows), 1)
 
     def forget(self) -> None:
         """Release the programs."""

@@ -98,21 +98,34 @@ def head(records: tuple[Record, ...], constants: Constants) -> str:
     return "\n".join(lines)
 
 
+class ProgramSource(NamedTuple):
+    """What a program is compiled from: files, one for each stage, includes, records and constants."""
+
+    sources: tuple[str | Include, ...]
+    records: tuple[Record, ...]
+    constants: tuple[tuple[str, int | float], ...]
+
+
 def compile_program(
     device: Device, *sources: str | Include, records: tuple[Record, ...] = (), **constants: int | float
 ) -> moderngl.Program:
     """The program of these files, one for each stage, and of includes. Programs are cached. Raises ShaderError."""
-    key = (sources, records, tuple(constants.items()))
-    if key not in device.programs:
+    return program_of(device, ProgramSource(sources, records, tuple(constants.items())))
+
+
+def program_of(device: Device, source: ProgramSource) -> moderngl.Program:
+    """As compile_program."""
+    if source not in device.programs:
         for callback in device.on_compile:
             callback()
-        names = tuple(source for source in sources if isinstance(source, str))
-        includes = tuple(source for source in sources if isinstance(source, Include))
+        names = tuple(each for each in source.sources if isinstance(each, str))
+        includes = tuple(each for each in source.sources if isinstance(each, Include))
+        constants = dict(source.constants)
         try:
-            device.programs[key] = compile_stages(device.gl, names, records, includes, constants)
+            device.programs[source] = compile_stages(device.gl, names, source.records, includes, constants)
         except ShaderError as error:
-            device.programs[key] = error
-    program = device.programs[key]
+            device.programs[source] = error
+    program = device.programs[source]
     if isinstance(program, Exception):
         raise program
     return program

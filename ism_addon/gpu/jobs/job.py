@@ -60,6 +60,7 @@ class Job:
         self.compiles = False  # whether the current pass compiles shaders
         self.programs = 0  # compiled for this job; their final number is unknown
         self.programs_shown = 0  # `programs` as viewports show it
+        self.graph, self.graphs = 0, 0  # whose programs are compiled, from 1, and how many there are; 0: none are
         self._shown_at = time.monotonic()
         self._changed = changed
         self._changes_seen = 0
@@ -69,6 +70,8 @@ class Job:
     @property
     def status(self) -> str:
         """For the user: samples done, and the estimated error."""
+        if self.graphs:
+            return f"Compiling shaders ({self.graph} of {self.graphs})"
         if self.compiles:
             return f"Compiling shaders ({self.programs})"
         error = self.statistics.get("error", math.inf)
@@ -95,6 +98,10 @@ class Job:
         self.notify(compiles=True, programs=self.programs + 1)
         if (now := time.monotonic()) - self._shown_at > COMPILING_SHOWN_EVERY:
             self.programs_shown, self._shown_at = self.programs, now
+
+    def begin_graph(self, graph: int, graphs: int) -> None:
+        """The programs of a graph, counted from 1, are about to be compiled; 0 of 0: all are. For the render thread."""
+        self.notify(graph=graph, graphs=graphs)
 
     def notify(self, **changes: object) -> None:
         """Set attributes and wake waiting threads. For the render thread."""

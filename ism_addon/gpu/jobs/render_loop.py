@@ -3,17 +3,19 @@
 
 import logging
 import time
-from collections.abc import Generator, Hashable
+from collections.abc import Generator, Hashable, Iterator
 from itertools import chain
 
 import numpy as np
 
 from ...render_passes import COMBINED
+from ...scene import Scene
 from ..convergence import Convergence
 from ..gl.context import Device
 from ..gl.errors import Cancelled, ContextLost, GraphicsError
 from ..profile import Profile
 from ..renderer import Renderer
+from .compile_graphs import compile_graphs
 from .job import Job, Picture
 from .refinement import sample_limit, sufficient_error
 
@@ -91,7 +93,7 @@ class RenderLoop:
         """End a job."""
         if job in self.running:
             self.running.pop(job).close()
-        job.notify(finished=True, error=error, compiles=False)
+        job.notify(finished=True, error=error, compiles=False, graph=0, graphs=0)
 
     def close(self) -> None:
         """Free all renderers and the context."""
@@ -110,18 +112,18 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
     def cancelled() -> bool:
         return job.cancelled
 
-    if request.preview_pixel_size > 1:
-        sample = (
-            request.scene,
-            request.view.with_larger_pixels(request.preview_pixel_size),
-            request.settings,
-            0,
-            profile,
-        )
+    def preview(scene: Scene, profile: Profile) -> Iterator[None]:
+        view = request.view.with_larger_pixels(request.preview_pixel_size)
+        sample = scene, view, request.settings, 0, profile
         for _ in preview_renderer.sample(*sample, low_latency=True, cancelled=cancelled):
             preview_renderer.device.check()
             yield
         job._picture = Picture(preview_renderer.images([COMBINED]), 0)
+        job.notify()
+
+    yield from compile_graphs(preview_renderer, job, cancelled, preview)
+    if request.preview_pixel_size > 1:
+        yield from preview(request.scene, profile)
         job.notify(first_seconds=preview_renderer.pixel_pass_seconds(profile))
         yield
     next_image_time, stopped_by = start, ""

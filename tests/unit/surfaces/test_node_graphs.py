@@ -171,3 +171,68 @@ def test_images_are_filtered_in_colors_but_not_in_bumps(device):
     ours = gbuffer(device, scene_of([graph] * 3), view_from_above(3.0, SIZE))
     assert ours["base_color"][:, 0].std() < 0.01
     assert ours["normal"][:, 0].std() > 0.1
+
+
+def coated_graph(coated):
+    """A diffuse surface below a dielectric, and if it is coated, below a coat."""
+    builder = Builder()
+    weight, normal = builder.call("geometry_true_normal"), builder.call("geometry_normal")
+    ior, roughness, white = constant(1.5), constant(0.3), constant((1.0, 1.0, 1.0))
+    lobes = [
+        builder.call("closure_diffuse", weight, normal),
+        builder.call("closure_dielectric", weight, ior, constant(0.5), white, roughness, normal, parameter=0),
+    ]
+    if coated:
+        lobes.append(builder.call("closure_coat", weight, ior, roughness, normal, parameter=0))
+    return builder.finish(lobes)
+
+
+def test_layers_have_programs_of_the_graphs_that_have_any(device):
+    """Where one of 27 graphs has a coat, one program more is compiled for it, and one for what has none."""
+    device.forget_programs()
+    scene = scene_of([coated_graph(True), coated_graph(False), None])
+    drawn = draw(device, scene, view_from_above(3.0, SIZE))
+    programs = [dict(each.constants) for each in device.programs if "passes/surfaces/gbuffer.frag" in each.sources]
+    assert sorted((each["layers"], each["graph"], each["coat"]) for each in programs) == [
+        *((0, 0, 0), (0, 1, 0), (0, 1, 1)),
+        *((1, 0, 1), (1, 1, 1)),
+    ]
+    coat = drawn.target("coat").reshape(SIZE[1], SIZE[0], 4)
+    assert coat[:, 1:9].any() and not coat[:, 11:].any()
+
+
+def overflow(builder, minus_itself):
+    """Infinite where x is not 0; or what is no number."""
+    value = builder.call("vector_scale", builder.call("geometry_position"), constant(3e38))
+    value = builder.call("vector_scale", value, constant(3e38))
+    return builder.call("vector_subtract", value, value) if minus_itself else value
+
+
+def broken_graph(what, minus_itself):
+    """A graph of diffuse and metallic closures, of which the color, the roughness or the normal is no number."""
+    builder = Builder(simplify=False)
+    broken, white, normal = overflow(builder, minus_itself), constant((1.0, 1.0, 1.0)), builder.call("geometry_normal")
+    color, roughness = constant((0.5, 0.5, 0.5)), constant(0.3)
+    if what == "color":
+        color = broken
+    elif what == "roughness":
+        roughness = builder.call("separate_x", broken)
+    else:
+        normal = broken
+    metal = builder.call("closure_metal", white, color, white, roughness, normal, parameter=1)
+    return builder.finish([builder.call("closure_diffuse", color, normal), metal])
+
+
+@pytest.mark.parametrize("minus_itself", [False, True])
+@pytest.mark.parametrize("what", ["color", "roughness", "normal"])
+def test_what_is_no_number_does_not_spread(device, what, minus_itself):
+    """Such a color is black. Neighbors of the surface look as if it were black, and all targets are finite."""
+    view = view_from_above(3.0, SIZE)
+    broken = draw(device, scene_of([broken_graph(what, minus_itself), position_graph(), None]), view)
+    whole = draw(device, scene_of([position_graph(), position_graph(), None]), view)
+    assert np.isfinite(broken.color).all()
+    assert np.array_equal(broken.color[:, 11:], whole.color[:, 11:])
+    for name in ("base_color", "normal", "position"):
+        assert np.isfinite(broken.target(name)).all(), name
+    if what == "color":
+        assert not broken.target("base_color")[:, 1:9, :3].max() > 0.0

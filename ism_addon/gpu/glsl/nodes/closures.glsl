@@ -42,8 +42,13 @@ void closure_emission(inout Closures closures, ShadingPoint at, vec3 radiance) {
 
 float sum_of(vec3 color) { return color.r + color.g + color.b; }
 
+const float MAX_COLOR = 1e9; // as of constants, see scene/limits.py
+
+// Black in place of what is no number or too large: other pixels are filtered with this one. Cycles draws it black, too.
+vec3 finite(vec3 color) { return mix(vec3(0.0), color, lessThanEqual(abs(color), vec3(MAX_COLOR))); }
+
 void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance, vec3 normal) {
-    vec3 reflected = max(reflectance, 0.0);
+    vec3 reflected = finite(max(reflectance, 0.0));
     closures.diffuse += reflected;
     closures.normal += sum_of(reflected) * normal;
 }
@@ -51,7 +56,7 @@ void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance,
 // Rough as by Oren & Nayar 1994.
 void closure_rough_diffuse(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float roughness,
                            vec3 normal) {
-    float reflected = sum_of(max(weight * color, 0.0));
+    float reflected = sum_of(finite(max(weight * color, 0.0)));
     closure_diffuse(closures, at, weight * color, normal);
     closures.diffuse_roughness += reflected * clamp(roughness, 0.0, 1.0);
     closures.diffuse_weight += reflected * sum_of(weight) / 3.0;

@@ -15,9 +15,10 @@ vec3 multiple_reflections(vec3 mean, float roughness, float cosine) {
     return 1.0 + further * (1.0 - albedo) / albedo;
 }
 
-// Returns its weight among all lobes.
+// Returns its weight among all lobes: 0 if that is no number, and the lobe is left out.
 float add_lobe(inout GlossyClosures glossy, vec3 f0, vec3 schlick, vec3 dielectric, vec3 edge, float roughness, float eta) {
     float rise = sum_of(dielectric), weight = sum_of(f0) + 0.05 * (sum_of(schlick) + rise);
+    if (!(weight + roughness <= MAX_COLOR)) return 0.0;
     glossy.f0 += f0;
     glossy.schlick += schlick;
     glossy.dielectric += dielectric;

@@ -20,7 +20,7 @@ float terminator_offset(vec3 b, vec3 corners[3], vec3 corner_normals[3]) {
 // were edited by hand do: then downwards, so that rays start on that side all the same.
 float offset_along_normal(vec3 b, vec3 corners[3], vec3 corner_normals[3], vec3 geometric_normal) {
     vec3 n = b.x * corner_normals[0] + b.y * corner_normals[1] + b.z * corner_normals[2];
-    if (dot(n, geometric_normal) > 0.0) return terminator_offset(b, corners, corner_normals);
-    for (int k = 0; k < 3; ++k) corner_normals[k] = -corner_normals[k];
-    return -terminator_offset(b, corners, corner_normals);
+    float side = dot(n, geometric_normal) > 0.0 ? 1.0 : -1.0;
+    for (int k = 0; k < 3; ++k) corner_normals[k] *= side;
+    return side * terminator_offset(b, corners, corner_normals);
 }

@@ -7,6 +7,7 @@ from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl import shader_records
 from ...gl.shader_compiler import bind
+from ...materials.shader import has_several_graphs
 from ...surface_inputs import visible_triangle_uniforms
 
 
@@ -17,7 +18,7 @@ class FindGraphs(Pass):
     outputs = outputs(TILE_GRAPHS)
 
     def needed(self, frame: Frame) -> bool:
-        return len(set(frame.scene.materials.graph.tolist())) > 1
+        return has_several_graphs(frame.scene.materials, frame.scene.graphs)
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()

@@ -212,7 +212,9 @@ void main() {
                       shift(in_plane(size * bitangent, u, v), u, v));
     Closures closures = evaluate_graph(at, differentials, material.first_constant);
     base_color.rgb = closures.diffuse;
-    if (closures.normal != vec3(0.0)) shading_normal = normalize(closures.normal);
+    vec3 mean_normal = normalize(closures.normal);
+    float square = dot(mean_normal, mean_normal); // 1, unless the sum is 0 or no number
+    if (square > 0.5 && square < 2.0) shading_normal = mean_normal;
 #if GLOSSY
     write_lobes(closures, at.incoming, shading_normal);
 #endif

@@ -9,7 +9,6 @@ from typing import Any
 
 import moderngl
 
-from ....resource_types import Target
 from ....resources import (
     ATTRIBUTE_BUFFERS,
     BACKGROUND_DEPTH,
@@ -27,17 +26,18 @@ from ....resources import (
     UV_BUFFERS,
     VISIBILITY_BUFFER,
 )
-from ....scene import Change
+from ....scene import Change, Scene
 from ...buffers.corner_buffers import attribute_uniforms
 from ...buffers.material_buffers import MaterialBuffers
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl import shader_records
 from ...gl.buffer_texture import BufferTexture
-from ...gl.shader_compiler import ShaderError, bind
+from ...gl.shader_compiler import ProgramSource, ShaderError, bind, program_of
 from ...gl.shader_records import INSTANCE, OBJECT_INFO, Record
-from ...material_inputs import GLOSS, MATERIAL, layer_targets, lobe_targets, material_constants
+from ...material_inputs import GLOSS, MATERIAL, layer_targets, lobe_targets
 from ...materials import lobe_tables
+from ...materials.shader import MaterialShader
 from ...surface_inputs import visible_triangle_uniforms
 
 #: Records that the shader fetches.
@@ -61,61 +61,98 @@ class GBuffer(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        scene, targets = frame.scene, (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE)
+        scene, materials, targets = (
+            frame.scene,
+            frame[MATERIAL_BUFFERS],
+            (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE),
+        )
         for target in lobe_targets(scene):
             frame.allocate(target, frame.size)
-        self.draw(frame, (*targets, *(GLOSS if scene.has_gloss else ())), layers=0)
+        framebuffer = frame.framebuffer(*targets, *(GLOSS if scene.has_gloss else ()))
+        for graph, program in self.programs(frame, materials).items():
+            self.draw(frame, framebuffer, program, materials, graph)
         if layers := layer_targets(scene):
-            self.draw(frame, layers, layers=1)
+            framebuffer = frame.framebuffer(*layers)
+            draw_tiles(frame, framebuffer, program_of(self.device, empty_layers(scene)))
+            for graph in materials.graphs:
+                if materials.shader(graph).has_layers:
+                    program = program_of(self.device, layers_source(scene, materials.shader(graph)))
+                    self.draw(frame, framebuffer, program, materials, graph)
 
-    def draw(self, frame: Frame, targets: tuple[Target, ...], layers: int) -> None:
-        """Draw targets with the program of each graph. `layers`: 1 for layer_targets, or 0."""
-        materials, framebuffer = frame[MATERIAL_BUFFERS], frame.framebuffer(*targets)
-        constants: dict[str, Any] = {
-            "background_depth": BACKGROUND_DEPTH,
-            "layers": layers,
-            **material_constants(frame),
-        }
-        if frame.scene.has_gloss:
-            constants |= {"rare_location": len(targets) - 1}
-        for graph, program in self.programs(frame, materials, constants).items():
-            shader = materials.shader(graph)
+    def draw(
+        self,
+        frame: Frame,
+        framebuffer: moderngl.Framebuffer,
+        program: moderngl.Program,
+        materials: MaterialBuffers,
+        graph: int,
+    ) -> None:
+        """Draw the materials of a graph."""
+        shader = materials.shader(graph)
+        bind(
+            program,
+            **visible_triangle_uniforms(frame),
+            instances=frame[INSTANCE_BUFFERS].table,
+            materials=materials.table,
+            **materials.samplers(shader),
+            **frame[MESH_BUFFERS].samplers,
+            **({"uvs": frame[UV_BUFFERS].texture} if shader.reads_uvs else {}),
+            **({"object_info": frame[INSTANCE_BUFFERS].info} if shader.reads_objects else {}),
+            **({"lobe_tables": self.lobe_tables} if shader.has_gloss else {}),
+            **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
+        )
+        if "several_graphs" in shader.constants:
             bind(
                 program,
-                **visible_triangle_uniforms(frame),
-                instances=frame[INSTANCE_BUFFERS].table,
-                materials=materials.table,
-                **shader.samplers,
-                **frame[MESH_BUFFERS].samplers,
-                **({"uvs": frame[UV_BUFFERS].texture} if shader.reads_uvs else {}),
-                **({"object_info": frame[INSTANCE_BUFFERS].info} if shader.reads_objects else {}),
-                **({"lobe_tables": self.lobe_tables} if shader.has_gloss else {}),
-                **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
+                own_graph=graph,
+                background_graph=materials.graphs[0],
+                graph_bits=materials.bits(graph),
+                tile_graphs=frame[TILE_GRAPHS],
             )
-            if len(materials.graphs) > 1:
-                bind(
-                    program,
-                    own_graph=graph,
-                    background_graph=materials.graphs[0],
-                    graph_bits=materials.bits(graph),
-                    tile_graphs=frame[TILE_GRAPHS],
-                )
-            draw_tiles(frame, framebuffer, program)
+        draw_tiles(frame, framebuffer, program)
 
-    def programs(
-        self, frame: Frame, materials: MaterialBuffers, constants: dict[str, Any]
-    ) -> dict[int, moderngl.Program]:
+    def programs(self, frame: Frame, materials: MaterialBuffers) -> dict[int, moderngl.Program]:
         """The program of each graph; -1 stands for none. Graphs that the driver cannot compile are left out."""
         programs: dict[int, moderngl.Program] = {}
         for graph in materials.graphs:
-            shader = materials.shader(graph)
             try:
-                programs[graph] = self.tile_program(*RECORDS, *shader.includes, **constants, **shader.constants)
+                shader = materials.shader(graph)
+                programs[graph], *_ = [program_of(self.device, each) for each in sources(frame.scene, shader)]
             except ShaderError as error:
                 if graph < 0:
                     raise
                 count = materials.leave_out(graph)
                 issue = f"The graphics driver cannot compile the nodes of {count} materials, which have one colour"
                 frame.warnings.add(f"{issue}: {error}")
-                return self.programs(frame, materials, constants)
+                return self.programs(frame, materials)
         return programs
+
+
+def sources(scene: Scene, shader: MaterialShader) -> list[ProgramSource]:
+    """The programs that draw the materials of a shader: of all targets but the layers, then of those it has."""
+    base = GBuffer.tile_source(
+        *RECORDS,
+        *shader.includes,
+        background_depth=BACKGROUND_DEPTH,
+        layers=0,
+        gloss=int(scene.has_gloss),
+        coat=int(shader.has_coat),
+        **shader.constants,
+    )
+    return [base, layers_source(scene, shader)] if shader.has_layers else [base]
+
+
+def layers_source(scene: Scene, shader: MaterialShader) -> ProgramSource:
+    """The program that draws the layers of a shader's materials."""
+    return GBuffer.tile_source(*RECORDS, *shader.includes, layers=1, **layers_constants(scene), **shader.constants)
+
+
+def empty_layers(scene: Scene) -> ProgramSource:
+    """The program that draws what materials without layers have."""
+    return GBuffer.tile_source(*RECORDS, layers=1, graph=0, glossy=0, images=0, **layers_constants(scene))
+
+
+def layers_constants(scene: Scene) -> dict[str, Any]:
+    """Constants of programs that draw layer_targets."""
+    coat, rare = int(scene.has_coat), int(scene.has_extra)
+    return {"gloss": 1, "coat": coat, "rare_lobes": rare, "rare_location": coat, "background_depth": BACKGROUND_DEPTH}

@@ -15,6 +15,7 @@ from ....resources import (
 )
 from ....scene import Change, NodeGraph
 from ...buffers.corner_buffers import attribute_uniforms
+from ...buffers.texture_buffer import image_constants
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.shader_records import (
     GRAPH_CONSTANT,
@@ -85,7 +86,7 @@ class UploadPointGraphs(Pass):
         }
         if any(graph.uses("image") for graph in graphs.values()):
             uniforms |= {"images": IMAGE.write(frame.scene_records, "images", texels.rows), **texels.textures}
-            constants |= texels.constants
+            constants |= image_constants(scene.images)
         if any(graph.uses("uv_map") for graph in graphs.values()):
             uniforms["uvs"] = frame[UV_BUFFERS].texture
         if any(graph.uses("mesh_attribute") for graph in graphs.values()):
