@@ -183,6 +183,7 @@ class Frame:
                 if any(graph.changes_normals for graph in self.scene.graphs)
                 else None
             ),
+            Change.GLOSS: self.scene.has_gloss,
             Change.LIGHTS: (
                 self.scene.lights,
                 self.scene.light_profiles,

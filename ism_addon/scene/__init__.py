@@ -150,6 +150,7 @@ class Change(Enum):
     INSTANCES = "instances"
     MATERIALS = "materials, their images and graphs"
     NORMALS = "normals of materials"
+    GLOSS = "whether any material has gloss"
     LIGHTS = "lights"
     WORLD = "world"
     VIEW = "view"

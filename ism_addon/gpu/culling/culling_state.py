@@ -70,15 +70,18 @@ class CullingState:
         return relative
 
 
-def light_influences(state: CullingState) -> dict[int, LightInfluence]:
-    """By light, its influence on the tiles, for all lights that contribute to any tile."""
+def light_influences(state: CullingState, has_gloss: bool) -> dict[int, LightInfluence]:
+    """By light, its influence on the tiles, for all lights that contribute to any tile.
+
+    With gloss, no light is negligible: the reflection of a small one is bright, however little its irradiance is.
+    """
     influences, mean, culled = {}, state.mean, np.zeros_like(state.irradiance)
     local = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean)
     bounds, tile_irradiance = with_edges(state.bounds, state.exists), np.maximum(state.irradiance, mean)
     for row in np.argsort(np.tensordot(bounds, 1.0 / tile_irradiance)):  # faintest first
         light, bound = int(state.lights[row]), bounds[row]
         culled += bound
-        contributes = (bound > 0.0) & (culled > MAX_CULLED_FRACTION * local)
+        contributes = (bound > 0.0) & (has_gloss | (culled > MAX_CULLED_FRACTION * local))
         if contributes.any():
             visibility = state.coarse_visibility.get(light, np.zeros_like(bound))
             influences[light] = LightInfluence(

@@ -10,7 +10,16 @@ from ism_addon.scene import LightShape
 from ism_addon.settings import Shadow
 from ism_addon.shading.builder import Builder, constant
 from tests.scenes.parts.tables import materials_of
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, make_scene, quad, view_from_above, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    draw,
+    join_lights,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 from tests.tables import ggx
 from tests.unit.shading import glsl_functions
 
@@ -117,6 +126,21 @@ def test_a_metal_reflects_all_points_of_a_light(device, roughness, shape):
     error = drawn.color[..., :3] - expected
     assert np.sqrt((error**2).mean()) < 0.01 * expected.mean()
     assert abs(error.mean()) < 0.002 * expected.mean()
+
+
+def test_a_light_of_negligible_irradiance_is_reflected(device):
+    """Its radiance is a hundred times that of the other light, its irradiance less than a thousandth."""
+    large = light(LightShape.RECTANGLE, (0.0, 0.0, 1.5), (1.2, 0.0, 0.0), (0.0, -1.2, 0.0), radiance=1.0)
+    small = light(LightShape.RECTANGLE, (0.1, 0.1, 4.0), (0.006, 0.0, 0.0), (0.0, -0.006, 0.0), radiance=100.0)
+    view, settings = view_from_above(2.0, (32, 32)), with_quality(SMALL_SETTINGS, samples=64)
+    graph, constants = metal(0.05)
+    both, alone = (
+        draw(device, floor_of(graph, constants, lights), view, settings).color[..., :3]
+        for lights in (join_lights(large, small), small)
+    )
+    without = draw(device, floor_of(graph, constants, large), view, settings).color[..., :3]
+    assert alone.sum() > 1.0
+    assert (both - without).sum() == pytest.approx(alone.sum(), rel=0.05)
 
 
 def test_lobes_that_no_material_has_have_no_targets(device):

@@ -82,7 +82,10 @@ class CullLights(Pass):
     """For each light that contributes anywhere, how much it can in each tile."""
 
     schedule = Schedule.DOUBLING  # further samples show additional surfaces
-    inputs = *SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, Change.LIGHTS, Change.SAMPLE, "shortcuts"
+    inputs = (
+        *(*SURFACE, DEPTH, LIGHT_BUFFERS, TLAS, POINT_GRAPHS),
+        *(Change.LIGHTS, Change.GLOSS, Change.SAMPLE, "shortcuts"),
+    )
     feedback = (RETESTS,)
     outputs = outputs(
         *(*NEAR_BOUNDS, *FAR_BOUNDS, CULLING_STATE, REDISCOVERED),
@@ -104,7 +107,8 @@ class CullLights(Pass):
         if frame.settings.shortcuts:
             state = self.first_state(frame) if frame.sample == 0 else self.next_state(frame)
             frame[CULLING_STATE] = state
-            influences, hidden = light_influences(state), (state.hidden.lights, state.relative_bounds(np.add))
+            influences = light_influences(state, frame.scene.has_gloss)
+            hidden = state.hidden.lights, state.relative_bounds(np.add)
         else:
             influences, none = without_culling(frame), HiddenLights.none(frame.tiles)
             hidden = none.lights, none.bounds
