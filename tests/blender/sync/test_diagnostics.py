@@ -52,6 +52,22 @@ def test_each_socket_that_is_not_drawn_is_reported(material, read_scene, name, v
     assert read_scene().warnings == (f"{issue}: 'Paint'.",)
 
 
+@pytest.mark.parametrize(
+    ("node", "distribution", "issues"),
+    [
+        ("Sheen", "MICROFIBER", ()),
+        ("Sheen", "ASHIKHMIN", ("Sheen of the distribution Ashikhmin is drawn as microfibers: 'Paint'.",)),
+        ("Anisotropic", "BECKMANN", ("Glossy shaders of other distributions are drawn with that of GGX: 'Paint'.",)),
+    ],
+)
+def test_distributions_that_are_not_drawn_are_reported(material, read_scene, node, distribution, issues):
+    tree = material.node_tree
+    surface = tree.nodes.new(f"ShaderNodeBsdf{node}")
+    surface.distribution = distribution
+    tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    assert read_scene().warnings == issues
+
+
 def test_a_value_node_is_read_as_the_sockets_own_number(material, read_scene):
     value = material.node_tree.nodes.new("ShaderNodeValue")
     material.node_tree.links.new(value.outputs[0], principled(material).inputs["Transmission Weight"])

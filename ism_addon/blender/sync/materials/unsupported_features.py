@@ -23,8 +23,8 @@ ALWAYS = {
     "ShaderNodeSubsurfaceScattering": "Subsurface scattering is drawn as diffuse reflection",
 }
 
-#: Distributions of microfacets that are drawn.
-DISTRIBUTIONS = {"GGX", "MULTI_GGX"}
+#: Distributions that are drawn: of microfacets, and of sheen.
+DISTRIBUTIONS = {"GGX", "MULTI_GGX", "MICROFIBER"}
 
 
 def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:
@@ -46,7 +46,10 @@ def warn_of_shader(material: bpy.types.Material, shader: bpy.types.Node, finding
     if shader.bl_idname in ALWAYS:
         findings.warn(ALWAYS[shader.bl_idname], material.name)
     if getattr(shader, "distribution", "GGX") not in DISTRIBUTIONS:
-        findings.warn("Glossy shaders of other distributions are drawn with that of GGX", material.name)
+        if shader.bl_idname == "ShaderNodeBsdfSheen":
+            findings.warn("Sheen of the distribution Ashikhmin is drawn as microfibers", material.name)
+        else:
+            findings.warn("Glossy shaders of other distributions are drawn with that of GGX", material.name)
     if getattr(shader, "fresnel_type", "F82") != "F82":
         findings.warn("Metals of a complex index of refraction are drawn in their base color", material.name)
 
