@@ -15,53 +15,41 @@ EXTRA = "closure_anisotropy", "closure_sheen", "closure_rough_diffuse"
 WITHOUT_NORMAL = "closure_transparent", "closure_emission"
 
 
-def closure(file: str, operands: str, *names: str, parameter: bool = False, cost: int = 1) -> None:
-    """Register operations that add to the closures at a point. `operands`: types separated by spaces."""
-    types = tuple(operands.split())
-    OPERATIONS.update(
-        {name: Operation(types, "", file, at_point=True, has_parameter=parameter, cost=cost) for name in names}
+def closure(name: str, operands: str, *, file: str = "gloss", parameter: bool = False, cost: int = 1) -> None:
+    """Register an operation that adds to the closures at a point. `operands`: types separated by spaces."""
+    OPERATIONS[name] = Operation(tuple(operands.split()), "", file, at_point=True, has_parameter=parameter, cost=cost)
+
+
+def below(name: str, operands: str, *, parameter: bool = False, cost: int) -> None:
+    """Register an operation that gives the weight of what is below a layer. Its first operand is that of the layer."""
+    OPERATIONS[name] = Operation(
+        tuple(operands.split()), "vec3", "gloss", at_point=True, has_parameter=parameter, cost=cost, mean=1.0
     )
 
 
 # What passes, and what is emitted.
-closure("closures", "vec3", "closure_transparent", "closure_emission")
+closure("closure_transparent", "vec3", file="closures")
+closure("closure_emission", "vec3", file="closures")
+# The parameter of lobes of microfacets, and of rough diffuse ones: 1 if light is reflected between them more than once.
+
 # What is reflected, and the normal.
-closure("closures", "vec3 vec3", "closure_diffuse")
+closure("closure_diffuse", "vec3 vec3", file="closures")
 # Weight, color, roughness and normal.
-closure("closures", "vec3 vec3 float vec3", "closure_rough_diffuse")
-# Weight, color, roughness and normal. The parameter: 1 if light is reflected between microfacets more than once.
-closure("gloss", "vec3 vec3 float vec3", "closure_glossy", parameter=True, cost=4)
+closure("closure_rough_diffuse", "vec3 vec3 float vec3", file="closures", parameter=True)
+# Weight, color, roughness and normal.
+closure("closure_glossy", "vec3 vec3 float vec3", parameter=True, cost=4)
 # Weight, color, tint at grazing angles, roughness and normal.
-closure("gloss", "vec3 vec3 vec3 float vec3", "closure_metal", parameter=True, cost=6)
+closure("closure_metal", "vec3 vec3 vec3 float vec3", parameter=True, cost=6)
 # Weight, index of refraction, its level, tint, roughness and normal.
-closure("gloss", "vec3 float float vec3 float vec3", "closure_dielectric", parameter=True, cost=8)
-# The same, of what is below a dielectric's lobe.
-OPERATIONS["below_dielectric"] = Operation(
-    ("vec3", "float", "float", "vec3", "float", "vec3"),
-    "vec3",
-    "gloss",
-    at_point=True,
-    has_parameter=True,
-    cost=4,
-    mean=1.0,
-)
-# Anisotropy, rotation, tangent and normal: of all glossy lobes but the coat.
-closure("gloss", "float float vec3 vec3", "closure_anisotropy")
+closure("closure_dielectric", "vec3 float float vec3 float vec3", parameter=True, cost=8)
+below("below_dielectric", "vec3 float float vec3 float vec3", parameter=True, cost=4)
+# Aspect, rotation, tangent and normal: of all glossy lobes but the coat.
+closure("closure_anisotropy", "float float vec3 vec3")
 # Weight, index of refraction, roughness and normal.
-closure("gloss", "vec3 float float vec3", "closure_coat", parameter=True, cost=4)
-# The weight of what is below, the coat's weight, index of refraction, roughness, tint and normal.
-OPERATIONS["below_coat"] = Operation(
-    ("vec3", "float", "float", "float", "vec3", "vec3"),
-    "vec3",
-    "gloss",
-    at_point=True,
-    has_parameter=True,
-    cost=3,
-    mean=1.0,
-)
+closure("closure_coat", "vec3 float float vec3", parameter=True, cost=4)
+# The weight of both, the coat's own weight, index of refraction, roughness, tint and normal.
+below("below_coat", "vec3 float float float vec3 vec3", parameter=True, cost=3)
 # Weight, roughness and normal.
-closure("gloss", "vec3 float vec3", "closure_sheen", cost=3)
-# The weight of what is below, that of sheen, roughness and normal.
-OPERATIONS["below_sheen"] = Operation(
-    ("vec3", "vec3", "float", "vec3"), "vec3", "gloss", at_point=True, cost=3, mean=1.0
-)
+closure("closure_sheen", "vec3 float vec3", cost=3)
+# The weight of both, that of sheen, roughness and normal.
+below("below_sheen", "vec3 vec3 float vec3", cost=3)

@@ -9,14 +9,18 @@ import bpy
 from ....shading.builder import Builder, Value, constant
 from ..node_graphs.reader import Closure
 
-BLACK = constant((0.0, 0.0, 0.0))
+BLACK, WHITE = constant((0.0, 0.0, 0.0)), constant((1.0, 1.0, 1.0))
 ONE, ZERO = constant(1.0), constant(0.0)
 
 #: The distribution of microfacets between which light is reflected more than once.
 MULTIPLE = "MULTI_GGX"
 
-#: Whether a coat's microfacets are of that kind in this release of Cycles.
+#: Whether a coat's microfacets, and the facets of rough diffuse surfaces, are of that kind in this release of Cycles.
 MULTIPLE_IN_COATS = int(bpy.app.version >= (4, 4))
+MULTIPLE_IN_DIFFUSE = int(bpy.app.version >= (4, 3))
+
+#: Alpha of microfacets below which they are those of a mirror.
+MIN_ALPHA = constant(1e-6)
 
 
 class Lobe(NamedTuple):
@@ -57,7 +61,8 @@ class Lobes:
             reflectance = self._builder.call("vector_multiply", weight, color)
             operation = self._builder.call("closure_diffuse", reflectance, normal)
         else:
-            operation = self._builder.call("closure_rough_diffuse", weight, color, roughness, normal)
+            operands = weight, color, roughness, normal
+            operation = self._builder.call("closure_rough_diffuse", *operands, parameter=MULTIPLE_IN_DIFFUSE)
         yield Lobe(operation, weight, color)
 
     def _diffuse(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -65,23 +70,32 @@ class Lobes:
         yield from self.diffuse(weight, closure.inputs["color"], self._normal_of(closure), roughness)
 
     def _glossy(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
-        inputs = closure.inputs
-        operands = weight, inputs["color"], inputs["roughness"], self._normal_of(closure)
+        call, inputs = self._builder.call, closure.inputs
+        roughness = inputs["roughness"]
+        if "tangent" in inputs:
+            anisotropy = call("clamp_minmax", inputs["anisotropy"], constant(-0.99), constant(0.99))
+            narrowed = call("math_subtract", ONE, call("math_absolute", anisotropy))
+            is_across = call("math_greater_than", anisotropy, ZERO)
+            aspect = call("mix_float", is_across, narrowed, call("math_divide", ONE, narrowed))
+            roughness, aspect = self._shape(roughness, aspect)
+            yield self._anisotropy(closure, aspect)
+        operands = weight, inputs["color"], roughness, self._normal_of(closure)
         yield self._lobe("closure_glossy", closure, operands, weight, inputs["color"])
-        yield from self._anisotropy(closure)
 
     def _metallic(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         inputs = closure.inputs
-        yield self._metal(closure, weight, inputs["base_color"], inputs["edge_tint"])
-        yield from self._anisotropy(closure)
+        roughness, lobes = self._anisotropic_roughness(closure)
+        yield from lobes
+        yield self._metal(closure, weight, inputs["base_color"], inputs["edge_tint"], roughness)
 
-    def _metal(self, closure: Closure, weight: Value, color: Value, edge_tint: Value) -> Lobe:
-        operands = weight, color, edge_tint, closure.inputs["roughness"], self._normal_of(closure)
+    def _metal(self, closure: Closure, weight: Value, color: Value, edge_tint: Value, roughness: Value) -> Lobe:
+        operands = weight, color, edge_tint, roughness, self._normal_of(closure)
         return self._lobe("closure_metal", closure, operands, weight, color)
 
     def _glass(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         inputs = closure.inputs
-        operands = weight, inputs["ior"], constant(0.5), inputs["color"], inputs["roughness"], self._normal_of(closure)
+        tinted = self._builder.call("vector_multiply", weight, inputs["color"])
+        operands = tinted, inputs["ior"], constant(0.5), WHITE, inputs["roughness"], self._normal_of(closure)
         yield self._lobe("closure_dielectric", closure, operands, weight, BLACK)
 
     def _sheen(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -89,18 +103,35 @@ class Lobes:
         operation = self._builder.call("closure_sheen", color, closure.inputs["roughness"], self._normal_of(closure))
         yield Lobe(operation, weight, closure.inputs["color"])
 
-    def _anisotropy(self, closure: Closure) -> Iterator[Lobe]:
+    def _anisotropic_roughness(self, closure: Closure) -> tuple[Value, list[Lobe]]:
+        """The roughness of Principled or Metallic BSDF's microfacets, and what makes their lobes anisotropic."""
+        call, inputs = self._builder.call, closure.inputs
+        if "tangent" not in inputs:
+            return inputs["roughness"], []
+        rest = call("math_subtract", ONE, call("math_multiply", constant(0.9), call("saturate", inputs["anisotropy"])))
+        roughness, aspect = self._shape(inputs["roughness"], call("math_sqrt", rest))
+        return roughness, [self._anisotropy(closure, aspect)]
+
+    def _shape(self, roughness: Value, aspect: Value) -> tuple[Value, Value]:
+        """Roughness and aspect of microfacets after alpha, roughness² over and times the aspect, is limited to 1."""
+        call, limited = self._builder.call, self._builder.call("saturate", roughness)
+        alpha = call("math_maximum", call("math_multiply", limited, limited), MIN_ALPHA)
+        along = call("saturate", call("math_divide", alpha, aspect))
+        across = call("saturate", call("math_multiply", alpha, aspect))
+        mean = call("math_sqrt", call("math_multiply", along, across))
+        return call("math_sqrt", mean), call("math_sqrt", call("math_divide", across, along))
+
+    def _anisotropy(self, closure: Closure, aspect: Value) -> Lobe:
         """What makes the glossy lobes anisotropic."""
-        inputs = closure.inputs
-        if "tangent" in inputs:
-            operands = inputs["anisotropy"], inputs["rotation"], inputs["tangent"], self._normal_of(closure)
-            yield Lobe(self._builder.call("closure_anisotropy", *operands), ONE, BLACK)
+        operands = aspect, closure.inputs["rotation"], closure.inputs["tangent"], self._normal_of(closure)
+        return Lobe(self._builder.call("closure_anisotropy", *operands), ONE, BLACK)
 
     def _principled(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         """Sheen, a coat, metal beside a dielectric, and a diffuse lobe: each has what those above do not reflect."""
         builder, inputs = self._builder, closure.inputs
         normal, base_color, tint = self._normal_of(closure), inputs["base_color"], inputs["specular_tint"]
-        coat_normal, roughness = inputs["coat_normal"], inputs["roughness"]
+        coat_normal = inputs["coat_normal"]
+        roughness, anisotropy = self._anisotropic_roughness(closure)
         if not self._is_nothing(inputs["sheen"]):
             amount = builder.call("vector_scale", inputs["sheen_tint"], inputs["sheen"])
             sheen = builder.call("vector_multiply", weight, amount)
@@ -115,9 +146,9 @@ class Lobes:
         metallic = builder.call("saturate", inputs["metallic"])
         if not self._is_nothing(metallic):
             metal = builder.call("vector_scale", weight, metallic)
-            yield self._metal(closure, metal, base_color, tint)
+            yield self._metal(closure, metal, base_color, tint, roughness)
             weight = builder.call("vector_scale", weight, builder.call("math_subtract", ONE, metallic))
-        yield from self._anisotropy(closure)
+        yield from anisotropy
         if self._is_nothing(weight):
             return
         level = inputs["specular_ior_level"]

@@ -16,10 +16,10 @@ Microfacets microfacets(Gloss gloss, vec3 n) {
 #if RARE_LOBES
 Microfacets anisotropic_microfacets(Gloss gloss, RareLobes rare, vec3 n) {
     Microfacets facets = microfacets(gloss, n);
-    float aspect = sqrt(1.0 - 0.9 * rare.anisotropy), angle = 6.283185307179586 * rare.tangent_angle;
+    float angle = 6.283185307179586 * rare.tangent_angle;
     vec3 tangent = cos(angle) * facets.frame[0] + sin(angle) * facets.frame[1];
     facets.frame = mat3(tangent, cross(n, tangent), n);
-    facets.alpha = min(facets.alpha * vec2(1.0 / aspect, aspect), 1.0);
+    facets.alpha = min(facets.alpha * vec2(1.0 / rare.aspect, rare.aspect), 1.0);
     return facets;
 }
 #endif

@@ -20,7 +20,7 @@ float rough_diffuse_fraction(float cosine) {
 }
 
 // The difference of a rough surface's value from Lambert's, times the cosine, 1/sr: Oren & Nayar 1994 as improved by Fujii
-// 2012, with the light that is reflected several times, as in Cycles.
+// 2012, with the light that is reflected several times, as in Cycles since 4.3, or without it.
 vec3 evaluate_rough_diffuse(vec3 reflectance, RareLobes rare, vec3 n, vec3 wo, vec3 wi) {
     const float PI = 3.141592653589793;
     float to_light = max(dot(n, wi), 0.0), to_camera = max(dot(n, wo), 0.0);
@@ -30,7 +30,7 @@ vec3 evaluate_rough_diffuse(vec3 reflectance, RareLobes rare, vec3 n, vec3 wo, v
     float mean = a * PI + (2.0 * PI - 5.6) / 3.0 * b;
     float of_light = a * PI + b * rough_diffuse_fraction(to_light);
     float of_camera = a * PI + b * rough_diffuse_fraction(to_camera);
-    vec3 limited = clamp(reflectance / max(rare.diffuse_weight, 1e-3), 0.0, 1.0);
+    vec3 limited = clamp(reflectance / max(rare.diffuse_weight, 1e-3), 0.0, 1.0) * sign(rare.diffuse_weight);
     vec3 further = limited * limited * (mean / max(1.0 - mean, 1e-6)) / (PI * (1.0 - limited * (1.0 - mean)));
     further *= (1.0 - of_camera) * (1.0 - of_light);
     return reflectance * to_light * (a + b * t - 1.0 / PI + further);

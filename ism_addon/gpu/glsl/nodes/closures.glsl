@@ -18,10 +18,10 @@ struct Closures {
     vec3 emission;
     vec3 diffuse;
     float diffuse_roughness; // weighted by what diffuse shaders reflect
-    float diffuse_weight;    // likewise: the rough shaders' weights
+    float diffuse_weight;    // likewise: weights of the rough shaders that reflect light more than once
     vec3 normal;             // sum of the shaders' normals, weighted by what they reflect
     GlossyClosures glossy;
-    float anisotropy;
+    float aspect; // of microfacets, at most 1: see materials/gloss.glsl
     vec3 tangent;
     GlossyClosures coat;
     vec3 coat_normal;
@@ -31,7 +31,8 @@ struct Closures {
 
 Closures no_closures() {
     GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
-    return Closures(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0), none, 0.0, vec3(0.0), none, vec3(0.0), vec3(0.0), vec2(0.0));
+    vec3 zero = vec3(0.0);
+    return Closures(zero, zero, zero, 0.0, 0.0, zero, none, 1.0, zero, none, zero, zero, vec2(0.0));
 }
 
 void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {
@@ -53,11 +54,11 @@ void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance,
     closures.normal += sum_of(reflected) * normal;
 }
 
-// Rough as by Oren & Nayar 1994.
+// Rough as by Oren & Nayar 1994, with the light that is reflected several times or without it.
 void closure_rough_diffuse(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float roughness,
-                           vec3 normal) {
+                           vec3 normal, int multiple) {
     float reflected = sum_of(finite(max(weight * color, 0.0)));
     closure_diffuse(closures, at, weight * color, normal);
     closures.diffuse_roughness += reflected * clamp(roughness, 0.0, 1.0);
-    closures.diffuse_weight += reflected * sum_of(weight) / 3.0;
+    if (multiple == 1) closures.diffuse_weight += reflected * sum_of(weight) / 3.0;
 }

@@ -102,13 +102,15 @@ vec3 below_dielectric(ShadingPoint at, vec3 weight, float ior, float level, vec3
     return weight * (1.0 - min(max(albedo.r, max(albedo.g, albedo.b)), 1.0));
 }
 
-// Makes the glossy lobes anisotropic: along the tangent, after a rotation about the normal, in turns.
-void closure_anisotropy(inout Closures closures, ShadingPoint at, float anisotropy, float rotation, vec3 tangent,
+// Makes the glossy lobes anisotropic, see materials/gloss.glsl: along the tangent, after a rotation about the normal, in
+// turns.
+void closure_anisotropy(inout Closures closures, ShadingPoint at, float aspect, float rotation, vec3 tangent,
                         vec3 normal) {
     float angle = 6.283185307179586 * rotation;
     vec3 across = cross(normal, tangent), along = tangent - dot(tangent, normal) * normal;
-    closures.anisotropy = clamp(anisotropy, 0.0, 1.0);
-    closures.tangent = cos(angle) * along + sin(angle) * across;
+    vec3 rotated = cos(angle) * along + sin(angle) * across;
+    closures.aspect = min(aspect, 1.0 / aspect);
+    closures.tangent = aspect > 1.0 ? cross(normal, rotated) : rotated;
 }
 
 // A lobe above all others, of a dielectric.
@@ -169,8 +171,8 @@ RareLobes rare_lobes_of(Closures closures, vec3 n) {
     vec3 across = cross(n, closures.tangent);
     mat3 frame = basis(n);
     float angle = atan(dot(closures.tangent, frame[1]), dot(closures.tangent, frame[0])) / 6.283185307179586;
-    bool has_tangent = closures.anisotropy > 0.0 && dot(across, across) > 1e-12;
+    bool has_tangent = closures.aspect < 1.0 && dot(across, across) > 1e-12;
     vec2 diffuse = vec2(closures.diffuse_roughness, closures.diffuse_weight) / max(sum_of(closures.diffuse), 1e-30);
-    return RareLobes(closures.sheen, closures.sheen_shape, has_tangent ? closures.anisotropy : 0.0,
+    return RareLobes(closures.sheen, closures.sheen_shape, has_tangent ? closures.aspect : 1.0,
                      has_tangent ? fract(angle) : 0.0, diffuse.x, diffuse.y);
 }
