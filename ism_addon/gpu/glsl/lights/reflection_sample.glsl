@@ -25,6 +25,13 @@ vec3 lobe_sequence(ivec2 at, uvec3 shift, uint index) {
     return vec3(fixed_point >> 8u) / 16777216.0;
 }
 
+// Where a light emits from in a direction. Suns and the world do from where a ray has left the scene, as their samples: a
+// ray to their true distance would overflow.
+vec3 emitting_point(Light light, vec3 p, vec3 wi) {
+    float distance = light_hit_distance(light, p, wi);
+    return p + (distance < 1e28 ? distance : 2.0 * scene_extent.x) * wi;
+}
+
 // Where the light's radiance is even, candidates differ from the prediction by as much as the BSDF does; otherwise their
 // sum does. That of light from everywhere is exact.
 ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction prediction, Light light, vec2 light_uv,
@@ -53,8 +60,7 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     if (radiance <= 0.0) return kept;
     value = evaluate_lobes(lobes, wi);
     density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
-    float distance = light_hit_distance(light, p, wi);
-    vec3 point = p + distance * wi;
+    vec3 point = emitting_point(light, p, wi);
     light_sum = light.emission * light_color(light, p, point) * (radiance / density);
     vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
     if (prediction.even != EVERYWHERE) kept.correction += other_gloss;
@@ -62,8 +68,7 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
     float probability = second > 0.0 ? first / (first + second) : 1.0;
     if (lobe_uv.z >= probability) {
-        // Rays end where they have left the scene: to suns they would be too long for float32.
-        kept.from = LightSample(p + min(distance, 2.0 * scene_extent.x) * wi, wi, radiance, density);
+        kept.from = LightSample(point, wi, radiance, density);
         kept.diffuse = other_diffuse;
         kept.gloss = other_gloss;
         probability = 1.0 - probability;
