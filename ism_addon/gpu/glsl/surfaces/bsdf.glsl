@@ -59,9 +59,24 @@ vec3 evaluate_prediction(LobePrediction prediction, Lobes lobes, vec3 wi) {
     return sum;
 }
 
+// Whether `reflected_fraction` is what the lobes reflect of light from everywhere. Up to a roughness of .15, that of coats
+// and of anisotropic lobes is, within .3 %.
+bool reflected_fraction_is_exact(Lobes lobes) {
+    const float MAX_ROUGHNESS = 0.15;
+    bool exact = lobes.gloss.edge == vec3(0.0);
+#if COAT
+    exact = exact && !(is_glossy(lobes.coat) && lobes.coat.roughness > MAX_ROUGHNESS);
+#endif
+#if RARE_LOBES
+    exact = exact && !(lobes.rare.aspect < 1.0 && lobes.gloss.roughness > MAX_ROUGHNESS);
+    exact = exact && lobes.rare.diffuse_roughness == 0.0;
+#endif
+    return exact;
+}
+
 // Microfacets count as if all of the light came from the mirror direction, or else from its middle.
-vec3 mean_reflectance(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 middle, float even) {
-    if (even == EVERYWHERE) return reflected_fraction(gloss);
+vec3 mean_reflectance(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 middle, bool everywhere) {
+    if (everywhere && gloss.edge == vec3(0.0)) return reflected_fraction(gloss);
     vec3 mirror = reflect(-wo, n);
     vec3 half_way = normalize(wo + (light_emitted(light, p, mirror) > 0.0 ? mirror : middle));
     return gloss.reflected * reflectance(gloss, max(dot(wo, half_way), 0.0));
@@ -82,11 +97,12 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     }
     vec3 sum = vec3(0.0);
     prediction.even = light_even_radiance(light, p, n);
-    if (prediction.even == EVERYWHERE && lobes.gloss.edge != vec3(0.0)) prediction.even = 0.0;
+    bool everywhere = prediction.even == EVERYWHERE;
+    if (everywhere && !reflected_fraction_is_exact(lobes)) prediction.even = 0.0;
     prediction.transform = cosine_from_anchor(lobes.gloss, n, lobes.wo);
     prediction.reflectance = vec3(0.0);
     if (is_glossy(lobes.gloss)) {
-        prediction.reflectance = mean_reflectance(lobes.gloss, n, lobes.wo, p, light, from.wi, prediction.even);
+        prediction.reflectance = mean_reflectance(lobes.gloss, n, lobes.wo, p, light, from.wi, everywhere);
         sum += prediction.reflectance * (INVERSE_PI * light_transformed_irradiance(light, p, prediction.transform));
     }
 #if COAT
@@ -94,7 +110,7 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     prediction.coat_transform = cosine_from_anchor(lobes.coat, coat_normal, lobes.wo);
     prediction.coat_reflectance = vec3(0.0);
     if (is_glossy(lobes.coat)) {
-        prediction.coat_reflectance = mean_reflectance(lobes.coat, coat_normal, lobes.wo, p, light, from.wi, prediction.even);
+        prediction.coat_reflectance = mean_reflectance(lobes.coat, coat_normal, lobes.wo, p, light, from.wi, everywhere);
         float fraction = INVERSE_PI * light_transformed_irradiance(light, p, prediction.coat_transform);
         sum += prediction.coat_reflectance * fraction;
     }
@@ -110,7 +126,6 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
         vec3 value = evaluate_rough_diffuse(lobes.base_color, lobes.rare, n, lobes.wo, from.wi);
         prediction.rough_diffuse = value / max(dot(n, from.wi), 0.1);
         sum += prediction.rough_diffuse * irradiance;
-        if (prediction.even == EVERYWHERE) prediction.even = 0.0;
     }
 #endif
     prediction.radiance = sum * light.emission * light_mean_color(light, p, n);
