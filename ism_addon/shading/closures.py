@@ -7,7 +7,7 @@ Weights are colors, as the layers above can be tinted. The functions are in gpu/
 from .operations import OPERATIONS, Operation
 
 #: Operations that add a lobe of microfacets, that change those, and that add others than Lambert's.
-GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric"
+GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric", "closure_glass"
 COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_sheen", "closure_rough_diffuse"
 
@@ -43,6 +43,8 @@ closure("closure_metal", "vec3 vec3 vec3 float vec3", parameter=True, cost=6)
 # Weight, index of refraction, its level, tint, roughness and normal.
 closure("closure_dielectric", "vec3 float float vec3 float vec3", parameter=True, cost=8)
 below("below_dielectric", "vec3 float float vec3 float vec3", parameter=True, cost=4)
+# Weight, color, index of refraction, roughness and normal.
+closure("closure_glass", "vec3 vec3 float float vec3", parameter=True, cost=6)
 # Aspect, rotation, tangent and normal: of all glossy lobes but the coat.
 closure("closure_anisotropy", "float float vec3 vec3")
 # Weight, index of refraction, roughness and normal.

@@ -17,6 +17,8 @@ def main() -> None:
         "mean_albedo": albedo.mean_albedo_table(),
         "dielectric": albedo.dielectric_table(),
         "schlick": albedo.schlick_table(),
+        "glass": albedo.glass_table(),
+        "mean_glass": albedo.mean_glass_table(),
         "sheen": sheen_table,
     }
     np.savez_compressed(FILE, **{name: np.asarray(table, np.float32) for name, table in tables.items()})

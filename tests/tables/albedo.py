@@ -47,9 +47,7 @@ def directional_albedo(roughness: float, cosine: np.ndarray) -> np.ndarray:
 
 def mean_albedo(roughness: float) -> float:
     """Mean of the directional albedo, weighted by the cosine."""
-    node, weight = np.polynomial.legendre.leggauss(64)
-    cosine = 0.5 + 0.5 * node
-    return float((weight * cosine * directional_albedo(roughness, cosine)).sum())
+    return mean_of(partial(directional_albedo, roughness))
 
 
 def mean_shape(roughness: float, cosine: np.ndarray, shape: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -59,6 +57,25 @@ def mean_shape(roughness: float, cosine: np.ndarray, shape: Callable[[np.ndarray
     """
     wo, cos_h, _ = reflections(roughness, cosine)
     return np.where(wo[..., 2] > 0.0, shape(cos_h), 0.0).mean(1)
+
+
+def glass_albedo(roughness: float, cosine: np.ndarray, eta: float) -> np.ndarray:
+    """(C,): single scattering of a dielectric's reflection and refraction together. `eta`: at least 1."""
+    wo, cos_h, wi = reflections(roughness, cosine)
+    h = ggx.half_vector(wi, wo)
+    through = wi / eta - (cos_h / eta - np.sqrt(1.0 - (1.0 - cos_h**2) / eta**2))[..., None] * h
+    reflected, shadow_i = ggx.fresnel_dielectric(cos_h, eta), 1.0 + ggx.smith_lambda(wi[..., 2], roughness**2)
+    passed = [
+        shadow_i / (shadow_i + ggx.smith_lambda(z, roughness**2)) * (z > 0.0) for z in (wo[..., 2], through[..., 2])
+    ]
+    return (reflected * passed[0] + (1.0 - reflected) * passed[1]).mean(1)
+
+
+def mean_of(albedo: Callable[[np.ndarray], np.ndarray]) -> float:
+    """Mean of a directional albedo, weighted by the cosine."""
+    node, weight = np.polynomial.legendre.leggauss(64)
+    cosine = 0.5 + 0.5 * node
+    return float((weight * cosine * albedo(cosine)).sum())
 
 
 def albedo_table() -> np.ndarray:
@@ -73,9 +90,28 @@ def mean_albedo_table() -> np.ndarray:
 
 def dielectric_table() -> np.ndarray:
     """(16,16,16) by roughness, cosine and √√F0 of the index of refraction."""
+    return shape_table([partial(ggx.dielectric_shape, eta=eta) for eta in indices_of_refraction()])
+
+
+def indices_of_refraction() -> np.ndarray:
+    """(16,) by √√F0."""
     squares = np.minimum(grid(SHAPE_COUNT), LARGEST_PARAMETER) ** 2
-    shapes = [partial(ggx.dielectric_shape, eta=eta) for eta in (1.0 + squares) / (1.0 - squares)]
-    return shape_table(shapes)
+    return (1.0 + squares) / (1.0 - squares)
+
+
+def glass_table() -> np.ndarray:
+    """(16,16,16) by roughness, cosine and √√F0 of the index of refraction."""
+    at, etas = grid(SHAPE_COUNT), indices_of_refraction()
+    return np.stack([np.stack([glass_albedo(roughness, at, eta) for eta in etas], -1) for roughness in at])
+
+
+def mean_glass_table() -> np.ndarray:
+    """(16,16) by roughness and √√F0 of the index of refraction."""
+    means = [
+        [mean_of(partial(glass_albedo, roughness, eta=eta)) for eta in indices_of_refraction()]
+        for roughness in grid(SHAPE_COUNT)
+    ]
+    return np.array(means)
 
 
 def schlick_table() -> np.ndarray:

@@ -39,8 +39,21 @@ def ggx_mean_albedo(roughness: np.ndarray) -> np.ndarray:
     return interpolate(tables()["mean_albedo"], roughness)
 
 
+def root_of(eta: np.ndarray) -> np.ndarray:
+    """√√F0 of an index of refraction."""
+    return np.sqrt(np.abs((eta - 1.0) / (eta + 1.0)))
+
+
 def dielectric_s(roughness: np.ndarray, cosine: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    return interpolate(tables()["dielectric"], roughness, cosine, np.sqrt(np.abs((eta - 1.0) / (eta + 1.0))))
+    return interpolate(tables()["dielectric"], roughness, cosine, root_of(eta))
+
+
+def glass_albedo(roughness: np.ndarray, cosine: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    return interpolate(tables()["glass"][..., :-1], roughness, cosine, 15.0 / 14.0 * root_of(eta))
+
+
+def glass_mean_albedo(roughness: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    return interpolate(tables()["mean_glass"], roughness, root_of(eta))
 
 
 def schlick_s(roughness: np.ndarray, cosine: np.ndarray) -> np.ndarray:

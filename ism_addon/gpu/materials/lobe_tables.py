@@ -8,6 +8,8 @@ albedo       (32,32)     Directional albedo E of GGX without Fresnel, single sca
 mean_albedo  (32,)       Cosine-weighted mean of E
 dielectric   (16,16,16)  s of a dielectric's albedo mix(F0, F90, s). The last index is √√F0, of the IOR
 schlick      (16,16)     s of the albedo with Schlick's Fresnel, mix(F0, 1, s)
+glass        (16,16,16)  Directional albedo of a dielectric with what it transmits, single scattering
+mean_glass   (16,16)     Its cosine-weighted mean, by r and √√F0
 sheen        (32,32,3)   The transformed cosine of Cycles' sheen: a, b of [[a,0,b],[0,a,0],[0,0,1]], and its albedo R
 
 All but `ltc` are on the grids of Cycles' tables and interpolated linearly as there, with the same errors. So pictures
@@ -38,14 +40,16 @@ def row_groups() -> dict[str, np.ndarray]:
     """(N,4) float32 rows of the buffer texture by the name of their first row in GLSL."""
     by_name = tables()
     dielectric = by_name["dielectric"]
-    # A row has the values of two neighbouring indices of refraction, and Schlick's.
+    # A row has the values of two neighbouring indices of refraction, Schlick's, and glass's of the first of these.
     pairs = np.stack([dielectric[..., :-1], dielectric[..., 1:]], -1).transpose(2, 0, 1, 3)
     schlick = np.broadcast_to(by_name["schlick"][..., None], (*pairs.shape[:-1], 1))
+    glass = by_name["glass"][..., :-1, None].transpose(2, 0, 1, 3)
     columns = {
         "LTC_ROWS": by_name["ltc"],
         "ALBEDO_ROWS": np.concatenate([by_name["sheen"], by_name["albedo"][..., None]], -1),
         "MEAN_ALBEDO_ROWS": by_name["mean_albedo"][..., None],
-        "SHAPE_ROWS": np.concatenate([pairs, schlick], -1),
+        "SHAPE_ROWS": np.concatenate([pairs, schlick, glass], -1),
+        "MEAN_GLASS_ROWS": by_name["mean_glass"][..., None],
     }
     rows = {name: each.reshape(-1, each.shape[-1]) for name, each in columns.items()}
     return {name: np.pad(each, ((0, 0), (0, 4 - each.shape[1]))) for name, each in rows.items()}

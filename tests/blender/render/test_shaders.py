@@ -34,6 +34,7 @@ def shaders() -> dict[str, Shader]:
         "glossy along": ("Anisotropic", SEVERAL_TIMES, {**rough, "Anisotropy": 0.6, "Rotation": 0.1}),
         "glossy across": ("Anisotropic", ONCE, {**rough, "Anisotropy": -0.6, "Rotation": 0.1}),
         "glass": ("Glass", ONCE, rough),
+        "glass, several reflections": ("Glass", SEVERAL_TIMES, {**rough, "Roughness": 1.0}),
         "sheen": ("Sheen", {"distribution": "MICROFIBER"}, rough),
         "metallic": ("Metallic", SEVERAL_TIMES, {"Base Color": COLOR, "Edge Tint": TINT, "Roughness": 0.5}),
         "metallic along": ("Metallic", ONCE, {"Base Color": COLOR, "Roughness": 0.6, "Anisotropy": 0.7}),

@@ -15,6 +15,8 @@ FUNCTIONS = {
     "ggx_mean_albedo": 1,
     "dielectric_s": 3,
     "schlick_s": 2,
+    "glass_albedo": 3,
+    "glass_mean_albedo": 2,
     "sheen_ltc": 2,
 }
 
@@ -72,6 +74,11 @@ def test_the_generator_makes_the_tables():
     tables = lobe_tables.tables()
     row = albedo.directional_albedo(albedo.grid(albedo.ROUGHNESS_COUNT)[20], albedo.grid(albedo.COSINE_COUNT))
     assert np.abs(tables["albedo"][20] - row).max() < 1e-6
+    row = albedo.glass_albedo(albedo.grid(albedo.SHAPE_COUNT)[10], albedo.grid(albedo.SHAPE_COUNT), 1.5)
+    assert (
+        np.abs(lookup.glass_albedo(np.full(16, 10.0 / 15.0), np.linspace(0.0, 1.0, 16), np.full(16, 1.5)) - row).max()
+        < 0.01
+    )
     assert tables["ltc"].shape == (ltc.COUNT, ltc.COUNT, 4)
 
 

@@ -9,7 +9,7 @@ import bpy
 from ....shading.builder import Builder, Value, constant
 from ..node_graphs.reader import Closure
 
-BLACK, WHITE = constant((0.0, 0.0, 0.0)), constant((1.0, 1.0, 1.0))
+BLACK = constant((0.0, 0.0, 0.0))
 ONE, ZERO = constant(1.0), constant(0.0)
 
 #: The distribution of microfacets between which light is reflected more than once.
@@ -94,9 +94,8 @@ class Lobes:
 
     def _glass(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         inputs = closure.inputs
-        tinted = self._builder.call("vector_multiply", weight, inputs["color"])
-        operands = tinted, inputs["ior"], constant(0.5), WHITE, inputs["roughness"], self._normal_of(closure)
-        yield self._lobe("closure_dielectric", closure, operands, weight, BLACK)
+        operands = weight, inputs["color"], inputs["ior"], inputs["roughness"], self._normal_of(closure)
+        yield self._lobe("closure_glass", closure, operands, weight, BLACK)
 
     def _sheen(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         color = self._builder.call("vector_multiply", weight, closure.inputs["color"])

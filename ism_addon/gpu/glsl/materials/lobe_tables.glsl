@@ -45,7 +45,20 @@ float dielectric_s(float roughness, float cos_view, float eta) {
     return mix(pair.x, pair.y, at - float(slice));
 }
 
-// The same for Schlick's Fresnel.
+// Directional albedo of a dielectric with what it transmits, single scattering. eta: from 1 to 14.
+float glass_albedo(float roughness, float cos_view, float eta) {
+    float at = clamp(sqrt(abs((eta - 1.0) / (eta + 1.0))) * float(SHAPE_SIZE - 1), 0.0, float(SHAPE_SIZE - 2));
+    int slice = min(int(at), SHAPE_SIZE - 3), size = SHAPE_SIZE * SHAPE_SIZE;
+    return mix(lobe_table(SHAPE_ROWS + slice * size, SHAPE_SIZE, roughness, cos_view).w,
+               lobe_table(SHAPE_ROWS + (slice + 1) * size, SHAPE_SIZE, roughness, cos_view).w, at - float(slice));
+}
+
+// Its mean over directions, weighted by the cosine.
+float glass_mean_albedo(float roughness, float eta) {
+    return lobe_table(MEAN_GLASS_ROWS, SHAPE_SIZE, roughness, sqrt(abs((eta - 1.0) / (eta + 1.0)))).x;
+}
+
+// dielectric_s for Schlick's Fresnel.
 float schlick_s(float roughness, float cos_view) { return lobe_table(SHAPE_ROWS, SHAPE_SIZE, roughness, cos_view).z; }
 
 // Sheen: a, b of the inverse matrix [[a, 0, b], [0, a, 0], [0, 0, 1]], coordinates as above, and its albedo. Here

@@ -9,10 +9,13 @@ float view_cosine(ShadingPoint at, vec3 normal) { return clamp(dot(at.incoming, 
 
 // Factor on the single reflections of a lobe: light that is reflected several times between microfacets is not lost. A
 // color, as each reflection absorbs some (Kulla & Conty 2017; Turquin 2019). `mean`: cosine-weighted, of the reflectance.
-vec3 multiple_reflections(vec3 mean, float roughness, float cosine) {
-    float albedo = ggx_albedo(roughness, cosine), mean_albedo = ggx_mean_albedo(roughness);
+vec3 multiple_reflections(vec3 mean, float albedo, float mean_albedo) {
     vec3 further = mean * mean_albedo / max(1.0 - mean * (1.0 - mean_albedo), 1e-6);
     return 1.0 + further * (1.0 - albedo) / albedo;
+}
+
+vec3 multiple_ggx_reflections(vec3 mean, float roughness, float cosine) {
+    return multiple_reflections(mean, ggx_albedo(roughness, cosine), ggx_mean_albedo(roughness));
 }
 
 // Returns its weight among all lobes: 0 if that is no number, and the lobe is left out.
@@ -35,7 +38,7 @@ void closure_glossy(inout Closures closures, ShadingPoint at, vec3 weight, vec3 
                     int multiple) {
     vec3 f0 = max(color, 0.0), scale = max(weight, 0.0);
     roughness = clamp(roughness, 0.0, 1.0);
-    if (multiple == 1) scale *= multiple_reflections(min(f0, 1.0), roughness, view_cosine(at, normal));
+    if (multiple == 1) scale *= multiple_ggx_reflections(min(f0, 1.0), roughness, view_cosine(at, normal));
     vec3 none = vec3(0.0);
     closures.normal += normal * add_lobe(closures.glossy, scale * f0, none, none, none, roughness, 1.0);
 }
@@ -48,10 +51,23 @@ void closure_metal(inout Closures closures, ShadingPoint at, vec3 weight, vec3 c
     float there = 1.0 / 7.0;
     vec3 edge = mix(f0, vec3(1.0), schlick_rise(there)) / edge_change(there) * (1.0 - tint);
     vec3 mean = mix(f0, vec3(1.0), 1.0 / 21.0) - edge / 126.0;
-    if (multiple == 1) scale *= multiple_reflections(mean, roughness, view_cosine(at, normal));
+    if (multiple == 1) scale *= multiple_ggx_reflections(mean, roughness, view_cosine(at, normal));
     vec3 schlick = scale * (1.0 - f0);
     closures.normal +=
         normal * add_lobe(closures.glossy, scale * f0, schlick, vec3(0.0), scale * edge, roughness, 1.0);
+}
+
+// What glass reflects. Light that it transmits is lost, but not what that adds between microfacets.
+void closure_glass(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float ior, float roughness,
+                   vec3 normal, int multiple) {
+    float eta = max(ior, 1e-5), f0 = dielectric_f0(eta), cosine = view_cosine(at, normal);
+    vec3 scale = max(weight * color, 0.0), none = vec3(0.0);
+    roughness = clamp(roughness, 0.0, 1.0);
+    if (multiple == 1 && eta > 1.0) {
+        vec2 albedo = vec2(glass_albedo(roughness, cosine, eta), glass_mean_albedo(roughness, eta));
+        scale *= multiple_reflections(clamp(color, 0.0, 1.0), albedo.x, albedo.y);
+    }
+    closures.normal += normal * add_lobe(closures.glossy, scale * f0, none, scale * (1.0 - f0), none, roughness, eta);
 }
 
 struct Dielectric { vec3 f0; float eta; };
@@ -80,7 +96,7 @@ void closure_dielectric(inout Closures closures, ShadingPoint at, vec3 weight, f
     vec3 scale = dielectric.eta == 1.0 ? vec3(0.0) : max(weight, 0.0);
     roughness = clamp(roughness, 0.0, 1.0);
     vec3 mean = mix(dielectric.f0, vec3(1.0), mean_dielectric_rise(dielectric.eta));
-    if (multiple == 1) scale *= multiple_reflections(mean, roughness, view_cosine(at, normal));
+    if (multiple == 1) scale *= multiple_ggx_reflections(mean, roughness, view_cosine(at, normal));
     vec3 f0 = scale * dielectric.f0, none = vec3(0.0);
     closures.normal +=
         normal * add_lobe(closures.glossy, f0, none, scale - f0, none, roughness, dielectric.eta);
@@ -97,7 +113,7 @@ vec3 below_dielectric(ShadingPoint at, vec3 weight, float ior, float level, vec3
     // Cycles counts what microfacets hide as reflected if light is reflected between them only once.
     if (multiple == 1) {
         vec3 mean = mix(dielectric.f0, vec3(1.0), mean_dielectric_rise(dielectric.eta));
-        albedo *= ggx_albedo(roughness, cosine) * multiple_reflections(mean, roughness, cosine);
+        albedo *= ggx_albedo(roughness, cosine) * multiple_ggx_reflections(mean, roughness, cosine);
     }
     return weight * (1.0 - min(max(albedo.r, max(albedo.g, albedo.b)), 1.0));
 }
@@ -120,7 +136,7 @@ void closure_coat(inout Closures closures, ShadingPoint at, vec3 weight, float i
     float eta = max(ior, 1.0), f0 = dielectric_f0(eta);
     if (multiple == 1) {
         vec3 mean = vec3(mix(f0, 1.0, mean_dielectric_rise(eta)));
-        scale *= multiple_reflections(mean, clamp(roughness, 0.0, 1.0), view_cosine(at, normal));
+        scale *= multiple_ggx_reflections(mean, clamp(roughness, 0.0, 1.0), view_cosine(at, normal));
     }
     float added = add_lobe(closures.coat, scale * f0, none, scale * (1.0 - f0), none, clamp(roughness, 0.0, 1.0), eta);
     closures.coat_normal += added * normal;
@@ -138,7 +154,7 @@ vec3 below_coat(ShadingPoint at, vec3 weight, float amount, float ior, float rou
         roughness = clamp(roughness, 0.0, 1.0);
         vec3 mean = vec3(mix(dielectric_f0(eta), 1.0, mean_dielectric_rise(eta)));
         reflected = mix(dielectric_f0(eta), 1.0, dielectric_s(roughness, cosine, eta));
-        reflected *= ggx_albedo(roughness, cosine) * multiple_reflections(mean, roughness, cosine).r;
+        reflected *= ggx_albedo(roughness, cosine) * multiple_ggx_reflections(mean, roughness, cosine).r;
     }
     return weight * (1.0 - amount * reflected) * mix(vec3(1.0), passed, amount);
 }
