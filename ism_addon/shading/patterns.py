@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from .arithmetic import clamped, divide, fract, smoothstep
-from .inputs import INTERPOLATIONS
 from .operations import OPERATIONS, Operation, register
 
 #: Phase of a wave per unit of length.
@@ -142,21 +141,10 @@ register(
     },
 )
 register("patterns", "vec3" + " float" * 9, "vec3", brick=brick)
-OPERATIONS.update(
-    {
-        f"image_{projection}_{interpolation}": Operation(
-            ("image", "vec3"), "vec4", "projections", has_parameter=True, with_differences=(1,)
-        )
-        for projection in ("sphere", "tube")
-        for interpolation in INTERPOLATIONS
-    }
-)
+# The parameter is the interpolation's index, times the number of extensions, and the extension's.
+for name in ("image_sphere", "image_tube"):
+    OPERATIONS[name] = Operation(("image", "vec3"), "vec4", "projections", has_parameter=True, with_differences=(1,))
 # The width of blending follows the image.
-OPERATIONS.update(
-    {
-        f"image_box_{interpolation}": Operation(
-            ("image", "float", "vec3"), "vec4", "projections", at_point=True, has_parameter=True, with_differences=(2,)
-        )
-        for interpolation in INTERPOLATIONS
-    }
+OPERATIONS["image_box"] = Operation(
+    ("image", "float", "vec3"), "vec4", "projections", at_point=True, has_parameter=True, with_differences=(2,)
 )

@@ -41,7 +41,7 @@ def test_a_projected_image_is_another_operation(show, read_scene):
     assert graph.uses("image_linear")
     node.projection = "BOX"
     (graph,) = read_scene().graphs
-    assert graph.uses("image_box_linear")
+    assert graph.uses("image_box")
 
 
 def test_coordinates_of_another_object_follow_it(show, add, latest_scene):

@@ -7,14 +7,14 @@ from functools import partial
 import numpy as np
 
 from ....shading.builder import Value, constant
-from ....shading.inputs import EXTENSIONS
+from ....shading.inputs import EXTENSIONS, INTERPOLATIONS
 from .reader import Converter, NodeView
 
 #: Blender's colour of images that are missing.
 MAGENTA = constant((1.0, 0.0, 1.0))
 
 #: Names of interpolations in operations, by Blender's.
-INTERPOLATIONS = {"Linear": "linear", "Closest": "closest", "Cubic": "cubic", "Smart": "cubic"}
+INTERPOLATED = {"Linear": "linear", "Closest": "closest", "Cubic": "cubic", "Smart": "cubic"}
 
 
 def uv_map(view: NodeView) -> Mapping[str, Value]:
@@ -68,11 +68,14 @@ def image_texture(view: NodeView) -> Mapping[str, Value]:
         return {"Color": MAGENTA, "Alpha": constant(1.0)}
     note = "Textures placed by a node '{}' lie on the active UV map as it is"
     vector = placed(view, view.value("Vector", partial(view.reader.uv, ""), note))
-    interpolation = INTERPOLATIONS[node.interpolation]
-    projection = "" if node.projection == "FLAT" else f"{node.projection.lower()}_"
+    interpolation = INTERPOLATED[node.interpolation]
     blend = [constant(node.projection_blend)] if node.projection == "BOX" else []
     extension = EXTENSIONS.index(node.extension)
-    color = view.call(f"image_{projection}{interpolation}", image, *blend, vector, parameter=extension)
+    if node.projection == "FLAT":
+        color = view.call(f"image_{interpolation}", image, vector, parameter=extension)
+    else:
+        sampling = INTERPOLATIONS.index(interpolation) * len(EXTENSIONS) + extension
+        color = view.call(f"image_{node.projection.lower()}", image, *blend, vector, parameter=sampling)
     return {"Color": view.call("color_of", color), "Alpha": view.call("alpha_of", color)}
 
 

@@ -2,10 +2,13 @@
 #include "nodes/object.glsl"
 #include "nodes/image.glsl"
 
-const int LINEAR = 0, CLOSEST = 1, CUBIC = 2;
+const int CLOSEST = 1, CUBIC = 2; // interpolations, other than linear
+const int EXTENSIONS = 4;
 const float HALF_CIRCLE = radians(180.0);
 
-vec4 image_interpolated(int interpolation, float image, vec3 at, vec3 dx, vec3 dy, int extension) {
+// `sampling`: the interpolation, times EXTENSIONS, and the extension.
+vec4 image_interpolated(float image, vec3 at, vec3 dx, vec3 dy, int sampling) {
+    int interpolation = sampling / EXTENSIONS, extension = sampling % EXTENSIONS;
     if (interpolation == CLOSEST) return image_closest(image, at, dx, dy, extension);
     if (interpolation == CUBIC) return image_cubic(image, at, dx, dy, extension);
     return image_linear(image, at, dx, dy, extension);
@@ -26,16 +29,16 @@ vec3 tube_uv(vec3 p) { return p.xy == vec2(0.0) ? vec3(0.0) : vec3(longitude(p.x
 vec3 around(vec3 difference) { return vec3(difference.x - round(difference.x), difference.yz); }
 vec3 from_middle(vec3 p) { return 2.0 * p - 1.0; }
 
-vec4 image_sphere(int interpolation, float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+vec4 image_sphere(float image, vec3 p, vec3 dx, vec3 dy, int sampling) {
     vec3 uv = sphere_uv(from_middle(p));
-    return image_interpolated(interpolation, image, uv, around(sphere_uv(from_middle(p + dx)) - uv),
-                              around(sphere_uv(from_middle(p + dy)) - uv), extension);
+    return image_interpolated(image, uv, around(sphere_uv(from_middle(p + dx)) - uv),
+                              around(sphere_uv(from_middle(p + dy)) - uv), sampling);
 }
 
-vec4 image_tube(int interpolation, float image, vec3 p, vec3 dx, vec3 dy, int extension) {
+vec4 image_tube(float image, vec3 p, vec3 dx, vec3 dy, int sampling) {
     vec3 uv = tube_uv(from_middle(p));
-    return image_interpolated(interpolation, image, uv, around(tube_uv(from_middle(p + dx)) - uv),
-                              around(tube_uv(from_middle(p + dy)) - uv), extension);
+    return image_interpolated(image, uv, around(tube_uv(from_middle(p + dx)) - uv),
+                              around(tube_uv(from_middle(p + dy)) - uv), sampling);
 }
 
 // How much of the sides along x, y and z a point shows: one side, or within `blend` of their edges and corners several.
@@ -65,7 +68,7 @@ vec3 box_weights(vec3 normal, float blend) {
 
 vec3 box_side(vec3 p, int axis) { return vec3(axis == 0 ? p.yz : axis == 1 ? p.xz : p.yx, 0.0); }
 
-vec4 image_box(ShadingPoint at, int interpolation, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
+vec4 image_box(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int sampling) {
     vec3 n = coordinate_normal(at), weights = box_weights(n, blend);
     bvec3 is_mirrored = bvec3(n.x < 0.0, n.y > 0.0, n.z > 0.0);
     vec4 sum = vec4(0.0);
@@ -73,44 +76,7 @@ vec4 image_box(ShadingPoint at, int interpolation, float image, float blend, vec
         if (weights[k] <= 0.0) continue;
         vec3 uv = box_side(p, k);
         if (is_mirrored[k]) uv.x = 1.0 - uv.x;
-        sum += weights[k] *
-               image_interpolated(interpolation, image, uv, box_side(dx, k), box_side(dy, k), extension);
+        sum += weights[k] * image_interpolated(image, uv, box_side(dx, k), box_side(dy, k), sampling);
     }
     return sum;
-}
-
-vec4 image_sphere_linear(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_sphere(LINEAR, image, p, dx, dy, extension);
-}
-
-vec4 image_sphere_closest(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_sphere(CLOSEST, image, p, dx, dy, extension);
-}
-
-vec4 image_sphere_cubic(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_sphere(CUBIC, image, p, dx, dy, extension);
-}
-
-vec4 image_tube_linear(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_tube(LINEAR, image, p, dx, dy, extension);
-}
-
-vec4 image_tube_closest(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_tube(CLOSEST, image, p, dx, dy, extension);
-}
-
-vec4 image_tube_cubic(float image, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_tube(CUBIC, image, p, dx, dy, extension);
-}
-
-vec4 image_box_linear(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_box(at, LINEAR, image, blend, p, dx, dy, extension);
-}
-
-vec4 image_box_closest(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_box(at, CLOSEST, image, blend, p, dx, dy, extension);
-}
-
-vec4 image_box_cubic(ShadingPoint at, float image, float blend, vec3 p, vec3 dx, vec3 dy, int extension) {
-    return image_box(at, CUBIC, image, blend, p, dx, dy, extension);
 }
