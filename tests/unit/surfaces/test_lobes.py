@@ -128,6 +128,14 @@ def test_a_metal_reflects_all_points_of_a_light(device, roughness, shape):
     assert abs(error.mean()) < 0.002 * expected.mean()
 
 
+@pytest.mark.parametrize(("roughness", "is_reflected"), [(0.0, False), (0.02, True)])
+def test_mirrors_do_not_show_lights_without_a_size(device, roughness, is_reflected):
+    graph, constants = metal(roughness)
+    lamp = light(LightShape.POINT, (0.1, 0.1, 20.0), radiance=100.0, radius=0.0)
+    drawn = draw(device, floor_of(graph, constants, lamp), view_from_above(2.0, (32, 32)))
+    assert drawn.color[..., :3].any() == is_reflected
+
+
 def test_reflections_of_the_world_are_occluded(device):
     """The camera looks down at a smooth metal, which half of a ceiling behind the camera is above."""
     graph, constants = metal(0.05)

@@ -6,6 +6,15 @@
 // Below this roughness, differences between directions would be rounded away.
 const float MIN_ROUGHNESS = 0.01;
 
+// Below this roughness, surfaces are mirrors, in which lights without a size are not seen. As in Cycles 4.5 and 5.0.
+const float MIRROR_ROUGHNESS = 0.00376;
+
+// The lobe for lights without a size.
+Gloss gloss_for_points(Gloss gloss) {
+    if (gloss.roughness < MIRROR_ROUGHNESS) gloss.f0 = gloss.schlick = gloss.dielectric = gloss.edge = vec3(0.0);
+    return gloss;
+}
+
 // Microfacets' roughness along the axes of a frame whose z is the surface's normal.
 struct Microfacets { mat3 frame; vec2 alpha; };
 

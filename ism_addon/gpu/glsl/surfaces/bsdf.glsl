@@ -92,6 +92,10 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     LightSample from = light_sample(light, p, n, vec2(0.5));
     if (light_is_delta(light, p)) {
         vec3 emission = light.emission * light_color(light, p, from.point);
+        lobes.gloss = gloss_for_points(lobes.gloss);
+#if COAT
+        lobes.coat = gloss_for_points(lobes.coat);
+#endif
         prediction.radiance = emission * evaluate_lobes(lobes, from.wi).reflected * (from.radiance / from.pdf);
         return prediction;
     }
