@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from ism_addon.gpu.buffers.mip_levels import decoded, encoded
-from ism_addon.scene import Image
+from ism_addon.gpu.buffers.mip_levels import darken, decoded, encoded
+from ism_addon.scene import Encoding, Image
 
 
 def mip_chain(image: Image) -> list[np.ndarray]:
@@ -14,6 +14,8 @@ def mip_chain(image: Image) -> list[np.ndarray]:
         for axis in (0, 1):
             if linear.shape[axis] > 1:
                 linear = halved(linear, axis)
+        if len(chain) == 1 and image.encoding is Encoding.SRGB:
+            darken(linear, image.texels)
         chain.append(encoded(linear, image.encoding))
     return chain
 

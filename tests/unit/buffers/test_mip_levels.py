@@ -6,6 +6,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
+from ism_addon.color import linear_from_srgb
 from ism_addon.gpu.buffers.mip_levels import mip_levels
 from ism_addon.scene import Encoding, Image
 from tests.unit.buffers.mip_chain import mip_chain
@@ -27,6 +28,20 @@ def test_bands_make_the_levels_of_the_whole_image(encoding, size):
         found[level].append(texels)
     for parts, whole in zip(found, expected, strict=True):
         assert np.array_equal(np.concatenate(parts), whole)
+
+
+@pytest.mark.parametrize("contrast", [0.2, 1.0])
+def test_the_first_halved_level_is_as_bright_as_what_is_interpolated(contrast):
+    texels = np.full((64, 64, 4), 255, np.uint8)
+    texels[..., :3] = 128.0 + contrast * (np.random.default_rng(5).integers(0, 256, (64, 64, 3)) - 128.0)
+    at = (np.arange(63 * 8) + 0.5) / 8.0  # between the middles of texels
+    low, f = at.astype(int), at % 1.0
+    rows = texels[low, :, :3] * (1.0 - f[:, None, None]) + texels[low + 1, :, :3] * f[:, None, None]
+    interpolated = rows[:, low] * (1.0 - f[:, None]) + rows[:, low + 1] * f[:, None]
+    expected = linear_from_srgb(interpolated / 255.0).mean()
+    level = np.concatenate([part for level, _, part in mip_levels(Image(texels, True, Encoding.SRGB)) if level == 1])
+    assert abs(linear_from_srgb(level[:, :3] / 255.0).mean() / expected - 1.0) < 0.01
+    assert linear_from_srgb(texels[..., :3] / 255.0).mean() > 1.01 * expected
 
 
 def test_bands_take_a_fraction_of_the_memory_of_the_image():
