@@ -34,7 +34,7 @@ def linear(image: Image) -> np.ndarray:
 
 
 def interpolated_mean(image: Image) -> np.ndarray:
-    """(3,) mean of the linear values of what bilinear interpolation of stored texels gives, of an image that repeats."""
+    """(3,) mean of the linear values that interpolation of stored texels gives, of an image that repeats."""
     color = image.texels[..., :3].astype(float)
     for axis in (0, 1):
         after = np.roll(color, -1, axis)

@@ -14,6 +14,7 @@ from ..node_graphs.converters import CONVERTERS
 from ..node_graphs.normal_nodes import displaced_normal
 from ..node_graphs.reader import GraphReader, Ray
 from . import images, nodes, unsupported_features
+from .default_material import default_reflection
 from .surface import Emission, Surface
 from .transparency import Transparency
 
@@ -56,8 +57,7 @@ class _Row(NamedTuple):
     constants: np.ndarray = NO_CONSTANTS  # of the graph
     #: For camera rays and for shadow rays; None: nothing passes.
     transparency: tuple[Transparency | None, Transparency | None] = (None, None)
-    #: What varies.
-    emission: Emission | None = None
+    emission: Emission | None = None  # that varies
     needs: Needs = NOTHING
     images: frozenset[int] = frozenset()  # that it or its graph uses
     findings: tuple[Diagnostics, ...] = ()  # those of an image are shared by all materials that use the image
@@ -74,7 +74,8 @@ class _Row(NamedTuple):
         return self.constants, *others
 
 
-GREY_ROW = _Row(DEFAULTS)
+UNUSED_ROW = _Row(DEFAULTS)
+GREY_ROW = _Row(DEFAULTS, *default_reflection()[1:])
 
 
 class MaterialReader:
@@ -109,7 +110,7 @@ class MaterialReader:
 
     def needs(self, index: int) -> Needs:
         """What a material needs of meshes."""
-        return (self._rows[index] or GREY_ROW).needs
+        return (self._rows[index] or UNUSED_ROW).needs
 
     def update(self, material: bpy.types.Material) -> bool:
         """Read a changed material again, if it has been used. Whether it needs something else of meshes now."""
@@ -130,10 +131,9 @@ class MaterialReader:
 
     def table(self, findings: Diagnostics) -> Materials:
         """All materials that have ever been used: their indices never change."""
-        rows = [row or GREY_ROW for row in self._rows]
-        for each in dict.fromkeys(each for index in sorted(self._used) for each in rows[index].findings):
+        rows = [(index in self._used and row) or UNUSED_ROW for index, row in enumerate(self._rows)]
+        for each in dict.fromkeys(each for row in rows for each in row.findings):
             findings.merge(each)
-        rows = [row if index in self._used else GREY_ROW for index, row in enumerate(rows)]
         graphs = self.graphs()
         constants = [each for row in rows for each in row.all_constants]
         counts = np.array([len(each) for each in constants], np.int64)
@@ -157,7 +157,7 @@ class MaterialReader:
 
     def graphs(self) -> tuple[NodeGraph, ...]:
         """The graphs that Materials has indices of."""
-        rows = (self._rows[index] or GREY_ROW for index in sorted(self._used))
+        rows = (self._rows[index] or UNUSED_ROW for index in sorted(self._used))
         return tuple(dict.fromkeys(graph for row in rows for graph in row.graphs if graph is not None))
 
     def images(self) -> tuple[Image, ...]:

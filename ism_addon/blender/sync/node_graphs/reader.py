@@ -36,7 +36,7 @@ class Closure(NamedTuple):
     name: str
     weight: Value  # a number
     inputs: Mapping[str, Value]
-    node: bpy.types.Node
+    node: Any  # bpy.types.Node; None: Cycles' own
 
 
 #: Name of the closures of nodes that are not known.
