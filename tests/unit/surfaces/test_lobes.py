@@ -181,6 +181,25 @@ def test_lobes_that_no_material_has_have_no_targets(device):
     }
 
 
+def test_materials_beside_one_of_rare_lobes_look_the_same(device):
+    """Also those whose program does not draw the targets of rare lobes."""
+    graph, constants = metal(0.5)
+    builder = Builder()
+    sheen = builder.call("closure_sheen", constant((0.5, 0.5, 0.5)), constant(0.5), builder.call("geometry_normal"))
+    rare, rare_constants = builder.finish([sheen])
+    scene = floor_of(graph, constants, light(LightShape.SUN, radius=0.01))
+    materials = replace(
+        materials_of([(0.5, 0.5, 0.5)] * 2),
+        graph=np.int32([0, 1]),
+        first_constant=np.int32([0, len(constants)]),
+        constants=np.concatenate([constants, rare_constants]),
+    )
+    view = view_from_above(2.0, (16, 16))
+    alone = draw(device, scene, view).color
+    beside = draw(device, replace(scene, materials=materials, graphs=(graph, rare)), view).color
+    assert np.allclose(beside, alone, rtol=1e-3)
+
+
 @pytest.mark.parametrize("source", ["sun", "world"])
 @pytest.mark.parametrize("roughness", [0.15, 0.5])
 def test_a_roof_is_between_a_metal_and_what_is_infinitely_far_away(device, source, roughness):
