@@ -96,6 +96,8 @@ class Dimension(Enum):
     MAP_POINT = {"point": powers_of_root(1, 0, 0, -1)}
     POINT_CHOICE = {"point": continued_fraction(1)}
     IMPORTANCE_POINT = {"point": continued_fraction(1, 1, 3, 1)}
+    # Which points of transparent surfaces are left.
+    POINT_TRANSPARENCY = {"point": continued_fraction(4, 2, 1, 1)}
     # The positions of virtual lights on a light: the lattice's shift, and its points' second coordinates. These make it
     # as even as the golden ratio would, for 5 to 512 points and 60 random edges.
     VIRTUAL_LIGHT = {"light": powers_of_root(-1, 1, 3), "sample": powers_of_root(2, -3, 0)}

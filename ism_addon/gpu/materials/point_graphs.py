@@ -46,6 +46,7 @@ class ScenePointGraphs(NamedTuple):
     camera: PointGraphs = OPAQUE
     shadow: PointGraphs = OPAQUE
     emission: PointGraphs = EVEN
+    points: PointGraphs = OPAQUE  # as `shadow`, for points that no ray has found
 
 
 NO_POINT_GRAPHS = ScenePointGraphs()

@@ -6,11 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.resources import POINT_GRAPHS
+from ism_addon.resources import POINT_CLOUD, POINT_GRAPHS
 from ism_addon.scene import Image, LightShape
 from ism_addon.shading.builder import Builder, Value, constant
 from tests.scenes.parts.tables import materials_of
-from tests.support.small_scenes import SMALL_SETTINGS, draw, light, make_scene, quad, view_from_above, with_quality
+from tests.support.small_scenes import (
+    SMALL_SETTINGS,
+    SMALL_SHADOW_MAPS,
+    draw,
+    light,
+    make_scene,
+    quad,
+    view_from_above,
+    with_quality,
+)
 
 SIZE = 24, 24
 SAMPLES = 16
@@ -135,6 +144,24 @@ def test_graphs_read_objects(device):
     )
     ratio = colors(device, replace(scene, instances=instances)) / bare(device)
     assert np.allclose(ratio, (0.5, 0.25, 0.75), atol=0.01)
+
+
+@pytest.mark.parametrize("rays_first", [False, True])
+def test_shadow_maps_have_fewer_points_on_transparent_surfaces(device, rays_first):
+    """Also if rays have been traced before, so that triangles lie in the order of a BVH."""
+    texels = np.zeros((2, 2, 4), np.uint8)
+    texels[0, 0] = texels[1, 1] = 255
+    for graph, fraction in ((even([0.75] * 3), 0.25), (by_image(), 0.5), (even(CLEAR), 0.0)):
+        scene = scene_of(even(CLEAR), graph, images=(Image(texels),))
+        rays = draw(device, scene, view_from_above(3.0, SIZE)) if rays_first else None
+        renderer = rays.renderer if rays else None
+        drawn = draw(device, scene, view_from_above(3.0, SIZE), SMALL_SHADOW_MAPS, renderer)
+        cloud = drawn.renderer.graph[POINT_CLOUD]
+        on_floor, on_layer = (int((cloud.instances == k).sum()) for k in (0, 1))
+        assert abs(on_layer / on_floor - fraction) < 0.02
+        if graph[0].uses("image"):
+            x, y = (cloud.positions + drawn.renderer.last[0].anchor)[cloud.instances == 1, :2].T
+            assert ((x > 0.0) != (y > 0.0)).mean() > 0.98
 
 
 def test_opaque_scenes_have_no_tables_and_no_other_shader(device):

@@ -2,7 +2,8 @@
 """Random points on all triangles that cast shadows, in proportion to their world area."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +20,18 @@ class PointCloud:
 
     positions: np.ndarray  # (P,3) float32
     normals: np.ndarray  # (P,3) float32
-    groups: np.ndarray  # (P,) uint32: of the instances that they are on
+    instances: np.ndarray  # (P,) int: the scene's index of the instance that they are on
+    triangles: np.ndarray  # (P,) int: the mesh's index of the triangle
+    groups: np.ndarray  # (P,) uint32: of the instances
     area: float
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    def only(self, kept: np.ndarray) -> "PointCloud":
+        """The points where `kept` (P,) is true."""
+        names = "positions", "normals", "instances", "triangles", "groups"
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
 
 def similarity(linear: np.ndarray) -> np.ndarray:
@@ -53,20 +61,31 @@ def make_point_cloud(
         areas[i] = triangle_areas(corners[instances.mesh[rows[i]]] @ matrices[i, :3, :3].T).sum()
     total = areas.sum()
     if total <= 0.0:
-        return PointCloud(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros(0, np.uint32), 0.0)
+        vectors, indices = np.zeros((0, 3), np.float32), np.zeros(0, np.int64)
+        return PointCloud(vectors, vectors, indices, indices, np.zeros(0, np.uint32), 0.0)
     counts = proportional_counts(areas, count)
-    positions, normals, ends = np.zeros((count, 3)), np.zeros((count, 3)), np.cumsum(counts)
+    points = Points(np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, np.int64))
+    ends = np.cumsum(counts)
     for k, mesh_corners in corners.items():
         of_mesh = instances.mesh[rows] == k
         for group in [np.flatnonzero(of_mesh & (scales > 0.0)), *np.flatnonzero(of_mesh & (scales == 0.0))[:, None]]:
-            fill(positions, normals, mesh_corners, matrices[group], counts[group], ends[group], check_cancelled)
-    positions, normals = (positions - anchor).astype(np.float32), normals.astype(np.float32)
-    return PointCloud(positions, normals, np.repeat(instances.groups[rows], counts), float(total) / count)
+            fill(points, mesh_corners, matrices[group], counts[group], ends[group], check_cancelled)
+    positions, normals = (points.positions - anchor).astype(np.float32), points.normals.astype(np.float32)
+    of_instance = np.repeat(rows, counts)
+    groups = instances.groups[of_instance]
+    return PointCloud(positions, normals, of_instance, points.triangles, groups, float(total) / count)
+
+
+class Points(NamedTuple):
+    """Points of all instances, to be filled."""
+
+    positions: np.ndarray  # (P,3) m, world space
+    normals: np.ndarray  # (P,3)
+    triangles: np.ndarray  # (P,) int: of the mesh
 
 
 def fill(
-    positions: np.ndarray,
-    normals: np.ndarray,
+    points: Points,
     corners: np.ndarray,
     matrices: np.ndarray,
     counts: np.ndarray,
@@ -90,9 +109,10 @@ def fill(
         check_cancelled()
         row, index = (numbers[first : first + POINTS_AT_A_TIME] for numbers in (all_rows, all_index))
         target = (ends - counts)[row] + index
-        positions[target] = np.einsum("nij,nj->ni", linear[row], on_mesh[index]) + matrices[row, :3, 3]
+        points.triangles[target] = chosen[index]
+        points.positions[target] = np.einsum("nij,nj->ni", linear[row], on_mesh[index]) + matrices[row, :3, 3]
         rotated = np.einsum("nij,nj->ni", linear[row], face_normals[index])
-        normals[target] = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-300)
+        points.normals[target] = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-300)
 
 
 def object_corners(mesh: Mesh) -> np.ndarray:

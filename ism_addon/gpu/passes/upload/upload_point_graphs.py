@@ -42,25 +42,22 @@ class UploadPointGraphs(Pass):
     def execute(self, frame: Frame) -> None:
         (camera, shadow), emits = frame.scene.has_transparency, frame.scene.has_emission_graphs
         frame[POINT_GRAPHS] = ScenePointGraphs(
-            self.transparency(frame, 0) if camera else OPAQUE,
-            self.transparency(frame, 1) if shadow else OPAQUE,
+            self.transparency(frame, 0, instance_uniforms(frame)) if camera else OPAQUE,
+            self.transparency(frame, 1, {"transparent_hits": frame.scene.transparent_bounces}) if shadow else OPAQUE,
             self.emission(frame) if emits else EVEN,
+            self.transparency(frame, 1, instance_uniforms(frame)) if shadow else OPAQUE,
         )
 
-    def transparency(self, frame: Frame, column: int) -> PointGraphs:
-        """What passes, by the graphs in a column of Materials.transparency."""
+    def transparency(self, frame: Frame, column: int, others: dict[str, Any]) -> PointGraphs:
+        """What passes, by the graphs in a column of Materials.transparency. `others`: further uniforms."""
         scene, table = frame.scene, frame.scene.materials.transparency
         rows = np.zeros(len(table), MATERIAL_TRANSPARENCY.dtype)
         rows["graphs"], rows["first_constants"] = table, scene.materials.transparency_constant
-        uniforms: dict[str, Any] = {
-            "transparency_graphs": MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
-        }
-        if column == 1:
-            uniforms["transparent_hits"] = scene.transparent_bounces
+        written = MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
         fields = f"graphs.{'xy'[column]}", f"first_constants.{'xy'[column]}"
         evaluated = self.evaluated(frame, table[:, column], "transparency", MATERIAL_TRANSPARENCY.name, fields)
-        constants, uniforms = evaluated.constants | {"transparency": 1}, uniforms | evaluated.uniforms
-        return PointGraphs(constants, evaluated.parts, uniforms | (instance_uniforms(frame) if column == 0 else {}))
+        uniforms = evaluated.uniforms | others | {"transparency_graphs": written}
+        return PointGraphs(evaluated.constants | {"transparency": 1}, evaluated.parts, uniforms)
 
     def emission(self, frame: Frame) -> PointGraphs:
         """What the camera sees emitted, by Materials.emission_graph."""
