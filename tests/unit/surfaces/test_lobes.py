@@ -149,6 +149,18 @@ def test_reflections_of_the_world_are_occluded(device):
     assert under_the_ceiling.mean() < 0.02 * under_the_sky.mean()
 
 
+def test_reflections_of_emissive_meshes_are_not_occluded_by_them(device):
+    """A smooth metal below a ceiling; both emit, and the camera between them sees what the metal emits and reflects."""
+    graph, constants = metal(0.05)
+    scene = floor_of(graph, constants, None)
+    ceiling = quad((-30.0, -30.0, 11.3), (60.0, 0.0, 0.0), (0.0, 60.0, 0.0))
+    materials = replace(scene.materials, emission=np.ones((1, 3), np.float32))
+    scene = replace(make_scene([scene.meshes[0], ceiling]), materials=materials, graphs=scene.graphs)
+    drawn = draw(device, scene, view_from_above(2.0, (16, 16)), with_quality(SMALL_SETTINGS, samples=64))
+    reflected = drawn.color[2:-2, 2:-2, :3].mean((0, 1)) - 1.0
+    assert np.allclose(reflected, [0.9, 0.5, 0.2], rtol=0.02)
+
+
 def test_a_light_of_negligible_irradiance_is_reflected(device):
     """Its radiance is a hundred times that of the other light, its irradiance less than a thousandth."""
     large = light(LightShape.RECTANGLE, (0.0, 0.0, 1.5), (1.2, 0.0, 0.0), (0.0, -1.2, 0.0), radiance=1.0)

@@ -26,10 +26,10 @@ vec3 lobe_sequence(ivec2 at, uvec3 shift, uint index) {
 }
 
 // Where a light emits from in a direction. Suns and the world do from where a ray has left the scene, as their samples: a
-// ray to their true distance would overflow.
+// ray to their true distance would overflow. A ray to a mesh must not hit it: it ends before it by the rounding errors.
 vec3 emitting_point(Light light, vec3 p, vec3 wi) {
-    float distance = light_hit_distance(light, p, wi);
-    return p + (distance < 1e28 ? distance : 2.0 * scene_extent.x) * wi;
+    float distance = light_hit_distance(light, p, wi), error = 1e-5 * (dot(abs(p), vec3(1.0)) + distance);
+    return p + (distance < 1e28 ? distance - min(error, 0.5 * distance) : 2.0 * scene_extent.x) * wi;
 }
 
 // Where the light's radiance is even, candidates differ from the prediction by as much as the BSDF does; otherwise their
