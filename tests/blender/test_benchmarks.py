@@ -72,3 +72,12 @@ def test_a_slider_of_forty_nodes_compiles_nothing():
     viewport.thread.stop()
     assert [each["programs"] for each in changes] == [0, 0, 0]
     assert all(each["seconds"] > each["read"] > 0.0 for each in changes)
+
+
+def test_spheres_of_shaders_are_measured_beside_cycles(tmp_path):
+    command = [sys.executable, "-m", "tests.benchmark.spheres", "--output", str(tmp_path), "--lights", "sun"]
+    subprocess.run([*command, "--samples", "2", "--truth", "1"], cwd=ROOT, timeout=120, check=True)
+    cases = json.loads((tmp_path / "spheres.json").read_text())["cases"]["sun"]
+    assert (tmp_path / "spheres-sun.png").exists()
+    assert max(each["error"] for each in cases["Principled BSDF"].values()) < 0.05
+    assert {len(by_roughness) for by_roughness in cases.values()} == {8}

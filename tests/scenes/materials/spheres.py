@@ -24,7 +24,7 @@ def build(shaders: Sequence[Shader], columns: int, side: int) -> None:
     `side` is the number of pixels along the sides of a sphere's square.
     """
     scene, rows = open_empty_file(), math.ceil(len(shaders) / columns)
-    scene.world = None
+    scene.world, scene.cycles.light_sampling_threshold = None, 0.0  # or faint light is left out at random
     shape, mesh = bmesh.new(), bpy.data.meshes.new("Sphere")
     bmesh.ops.create_icosphere(shape, subdivisions=SUBDIVISIONS, radius=RADIUS)
     shape.to_mesh(mesh)
@@ -38,7 +38,6 @@ def build(shaders: Sequence[Shader], columns: int, side: int) -> None:
         sphere.material_slots[0].material = material_of(add_shader)
         sphere.location = column - 0.5 * (columns - 1), row - 0.5 * (rows - 1), 0.0
         sphere.rotation_euler = 0.5, 0.3, 0.2  # tangents around its z axis are not those around the camera's
-        sphere.visible_diffuse = sphere.visible_glossy = False  # Cycles' spheres do not hide lights from each other
         scene.collection.objects.link(sphere)
     camera = bpy.data.cameras.new("Camera")
     camera.type, camera.ortho_scale = "ORTHO", max(columns, rows)
@@ -73,10 +72,10 @@ def add_lamp(type_: str, energy: float, **properties: object) -> None:
         setattr(light, name, value * distance if name in ("size", "size_y", "shadow_soft_size") else value)
     light.energy = energy if type_ == "SUN" else energy * distance**2
     lamp = bpy.data.objects.new("Lamp", light)
-    place(lamp, distance)
+    aim(lamp, distance)
 
 
-def place(thing: bpy.types.Object, distance: float) -> None:
+def aim(thing: bpy.types.Object, distance: float) -> None:
     """Place what shines along its -z at the spheres."""
     thing.location = distance * TO_LIGHT
     thing.rotation_euler = TO_LIGHT.to_track_quat("Z", "Y").to_euler()
@@ -87,13 +86,11 @@ def add_emitter(energy: float) -> None:
     """Add a mesh that shines at the spheres."""
     distance = bpy.context.scene.camera.data.ortho_scale
     shape, mesh = bmesh.new(), bpy.data.meshes.new("Emitter")
-    bmesh.ops.create_cube(shape, size=0.2 * distance)
+    bmesh.ops.create_cube(shape, size=0.5 * distance)
     shape.to_mesh(mesh)
     shape.free()
-    mesh.materials.append(
-        material_of(lambda tree: emission(tree, energy)),
-    )
-    place(bpy.data.objects.new("Emitter", mesh), distance)
+    mesh.materials.append(material_of(lambda tree: emission(tree, energy)))
+    aim(bpy.data.objects.new("Emitter", mesh), distance)
 
 
 def emission(tree: bpy.types.NodeTree, strength: float) -> bpy.types.NodeSocket:
@@ -104,21 +101,19 @@ def emission(tree: bpy.types.NodeTree, strength: float) -> bpy.types.NodeSocket:
 
 
 def add_world() -> None:
-    """Light from all directions. The spheres cast no shadows then, which would reach the others."""
+    """Light from all directions."""
     world = bpy.context.scene.world = bpy.data.worlds.new("World")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    for sphere in bpy.data.objects:
-        sphere.visible_shadow = False
 
 
-#: By name, functions that add a light.
+#: By name, functions that add a light. They are so large that several pixels of a mirror show them.
 LIGHTS: dict[str, Callable[[], None]] = {
-    "point": lambda: add_lamp("POINT", 40.0, shadow_soft_size=0.1),
-    "spot": lambda: add_lamp("SPOT", 40.0, shadow_soft_size=0.1, spot_size=1.6, spot_blend=0.5),
-    "sun": lambda: add_lamp("SUN", 3.0, angle=0.2),
-    "rectangle": lambda: add_lamp("AREA", 10.0, shape="RECTANGLE", size=0.4, size_y=0.2),
-    "ellipse": lambda: add_lamp("AREA", 10.0, shape="ELLIPSE", size=0.2, size_y=0.4),
-    "mesh": lambda: add_emitter(30.0),
+    "point": lambda: add_lamp("POINT", 40.0, shadow_soft_size=0.3),
+    "spot": lambda: add_lamp("SPOT", 40.0, shadow_soft_size=0.3, spot_size=1.6, spot_blend=0.5),
+    "sun": lambda: add_lamp("SUN", 3.0, angle=0.6),
+    "rectangle": lambda: add_lamp("AREA", 10.0, shape="RECTANGLE", size=1.2, size_y=0.6),
+    "ellipse": lambda: add_lamp("AREA", 10.0, shape="ELLIPSE", size=0.6, size_y=1.2),
+    "mesh": lambda: add_emitter(6.0),
     "world": add_world,
 }
