@@ -130,10 +130,10 @@ def ours(device):
     return picture, scene.warnings
 
 
-def error(device):
-    """RMSE over the mean of Cycles' picture."""
+def error(device, expected=()):
+    """RMSE over the mean of Cycles' picture. `expected`: warnings."""
     picture, warnings = ours(device)
-    assert not warnings
+    assert warnings == expected
     truth = direct_light(256, FILTER_WIDTH)[..., :3]
     return float(np.sqrt(np.mean((picture - truth) ** 2)) / truth.mean())
 
@@ -148,7 +148,8 @@ def test_shadows_of_panes_are_tinted(device, pane):
     pane(lambda tree: mixed(tree, 0.2, (0.9, 0.5, 0.1)), 2)
     for each in bpy.data.objects:
         each.visible_camera = each.name == "floor"
-    assert error(device) < 0.02
+    issue = "Shadows of colored transparent surfaces are tinted, but not what is seen through them: 'made.001'."
+    assert error(device, (issue,)) < 0.02
 
 
 def test_transparent_shadows_can_be_switched_off(device, pane):

@@ -19,6 +19,10 @@ ONE, BLACK = constant(1.0), constant((0.0, 0.0, 0.0))
 MAX_POINT_COST = 300
 
 
+#: Difference between a color's components up to which it counts as grey.
+MAX_CHROMA = 0.02
+
+
 class Transparency(NamedTuple):
     """The graph of a surface's transparency, and its constants (R,4)."""
 
@@ -39,6 +43,14 @@ def passing(builder: Builder, closures: Sequence[Closure]) -> Value:
             continue
         total = builder.call("vector_add", total, builder.call("vector_scale", color, weight))
     return total
+
+
+def is_colored(builder: Builder, color: Value) -> bool:
+    """Whether a color is not grey everywhere, as far as its nodes tell."""
+    color = builder.known(color)
+    if color.is_constant:
+        return float(np.ptp(color.constant)) > MAX_CHROMA
+    return builder.operation_of(color)[0] != "grey"
 
 
 def covered(builder: Builder, closure: Closure) -> Value:
@@ -62,6 +74,9 @@ def transparency(
     color = passing(builder, closures)
     if color.equals(0.0):
         return None
+    if any(each.name == "transparent" and is_colored(builder, each.inputs["color"]) for each in closures):
+        issue = "Shadows of colored transparent surfaces are tinted, but not what is seen through them"
+        findings.warn(issue, material.name)
     for note in builder.notes([color]):
         findings.warn(note, material.name)
     graph, constants = builder.finish([builder.call("closure_transparent", color)])
