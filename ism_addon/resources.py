@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.retests import Candidates, Retest
     from .gpu.passes.shadow_maps.atlas import Batch
-    from .gpu.passes.shadow_maps.point_cloud import PointCloud
     from .gpu.passes.shadow_maps.select_points import MapPoints
     from .gpu.passes.surfaces.select_tiles import TileSelection
     from .gpu.passes.upload.cull_meshes import ResidentMeshes
+    from .sampling.point_cloud import PointCloud
 
 #: Pixels along each side of a tile. All pixels of a tile take part in the same samples.
 TILE_SIZE = 8

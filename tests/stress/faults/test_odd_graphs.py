@@ -154,18 +154,22 @@ def draw_open_file(device) -> np.ndarray:
     return draw(device, *out_of_blender(), SMALL_SETTINGS).color
 
 
-def assert_finite_and_only_the_sphere_changed(after: np.ndarray, before: np.ndarray, assert_within) -> None:
+def assert_finite_and_only_the_sphere_changed(
+    after: np.ndarray, before: np.ndarray, assert_within, largest: float = 0.15
+) -> None:
+    """`largest`: fraction of the picture that may change."""
     assert np.isfinite(after).all()
     assert after.min() >= 0.0
     changed = np.abs(after - before)[..., :3].max(-1) > 1e-5
-    assert_within(float(changed.mean()), 0.15)  # fraction of the picture
+    assert_within(float(changed.mean()), largest)
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=[change.__name__ for change in CHANGES])
 def test_odd_nodes(device, assert_within, sphere, change):
     before = draw_open_file(device)
     change(sphere.active_material.node_tree)
-    assert_finite_and_only_the_sphere_changed(draw_open_file(device), before, assert_within)
+    largest = 0.3 if "Alpha" in change.__name__ else 0.15  # with an alpha of 0 its shadow leaves, too
+    assert_finite_and_only_the_sphere_changed(draw_open_file(device), before, assert_within, largest)
 
 
 @pytest.mark.parametrize("scale", [1e8, 1e30, 0.0, None])

@@ -13,10 +13,10 @@ from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.errors import Cancelled
 from ism_addon.gpu.graph import Graph
 from ism_addon.gpu.jobs.job import Request
-from ism_addon.gpu.passes.shadow_maps import point_cloud
 from ism_addon.gpu.passes.surfaces import visibility_buffer
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
+from ism_addon.sampling import point_cloud
 from ism_addon.scene import Scene, View, World
 from ism_addon.settings import SSAO, Settings
 from tests.scenes.small import box_over_plane

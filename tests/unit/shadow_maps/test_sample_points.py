@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ism_addon.sampling.point_cloud import make_point_cloud
 
-from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.sample_points import SamplePoints
 from ism_addon.gpu.profile import Profile
 from ism_addon.resources import POINT_CLOUD

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ism_addon.sampling.point_cloud import make_point_cloud
 
-from ism_addon.gpu.passes.shadow_maps.point_cloud import make_point_cloud
 from ism_addon.gpu.passes.shadow_maps.select_points import (
     MAP_POINT,
     SUBSETS_PER_LIGHT,

@@ -13,11 +13,11 @@ import numpy as np
 
 from ....resources import LIGHT_IMPORTANCE, POINT_CLOUD
 from ....sampling.dimensions import Dimension, draw
+from ....sampling.point_cloud import PointCloud
 from ....scene import Change, Lights
 from ...culling.surface_bounds import SurfaceBounds
 from ...frame import Frame, Pass, outputs
 from ...lights import bounds_with_falloff, by_type
-from .point_cloud import PointCloud
 
 #: Points of the cloud at which irradiance is estimated. See `dev.py bench constants` in docs/benchmarks.md.
 IMPORTANCE_POINTS = 4096

@@ -9,13 +9,13 @@ import numpy as np
 
 from ....resources import INSTANCE_BUFFERS, MESH_BUFFERS, POINT_CLOUD, POINT_GRAPHS
 from ....sampling.dimensions import Dimension, draw
+from ....sampling.point_cloud import PointCloud, make_point_cloud
 from ....scene import Change
 from ...buffers.mesh_buffers import MeshBuffers
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE
-from .point_cloud import PointCloud, make_point_cloud
 
 #: Points in the cloud for each point of a map, and the cloud's limit, unless a map has more. See `dev.py bench
 #: constants` in docs/benchmarks.md.

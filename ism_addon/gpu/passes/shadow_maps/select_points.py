@@ -18,11 +18,11 @@ import numpy as np
 from ....parallel import parallel_map
 from ....resources import CONTRIBUTING_LIGHTS, MAP_POINTS, POINT_CLOUD, RECEIVER_REGION
 from ....sampling.dimensions import Dimension, draw
+from ....sampling.point_cloud import PointCloud
 from ....scene import Change, Lights
 from ...culling.receiver_region import ReceiverRegion
 from ...frame import Frame, Pass, outputs
 from ...lights import type_of
-from .point_cloud import PointCloud
 
 #: Subsets of points for each light, which its virtual lights use in turn. See `dev.py bench constants` in
 #: docs/benchmarks.md.

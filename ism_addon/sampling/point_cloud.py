@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....sampling.points import points_on_triangles, proportional_counts, triangle_areas
-from ....scene import Mesh, Scene
+from ..scene import Mesh, Scene
+from .points import points_on_triangles, proportional_counts, triangle_areas
 
 #: Points that are computed at a time.
 POINTS_AT_A_TIME = 1 << 17
