@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ism_addon.sampling.point_cloud import make_point_cloud
 
 from ism_addon.color import REC709
 from ism_addon.gpu.passes.shadow_maps.light_importance import importance
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import allocate_virtual_lights
 from ism_addon.resources import MAP_POINTS, VIRTUAL_LIGHT_COUNTS
+from ism_addon.sampling.point_cloud import make_point_cloud
 from ism_addon.scene import LightShape
 from tests.scenes.rooms import rooms
 from tests.scenes.small import subdivided_box

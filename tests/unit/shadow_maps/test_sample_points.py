@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ism_addon.sampling.point_cloud import make_point_cloud
 
 from ism_addon.gpu.passes.shadow_maps.sample_points import SamplePoints
 from ism_addon.gpu.profile import Profile
 from ism_addon.resources import POINT_CLOUD
+from ism_addon.sampling.point_cloud import make_point_cloud
 from ism_addon.sampling.points import triangle_areas
 from tests.support import reference
 from tests.support.small_scenes import (

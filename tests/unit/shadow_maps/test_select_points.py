@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ism_addon.sampling.point_cloud import make_point_cloud
 
 from ism_addon.gpu.passes.shadow_maps.select_points import (
     MAP_POINT,
@@ -15,6 +14,7 @@ from ism_addon.gpu.passes.shadow_maps.select_points import (
     solid_angles,
 )
 from ism_addon.resources import MAP_POINTS
+from ism_addon.sampling.point_cloud import make_point_cloud
 from tests.scenes.small import SMALL
 from tests.support.small_scenes import (
     SMALL_SHADOW_MAPS,
