@@ -9,7 +9,7 @@ from .operations import OPERATIONS, Operation
 #: Operations that add a lobe of microfacets, that change those, and that add others than Lambert's.
 GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric", "closure_glass"
 COAT = ("closure_coat",)
-EXTRA = "closure_anisotropy", "closure_sheen", "closure_rough_diffuse"
+EXTRA = "closure_anisotropy", "closure_beckmann", "closure_sheen", "closure_rough_diffuse"
 
 #: Operations that do not end with the normal.
 WITHOUT_NORMAL = "closure_transparent", "closure_emission"
@@ -47,6 +47,8 @@ below("below_dielectric", "vec3 float float vec3 float vec3", parameter=True, co
 closure("closure_glass", "vec3 vec3 float float vec3", parameter=True, cost=6)
 # Aspect, rotation, tangent and normal: of all glossy lobes but the coat.
 closure("closure_anisotropy", "float float vec3 vec3")
+# The normal: of all glossy lobes but the coat.
+closure("closure_beckmann", "vec3")
 # Weight, index of refraction, roughness and normal.
 closure("closure_coat", "vec3 float float vec3", parameter=True, cost=4)
 # The weight of both, the coat's own weight, index of refraction, roughness, tint and normal.

@@ -18,7 +18,7 @@ COLUMNS, SIDE = 6, 24
 OUR_SAMPLES, SAMPLES, BOUND = 64, 256, 0.015
 
 COLOR, TINT = (0.8, 0.4, 0.2), (0.5, 0.7, 0.9)
-ONCE, SEVERAL_TIMES = {"distribution": "GGX"}, {"distribution": "MULTI_GGX"}
+ONCE, SEVERAL_TIMES, BECKMANN = ({"distribution": name} for name in ("GGX", "MULTI_GGX", "BECKMANN"))
 PAINT = {"Base Color": COLOR, "Roughness": 0.5}
 METAL = {**PAINT, "Metallic": 1.0, "Specular Tint": TINT}
 
@@ -33,6 +33,9 @@ def shaders() -> dict[str, Shader]:
         "glossy, several reflections": ("Anisotropic", SEVERAL_TIMES, rough),
         "glossy along": ("Anisotropic", SEVERAL_TIMES, {**rough, "Anisotropy": 0.6, "Rotation": 0.1}),
         "glossy across": ("Anisotropic", ONCE, {**rough, "Anisotropy": -0.6, "Rotation": 0.1}),
+        "glossy, Beckmann": ("Anisotropic", BECKMANN, {**rough, "Roughness": 0.5}),
+        "rough glossy, Beckmann": ("Anisotropic", BECKMANN, rough),
+        "glass, Beckmann": ("Glass", BECKMANN, rough),
         "glass": ("Glass", ONCE, rough),
         "glass, several reflections": ("Glass", SEVERAL_TIMES, {**rough, "Roughness": 1.0}),
         "sheen": ("Sheen", {"distribution": "MICROFIBER"}, rough),

@@ -52,12 +52,16 @@ def test_each_socket_that_is_not_drawn_is_reported(material, read_scene, name, v
     assert read_scene().warnings == (f"{issue}: 'Paint'.",)
 
 
+OTHERS = "Glossy shaders of other distributions are drawn with that of GGX"
+
+
 @pytest.mark.parametrize(
     ("node", "distribution", "issues"),
     [
         ("Sheen", "MICROFIBER", ()),
         ("Sheen", "ASHIKHMIN", ("Sheen of the distribution Ashikhmin is drawn as microfibers: 'Paint'.",)),
-        ("Anisotropic", "BECKMANN", ("Glossy shaders of other distributions are drawn with that of GGX: 'Paint'.",)),
+        ("Anisotropic", "BECKMANN", ()),
+        ("Anisotropic", "ASHIKHMIN_SHIRLEY", (f"{OTHERS}: 'Paint'.",)),
     ],
 )
 def test_distributions_that_are_not_drawn_are_reported(material, read_scene, node, distribution, issues):

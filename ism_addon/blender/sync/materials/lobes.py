@@ -14,6 +14,8 @@ ONE, ZERO = constant(1.0), constant(0.0)
 
 #: The distribution of microfacets between which light is reflected more than once.
 MULTIPLE = "MULTI_GGX"
+#: The distribution that falls off more steeply than GGX.
+BECKMANN = "BECKMANN"
 
 #: Whether a coat's microfacets, and the facets of rough diffuse surfaces, are of that kind in this release of Cycles.
 MULTIPLE_IN_COATS = int(bpy.app.version >= (4, 4))
@@ -52,6 +54,8 @@ class Lobes:
         }
         if closure.name in makers:
             yield from makers[closure.name](closure, weight)
+            if getattr(closure.node, "distribution", MULTIPLE) == BECKMANN:
+                yield Lobe(self._builder.call("closure_beckmann", self._normal_of(closure)), ONE, BLACK)
 
     def diffuse(self, weight: Value, color: Value, normal: Value, roughness: Value = ZERO) -> Iterator[Lobe]:
         """A diffuse lobe."""

@@ -24,7 +24,7 @@ ALWAYS = {
 }
 
 #: Distributions that are drawn: of microfacets, and of sheen.
-DISTRIBUTIONS = {"GGX", "MULTI_GGX", "MICROFIBER"}
+DISTRIBUTIONS = {"GGX", "MULTI_GGX", "BECKMANN", "MICROFIBER"}
 
 
 def warn_of_output(material: bpy.types.Material, output: bpy.types.Node | None, findings: Diagnostics) -> None:

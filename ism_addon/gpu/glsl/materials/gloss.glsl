@@ -16,10 +16,10 @@ Gloss gloss_for_points(Gloss gloss) {
 }
 
 // Microfacets' roughness along the axes of a frame whose z is the surface's normal.
-struct Microfacets { mat3 frame; vec2 alpha; };
+struct Microfacets { mat3 frame; vec2 alpha; bool beckmann; };
 
 Microfacets microfacets(Gloss gloss, vec3 n) {
-    return Microfacets(basis(n), vec2(pow(max(gloss.roughness, MIN_ROUGHNESS), 2.0)));
+    return Microfacets(basis(n), vec2(pow(max(gloss.roughness, MIN_ROUGHNESS), 2.0)), false);
 }
 
 #if RARE_LOBES
@@ -28,6 +28,7 @@ Microfacets anisotropic_microfacets(Gloss gloss, RareLobes rare, vec3 n) {
     float angle = 6.283185307179586 * rare.tangent_angle;
     vec3 tangent = cos(angle) * facets.frame[0] + sin(angle) * facets.frame[1];
     facets.frame = mat3(tangent, cross(n, tangent), n);
+    facets.beckmann = rare.beckmann;
     facets.alpha = min(facets.alpha * vec2(1.0 / rare.aspect, rare.aspect), 1.0);
     return facets;
 }
@@ -52,6 +53,19 @@ float ggx_lambda(vec3 wi, vec2 alpha) {
     return 0.5 * (sqrt(1.0 + dot(across, across) / max(wi.z * wi.z, 1e-12)) - 1.0);
 }
 
+// The same of the distribution of Beckmann & Spizzichino 1963, as in Walter et al. 2007.
+float beckmann_density(vec3 h, vec2 alpha) {
+    float square = max(h.z * h.z, 1e-12);
+    vec2 slope = h.xy / alpha;
+    return 0.3183098861837907 * exp(-dot(slope, slope) / square) / (alpha.x * alpha.y * square * square);
+}
+
+float beckmann_lambda(vec3 wi, vec2 alpha) {
+    vec2 across = alpha * wi.xy;
+    float a = abs(wi.z) * inversesqrt(max(dot(across, across), 1e-30));
+    return a < 1.6 ? (1.0 + a * (0.396 * a - 1.259)) / max(a * (3.535 + 2.181 * a), 1e-6) : 0.0;
+}
+
 struct LobeValue { vec3 reflected; float pdf; };
 
 // The lobe times the cosine, and the density of reflections by `sample_visible_normal`, both 1/sr.
@@ -62,7 +76,13 @@ LobeValue evaluate_gloss(Gloss gloss, Microfacets facets, vec3 wo, vec3 wi) {
     to_camera.z = max(to_camera.z, 1e-6);
     float density = ggx_density(h * facets.frame, facets.alpha) / (4.0 * to_camera.z);
     float hidden = ggx_lambda(to_camera, facets.alpha);
-    vec3 reflected = reflectance(gloss, dot(h, wi)) * (density / (1.0 + hidden + ggx_lambda(to_light, facets.alpha)));
+    vec3 reflected = reflectance(gloss, dot(h, wi));
+    if (facets.beckmann) {
+        float visible = 1.0 + beckmann_lambda(to_camera, facets.alpha) + beckmann_lambda(to_light, facets.alpha);
+        reflected *= beckmann_density(h * facets.frame, facets.alpha) / (4.0 * to_camera.z * visible);
+    } else {
+        reflected *= density / (1.0 + hidden + ggx_lambda(to_light, facets.alpha));
+    }
     return LobeValue(reflected, density / (1.0 + hidden));
 }
 

@@ -24,6 +24,7 @@ struct RareLobes {
     float tangent_angle;    // of its tangent in the basis about the normal, in turns
     float diffuse_roughness;
     float diffuse_weight;   // by which the color of a rough diffuse lobe has been multiplied; 0: it reflects light once
+    bool beckmann;          // whether microfacets of the lobe that is not the coat are distributed as by Beckmann
 };
 
 bool is_glossy(Gloss gloss) { return gloss.f0 + gloss.schlick + gloss.dielectric != vec3(0.0); }
@@ -84,12 +85,15 @@ Coat unpack_coat(uvec4 bits, uvec2 ltc) {
 uvec4 pack_rare_lobes(RareLobes rare) {
     vec2 bytes = floor(255.0 * clamp(vec2(rare.diffuse_roughness, rare.diffuse_weight), 0.0, 1.0) + 0.5);
     return pack_halves(vec4(rare.sheen / MAX_REFLECTANCE, (256.0 * bytes.x + bytes.y) / 65535.0),
-                       vec4(0.5 + rare.sheen_shape / (2.0 * MAX_SHEEN_SHAPE), 1.0 - rare.aspect, rare.tangent_angle));
+                       vec4(0.5 + rare.sheen_shape / (2.0 * MAX_SHEEN_SHAPE),
+                            0.49 * (1.0 - rare.aspect) + (rare.beckmann ? 0.5 : 0.0), rare.tangent_angle));
 }
 
 RareLobes unpack_rare_lobes(uvec4 bits) {
     mat2x4 a = unpack_halves(bits);
     vec2 bytes = vec2(bits.y >> 24u, bits.y >> 16u & 255u) / 255.0;
-    return RareLobes(MAX_REFLECTANCE * a[0].rgb, 2.0 * MAX_SHEEN_SHAPE * (a[1].xy - 0.5), 1.0 - a[1].z, a[1].w,
-                     bytes.x, bytes.y);
+    bool beckmann = a[1].z > 0.495;
+    float aspect = 1.0 - (a[1].z - (beckmann ? 0.5 : 0.0)) / 0.49;
+    return RareLobes(MAX_REFLECTANCE * a[0].rgb, 2.0 * MAX_SHEEN_SHAPE * (a[1].xy - 0.5), min(aspect, 1.0), a[1].w,
+                     bytes.x, bytes.y, beckmann);
 }

@@ -22,6 +22,7 @@ struct Closures {
     vec3 normal;             // sum of the shaders' normals, weighted by what they reflect
     GlossyClosures glossy;
     float aspect; // of microfacets, at most 1: see materials/gloss.glsl
+    bool beckmann; // whether these are distributed as by Beckmann
     vec3 tangent;
     GlossyClosures coat;
     vec3 coat_normal;
@@ -32,7 +33,7 @@ struct Closures {
 Closures no_closures() {
     GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
     vec3 zero = vec3(0.0);
-    return Closures(zero, zero, zero, 0.0, 0.0, zero, none, 1.0, zero, none, zero, zero, vec2(0.0));
+    return Closures(zero, zero, zero, 0.0, 0.0, zero, none, 1.0, false, zero, none, zero, zero, vec2(0.0));
 }
 
 void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {

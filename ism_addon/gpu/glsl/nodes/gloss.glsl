@@ -129,6 +129,9 @@ void closure_anisotropy(inout Closures closures, ShadingPoint at, float aspect, 
     closures.tangent = aspect > 1.0 ? cross(normal, rotated) : rotated;
 }
 
+// Distributes microfacets of all glossy lobes but the coat as by Beckmann.
+void closure_beckmann(inout Closures closures, ShadingPoint at, vec3 normal) { closures.beckmann = true; }
+
 // A lobe above all others, of a dielectric.
 void closure_coat(inout Closures closures, ShadingPoint at, vec3 weight, float ior, float roughness, vec3 normal,
                   int multiple) {
@@ -190,5 +193,5 @@ RareLobes rare_lobes_of(Closures closures, vec3 n) {
     bool has_tangent = closures.aspect < 1.0 && dot(across, across) > 1e-12;
     vec2 diffuse = vec2(closures.diffuse_roughness, closures.diffuse_weight) / max(sum_of(closures.diffuse), 1e-30);
     return RareLobes(closures.sheen, closures.sheen_shape, has_tangent ? closures.aspect : 1.0,
-                     has_tangent ? fract(angle) : 0.0, diffuse.x, diffuse.y);
+                     has_tangent ? fract(angle) : 0.0, diffuse.x, diffuse.y, closures.beckmann);
 }

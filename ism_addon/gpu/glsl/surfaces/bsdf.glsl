@@ -68,7 +68,8 @@ bool reflected_fraction_is_exact(Lobes lobes) {
     exact = exact && !(is_glossy(lobes.coat) && lobes.coat.roughness > MAX_ROUGHNESS);
 #endif
 #if RARE_LOBES
-    exact = exact && !(lobes.rare.aspect < 1.0 && lobes.gloss.roughness > MAX_ROUGHNESS);
+    bool differs = lobes.rare.aspect < 1.0 || lobes.rare.beckmann;
+    exact = exact && !(differs && lobes.gloss.roughness > MAX_ROUGHNESS);
     exact = exact && lobes.rare.diffuse_roughness == 0.0;
 #endif
     return exact;

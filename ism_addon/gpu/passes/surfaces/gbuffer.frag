@@ -114,7 +114,7 @@ void clear_lobes() {
     coat = uvec4(0u);
 #endif
 #if LAYERS && RARE_LOBES
-    rare_lobes = pack_rare_lobes(RareLobes(vec3(0.0), vec2(0.0), 1.0, 0.0, 0.0, 0.0));
+    rare_lobes = pack_rare_lobes(RareLobes(vec3(0.0), vec2(0.0), 1.0, 0.0, 0.0, 0.0, false));
 #endif
 #if !LAYERS && GLOSS
     gloss_reflectance = gloss_rise = ltc_entries = uvec4(0u);
