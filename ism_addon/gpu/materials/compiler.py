@@ -9,7 +9,7 @@ the point of the surface, and a pixel further in x and in y. Bumps have points o
 widths.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 
 from ...shading.node_graph import Instruction, NodeGraph
 from ...shading.operations import OPERATIONS
@@ -44,17 +44,17 @@ def glsl(graph: NodeGraph) -> Include:
     return Include(FILE, "\n".join([*lines, "    return closures;", "}"]))
 
 
-def point_functions(graphs: Mapping[int, NodeGraph], member: str, table: str, fields: tuple[str, str]) -> Include:
-    """A file with functions that evaluate graphs of these indices where rays meet surfaces.
+def point_functions(graphs: Sequence[NodeGraph], member: str, table: str, fields: tuple[str, str]) -> Include:
+    """A file with functions that evaluate graphs where rays meet surfaces.
 
     `member` of Closures is their result, and the functions' name. `fields` of `table`, rows by material of the record
-    with that name: the index of a graph, or -1, and the first of its constants.
+    with that name: the index among these graphs, or -1, and the first of its constants.
     """
     lines = [
         '#include "nodes/closures.glsl"',
-        *dict.fromkeys(each for graph in graphs.values() for each in includes(graph)),
+        *dict.fromkeys(each for graph in graphs for each in includes(graph)),
     ]
-    for key, graph in graphs.items():
+    for key, graph in enumerate(graphs):
         lines += [f"vec3 {member}{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
         for index, instruction in enumerate(graph.instructions):
             lines.append(line(graph, index, instruction, CENTRE, at_points=False))
@@ -66,7 +66,10 @@ def point_functions(graphs: Mapping[int, NodeGraph], member: str, table: str, fi
         f"bool has_{member}(int material) {{ return {row}.{graph_field} >= 0; }}",
         f"vec3 {member}(int material, ShadingPoint at) {{",
         f"    {table} row = {row};",
-        *(f"    if (row.{graph_field} == {key}) return {member}{key}(at, row.{constant_field});" for key in graphs),
+        *(
+            f"    if (row.{graph_field} == {key}) return {member}{key}(at, row.{constant_field});"
+            for key in range(len(graphs))
+        ),
         "    return vec3(0.0);",
         "}",
     ]

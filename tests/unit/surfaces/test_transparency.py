@@ -173,6 +173,18 @@ def test_opaque_scenes_have_no_tables_and_no_other_shader(device):
     assert not [key for key in device.programs.keys() - before if ("transparency", 1) in key[-1]]
 
 
+def test_further_graphs_of_a_scene_compile_no_shader_of_rays_again(device):
+    image = Image(np.zeros((2, 2, 4), np.uint8))
+    scene, view = scene_of(even((0.5, 0.5, 0.5)), by_image(), images=(image,)), view_from_above(3.0, SIZE)
+    draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=2))
+    before = set(device.programs)
+    table = scene.materials
+    moved = replace(table, transparency=np.where(table.transparency < 0, -1, table.transparency + 1).astype(np.int32))
+    other = replace(scene, graphs=(by_object()[0], *scene.graphs), materials=moved)
+    draw(device, other, view, with_quality(SMALL_SETTINGS, samples=2))
+    assert set(device.programs) == before
+
+
 def test_opaque_meshes_of_a_scene_are_drawn_by_the_shader_of_opaque_ones(device):
     scene = scene_of(even(CLEAR), even(CLEAR))
     renderer = draw(device, scene, view_from_above(3.0, SIZE)).renderer

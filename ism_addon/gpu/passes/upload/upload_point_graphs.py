@@ -52,7 +52,8 @@ class UploadPointGraphs(Pass):
         """What passes, by the graphs in a column of Materials.transparency. `others`: further uniforms."""
         scene, table = frame.scene, frame.scene.materials.transparency
         rows = np.zeros(len(table), MATERIAL_TRANSPARENCY.dtype)
-        rows["graphs"], rows["first_constants"] = table, scene.materials.transparency_constant
+        rows["graphs"] = np.stack([numbered(each) for each in table.T], 1)
+        rows["first_constants"] = scene.materials.transparency_constant
         written = MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
         fields = f"graphs.{'xy'[column]}", f"first_constants.{'xy'[column]}"
         evaluated = self.evaluated(frame, table[:, column], "transparency", MATERIAL_TRANSPARENCY.name, fields)
@@ -63,7 +64,7 @@ class UploadPointGraphs(Pass):
         """What the camera sees emitted, by Materials.emission_graph."""
         materials = frame.scene.materials
         rows = np.zeros(len(materials.emission_graph), MATERIAL_EMISSION.dtype)
-        rows["graph"], rows["first_constant"] = materials.emission_graph, materials.emission_constant
+        rows["graph"], rows["first_constant"] = numbered(materials.emission_graph), materials.emission_constant
         table = MATERIAL_EMISSION.write(frame.scene_records, "emission_graphs", rows)
         fields = "graph", "first_constant"
         evaluated = self.evaluated(frame, materials.emission_graph, "emission", MATERIAL_EMISSION.name, fields)
@@ -74,25 +75,30 @@ class UploadPointGraphs(Pass):
     def evaluated(frame: Frame, indices: np.ndarray, member: str, table: str, fields: tuple[str, str]) -> PointGraphs:
         """What evaluates the graphs of these indices; see point_functions."""
         scene, texels = frame.scene, frame[MATERIAL_BUFFERS].texels
-        graphs: dict[int, NodeGraph] = {k: scene.graphs[k] for k in np.unique(indices).tolist() if k >= 0}
+        graphs: list[NodeGraph] = [scene.graphs[k] for k in np.unique(indices).tolist() if k >= 0]
         rows = np.zeros(len(scene.materials.constants), GRAPH_CONSTANT.dtype)
         rows["numbers"] = scene.materials.constants
         constants = {"in_scene_records": 1}
         uniforms: dict[str, Any] = {
             "graph_constants": GRAPH_CONSTANT.write(frame.scene_records, "graph_constants", rows)
         }
-        if any(graph.uses("image") for graph in graphs.values()):
+        if any(graph.uses("image") for graph in graphs):
             uniforms |= {"images": IMAGE.write(frame.scene_records, "images", texels.rows), **texels.textures}
             constants |= image_constants(scene.images)
-        if any(graph.uses("uv_map") for graph in graphs.values()):
+        if any(graph.uses("uv_map") for graph in graphs):
             uniforms["uvs"] = frame[UV_BUFFERS].texture
-        if any(graph.uses("mesh_attribute") for graph in graphs.values()):
+        if any(graph.uses("mesh_attribute") for graph in graphs):
             uniforms |= attribute_uniforms(frame[ATTRIBUTE_BUFFERS])
-        if any(graph.reads_objects for graph in graphs.values()):
+        if any(graph.reads_objects for graph in graphs):
             rows_of_objects = frame[INSTANCE_BUFFERS].object_info
             info = OBJECT_INFO.write(frame.scene_records, "object_info", rows_of_objects)
             uniforms |= {"instances": transforms(frame), "object_info": info}
         return PointGraphs(constants, (*RECORDS, point_functions(graphs, member, table, fields)), uniforms)
+
+
+def numbered(indices: np.ndarray) -> np.ndarray:
+    """(M,) indices of graphs among only these, -1 for -1: shaders stay the same if the scene has others."""
+    return np.where(indices < 0, -1, np.searchsorted(np.unique(indices[indices >= 0]), indices))
 
 
 def instance_uniforms(frame: Frame) -> dict[str, Any]:
