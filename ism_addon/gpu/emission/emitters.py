@@ -9,7 +9,6 @@ from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -66,19 +65,8 @@ def emissive_instances(scene: Scene) -> np.ndarray:
     emits = scene.materials.emission.any(1)
     if not emits.any():
         return np.zeros(0, int)
-    mesh_emits = np.array([emits[materials_of(mesh)].any() for mesh in scene.meshes], bool)
+    mesh_emits = np.array([emits[mesh.material_indices].any() for mesh in scene.meshes], bool)
     return np.flatnonzero(mesh_emits[scene.instances.mesh] & scene.instances.visible_diffuse)
-
-
-#: The materials (M,) of each mesh that exists.
-_MATERIALS: WeakKeyDictionary[Mesh, np.ndarray] = WeakKeyDictionary()
-
-
-def materials_of(mesh: Mesh) -> np.ndarray:
-    """(M,) the materials of a mesh; found once."""
-    if mesh not in _MATERIALS:
-        _MATERIALS[mesh] = np.unique(mesh.materials)
-    return _MATERIALS[mesh]
 
 
 def emissive_lights(scene: Scene, rows: np.ndarray) -> EmissiveLights | None:

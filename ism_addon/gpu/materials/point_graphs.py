@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Graphs that shaders evaluate where rays meet surfaces. They read all tables from the scene's records."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from ..gl.shader_compiler import Include
@@ -23,6 +23,10 @@ class PointGraphs:
     constants: dict[str, Any]
     parts: tuple[Record | Include, ...] = ()
     uniforms: dict[str, Any] = field(default_factory=dict)
+
+    def with_uniforms(self, uniforms: dict[str, Any]) -> "PointGraphs":
+        """The same with further uniforms."""
+        return replace(self, uniforms=self.uniforms | uniforms)
 
     @property
     def records(self) -> tuple[Record, ...]:

@@ -40,16 +40,20 @@ class UploadPointGraphs(Pass):
         return any(frame.scene.has_transparency) or frame.scene.has_emission_graphs
 
     def execute(self, frame: Frame) -> None:
-        (camera, shadow), emits = frame.scene.has_transparency, frame.scene.has_emission_graphs
+        camera, shadow = (
+            self.transparency(frame, column) if passes else OPAQUE
+            for column, passes in enumerate(frame.scene.has_transparency)
+        )
+        hits, points = {"transparent_hits": frame.scene.transparent_bounces}, instance_uniforms(frame)
         frame[POINT_GRAPHS] = ScenePointGraphs(
-            self.transparency(frame, 0, instance_uniforms(frame)) if camera else OPAQUE,
-            self.transparency(frame, 1, {"transparent_hits": frame.scene.transparent_bounces}) if shadow else OPAQUE,
-            self.emission(frame) if emits else EVEN,
-            self.transparency(frame, 1, instance_uniforms(frame)) if shadow else OPAQUE,
+            camera if camera is OPAQUE else camera.with_uniforms(points),
+            shadow if shadow is OPAQUE else shadow.with_uniforms(hits),
+            self.emission(frame).with_uniforms(points) if frame.scene.has_emission_graphs else EVEN,
+            shadow if shadow is OPAQUE else shadow.with_uniforms(points),
         )
 
-    def transparency(self, frame: Frame, column: int, others: dict[str, Any]) -> PointGraphs:
-        """What passes, by the graphs in a column of Materials.transparency. `others`: further uniforms."""
+    def transparency(self, frame: Frame, column: int) -> PointGraphs:
+        """What passes, by the graphs in a column of Materials.transparency."""
         scene, table = frame.scene, frame.scene.materials.transparency
         rows = np.zeros(len(table), MATERIAL_TRANSPARENCY.dtype)
         rows["graphs"] = np.stack([numbered(each) for each in table.T], 1)
@@ -57,7 +61,7 @@ class UploadPointGraphs(Pass):
         written = MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
         fields = f"graphs.{'xy'[column]}", f"first_constants.{'xy'[column]}"
         evaluated = self.evaluated(frame, table[:, column], "transparency", MATERIAL_TRANSPARENCY.name, fields)
-        uniforms = evaluated.uniforms | others | {"transparency_graphs": written}
+        uniforms = evaluated.uniforms | {"transparency_graphs": written}
         return PointGraphs(evaluated.constants | {"transparency": 1}, evaluated.parts, uniforms)
 
     def emission(self, frame: Frame) -> PointGraphs:
@@ -68,7 +72,7 @@ class UploadPointGraphs(Pass):
         table = MATERIAL_EMISSION.write(frame.scene_records, "emission_graphs", rows)
         fields = "graph", "first_constant"
         evaluated = self.evaluated(frame, materials.emission_graph, "emission", MATERIAL_EMISSION.name, fields)
-        uniforms = evaluated.uniforms | instance_uniforms(frame) | {"emission_graphs": table}
+        uniforms = evaluated.uniforms | {"emission_graphs": table}
         return PointGraphs(evaluated.constants | {"emission_graphs": 1}, evaluated.parts, uniforms)
 
     @staticmethod
