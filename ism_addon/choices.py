@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Self
 
 from . import resources
-from .resource_types import Target
+from .resource_types import Channel, Target
 
 
 class Choice(StrEnum):
@@ -44,7 +44,7 @@ class Resolution(Choice):
     QUARTER = "25", "25 %", "Render at a quarter of the width and height"
 
 
-def _view(target: Target) -> tuple[str, str, str]:
+def _view(target: Target | Channel) -> tuple[str, str, str]:
     return target.name, target.label, target.about
 
 

@@ -78,3 +78,4 @@ class Channel(Resource[Texture]):
     """A channel of a target that is tracked separately: it may be unchanged when the other channels have changed."""
 
     of: Target = field(kw_only=True)
+    label: str = ""  # of the debug view; "": it is none

@@ -88,25 +88,25 @@ VISIBILITY_BUFFER = Target(
     "visibility_buffer", "primitive in a finer grid, which several samples share", _PICTURE, format="rg32ui", divisor=0
 )
 VISIBILITY_DEPTH = Target("visibility_depth", "Depth buffer of visibility_buffer", format="depth32f", divisor=0)
-PRIMITIVE = Target(
-    "primitive",
-    "The nearest triangle, counted from 1, each in a colour of its own, and its instance",
-    format="rg32ui",
-    label="Triangles",
-)
 DEPTH = Target(
-    "depth",
-    "Distance along the view's axis, in metres: white from one on",
+    *("depth", "Distance along the view's axis, in metres: white from one on"),
     format="r32f",
     neutral=(BACKGROUND_DEPTH,),
     label="Depth",
 )
 TILE_GRAPHS = Target("tile_graphs", "Bits of the graphs of a tile's pixels", format="r32ui", divisor=TILE_SIZE)
-POSITION = Target(
-    "position", "Position of the nearest surface, in metres, as RGB; in alpha the packed normal", label="Position"
-)
+POSITION = Target("position", "Of the nearest surface, in metres, as RGB; in alpha the packed normal", label="Position")
 NORMAL = Target(
-    "normal", "Direction of the nearest surface as RGB. Stored as octahedra: shading, geometric normal", label="Normal"
+    "normal",
+    "Of the nearest surface as RGB. Stored as octahedra: shading, geometric",
+    format="rgba32ui",
+    label="Normal",
+)
+PRIMITIVE = Channel(
+    "primitive",
+    "The nearest triangle, counted from 1, each in a colour of its own, and its instance",
+    of=NORMAL,
+    label="Triangles",
 )
 BASE_COLOR = Target("base_color", "Base color of the nearest surface; in alpha terminator_offset", label="Base Color")
 # Of glossy surfaces, if there are any, see materials/gloss_packing.glsl.
@@ -294,7 +294,7 @@ CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile
 #: Resources by name.
 RESOURCES: dict[str, Resource[Any]] = {x.name: x for x in tuple(globals().values()) if isinstance(x, Resource)}
 
-#: Targets that are debug views; the render is first.
+#: Targets and channels that are debug views; the render is first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [
-    each for each in RESOURCES.values() if isinstance(each, Target) and each.label and each is not SAMPLE_COLOR
+    each for each in RESOURCES.values() if getattr(each, "label", "") and each is not SAMPLE_COLOR
 ]

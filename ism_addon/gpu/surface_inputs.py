@@ -16,7 +16,6 @@ def surface_samplers(frame: Frame) -> dict[str, Any]:
     return {
         "position": frame[POSITION],
         "normal": frame[NORMAL],
-        "primitive": frame[PRIMITIVE],
         "base_color": frame[TERMINATOR_OFFSET],
         "link_groups": frame[INSTANCE_BUFFERS].memberships,
     }

@@ -31,7 +31,7 @@ def test_shaders_are_reloaded(worker, shaders):
     settings = replace(SMALL_SETTINGS, debug_view="base_color")
     before = worker.start(request(settings), "client")
     assert wait_for_end(before)
-    edit(shaders / "passes/film/debug_image.frag", "texel.rgb;", "vec3(0.25);")
+    edit(shaders / "passes/film/debug_image.frag", "texel.rgb, 1.0);", "vec3(0.25), 1.0);")
     not_reloaded = worker.start(request(settings, pillar_field), "client")
     assert wait_for_end(not_reloaded)
     assert not_reloaded.picture().color[..., :3].max() > 0.26

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ism_addon.resources import RESOURCES, TILES
+from ism_addon.gpu.gl.shader_records import OCTAHEDRON_STEPS
+from ism_addon.resources import NORMAL, RESOURCES, TILES
 from ism_addon.scene import Image, Lights, LightShape, Mesh, Scene, View, World
 from ism_addon.settings import SSAO, Method, Quality, Settings, Shadow
 from tests.scenes.parts.tables import instances_of, materials_of
@@ -41,9 +42,13 @@ class Drawn:
         return self.renderer.picture()
 
     def target(self, name: str) -> np.ndarray:
-        """(H,W,components) of any target, bottom row first."""
-        targets, target = self.renderer.graph.targets, RESOURCES[name]
+        """(H,W,components) of any target, bottom row first; of "normal" octahedra, of "primitive" indices."""
+        targets, target = self.renderer.graph.targets, NORMAL if name == "primitive" else RESOURCES[name]
         texels = read_texels(targets[target], targets.sizes.get(target, (1, 1)))
+        if name == "primitive":
+            return texels[..., 2:]
+        if name == "normal":
+            return np.ascontiguousarray(texels[..., :2]).view(np.int16) / float(OCTAHEDRON_STEPS)
         return texels if texels.dtype == np.uint32 else texels.astype(float)
 
     @property

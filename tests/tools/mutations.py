@@ -180,8 +180,8 @@ MUTATIONS = (
     ),
     Mutation(
         "what lies behind a light throws a shadow",
-        "bool is_hit = distance < end && k != ignored",
-        "bool is_hit = distance < 2.0 && k != ignored",
+        "if (hit.distance < end && next != ignored)",
+        "if (hit.distance < 2.0 && next != ignored)",
         ("test_build_bvh", "test_trace_shadows"),
     ),
     Mutation(

@@ -19,7 +19,7 @@ from ..accel.blas import BLAS, DeferredBLAS
 from ..accel.quantization import Quantization, quantizations
 from ..gl.buffer_texture import BufferTexture
 from ..gl.context import Device
-from ..gl.shader_records import octahedron_from_directions
+from ..gl.shader_records import packed_octahedron
 from .heap_trim import trim_heap
 from .small_meshes import JoinedMeshes, small_mesh_groups
 
@@ -71,7 +71,7 @@ class TriangleSource:
     def vertices(self) -> QuantizedVertices:
         """The vertices, quantized."""
         normals = self.arrays.normals
-        return QuantizedVertices(self.quantize(), snorm16(normals) if normals.ndim == 2 else None)
+        return QuantizedVertices(self.quantize(), packed_octahedron(normals) if normals.ndim == 2 else None)
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ def buffers_of_range(range_: TriangleRange) -> tuple[np.ndarray, np.ndarray]:
     arrays, vertices = range_.source.arrays, range_.vertices
     corners = packed_corners(range_.positions(), arrays.materials[range_.indices]).reshape(-1, 4)
     if vertices.octahedra is None:
-        return corners, snorm16(arrays.normals[range_.indices]).reshape(-1, 2)
+        return corners, packed_octahedron(arrays.normals[range_.indices]).reshape(-1, 2)
     return corners, vertices.octahedra.view(np.uint32).take(range_.triangles).view(np.int16).reshape(-1, 2)
 
 
@@ -251,8 +251,3 @@ def packed_corners(corners: list[np.ndarray], materials: np.ndarray) -> np.ndarr
         lower_bits = lower >> np.uint32(7 * (k % 4)) & np.uint32(127)
         words[:, k] = coordinates.view(np.uint32) << np.uint32(7) | lower_bits
     return words
-
-
-def snorm16(directions: np.ndarray) -> np.ndarray:
-    """Octahedral encoding (…,2) int16 of unit vectors (…,3)."""
-    return np.rint(octahedron_from_directions(directions) * np.float32(32767.0)).astype(np.int16)

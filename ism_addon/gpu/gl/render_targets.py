@@ -95,7 +95,7 @@ class RenderTargets:
         return self.framebuffers[targets]
 
     def read(self, target: Target) -> np.ndarray:
-        """(H,W,components) float32 of a target of floats, bottom row first."""
+        """(H,W,components) float32, or uint32 of a target of integers; bottom row first."""
         width, height = self.sizes[target]
         return np.ascontiguousarray(pixels(self.textures[target])[:height, :width])
 
@@ -122,8 +122,8 @@ def draw_into(target: moderngl.Framebuffer) -> None:
 
 
 def pixels(texture: moderngl.Texture) -> np.ndarray:
-    """(H,W,components) float32 of a texture of floats, or of bytes, divided by 255."""
-    has_bytes = texture.dtype == "f1"
-    values: np.ndarray = np.empty((*texture.size[::-1], texture.components), np.uint8 if has_bytes else np.float32)
+    """(H,W,components) float32 of a texture of floats, or of bytes, divided by 255; uint32 of one of integers."""
+    dtype = {"f1": np.uint8, "u4": np.uint32}.get(texture.dtype, np.float32)
+    values: np.ndarray = np.empty((*texture.size[::-1], texture.components), dtype)
     texture.read_into(values, alignment=1)
-    return values / np.float32(255) if has_bytes else values
+    return values / np.float32(255) if texture.dtype == "f1" else values

@@ -94,6 +94,15 @@ def octahedron_from_directions(directions: np.ndarray) -> np.ndarray:
     return points
 
 
+#: Steps of a packed coordinate from 0 to 1.
+OCTAHEDRON_STEPS = np.float32(32767.0)
+
+
+def packed_octahedron(directions: np.ndarray) -> np.ndarray:
+    """(…,2) int16 of unit vectors (…,3): the same points, as pack_octahedron in maths/octahedron.glsl packs them."""
+    return np.rint(octahedron_from_directions(directions) * OCTAHEDRON_STEPS).astype(np.int16)
+
+
 def directions_from_octahedron(points: np.ndarray) -> np.ndarray:
     """The inverse: points (…,2) mapped to unit vectors (…,3)."""
     z = 1.0 - np.abs(points).sum(-1, keepdims=True)

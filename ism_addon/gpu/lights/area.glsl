@@ -165,7 +165,7 @@ LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 offset = x * region.x_axis + y * region.y_axis, ray = light.position - p + offset;
     float lateral = length(cross(light.normal, ray));
     return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)),
-                       angle * strip > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
+                       angle * strip > 0.0 && region.height > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
                        max(density, 1e-4) / max(angle * strip, 1e-33));
 }
 

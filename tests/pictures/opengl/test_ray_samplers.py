@@ -12,7 +12,7 @@ from tests.support.small_scenes import SMALL_SETTINGS, draw, with_quality
 from tests.tools.glslang import SAMPLER_TYPES
 
 #: The most samplers of a shader's variants. Another table needs none if it is in SceneRecords, see buffer_texture.py.
-MAX_SAMPLERS = {"probe_rays": 8, "trace_shadows": 11, "trace_shadows_faint": 7}
+MAX_SAMPLERS = {"probe_rays": 7, "trace_shadows": 9, "trace_shadows_faint": 6}
 
 
 def samplers_of(program: moderngl.Program) -> set[str]:

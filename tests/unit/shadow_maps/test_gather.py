@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.gl.shader_records import octahedron_from_directions
+from ism_addon.gpu.gl.shader_records import packed_octahedron
 from ism_addon.gpu.passes.shadow_maps.atlas import batches
 from ism_addon.gpu.passes.shadow_maps.fill_holes import FillHoles
 from ism_addon.gpu.passes.shadow_maps.gather import GatherLight
@@ -55,11 +55,12 @@ def gathered(device, lights, points: np.ndarray, normals: np.ndarray) -> np.ndar
     for pass_type in (CullMeshes, UploadMeshes, UploadInstances, UploadLights, PlaceVirtualLights):
         renderer.graph.step(pass_type, frame, Profile())
     surface = np.concatenate([points - frame.anchor, np.ones((len(points), 1))], 1)
-    packed = np.tile(octahedron_from_directions(normals), 2)
+    packed = np.zeros((len(normals), 4), np.uint32)
+    packed[:, :2] = np.ascontiguousarray(packed_octahedron(normals)).view(np.uint32)
     color = np.tile([np.pi, np.pi, np.pi, 0.0], (len(points), 1))
-    for target, rows in ((POSITION, surface), (NORMAL, packed), (BASE_COLOR, color)):
+    for target, rows in ((POSITION, np.float32(surface)), (NORMAL, packed), (BASE_COLOR, np.float32(color))):
         frame.graph.targets.allocate(target, size)
-        write_texels(frame[target], rows[None].astype(np.float32))
+        write_texels(frame[target], rows[None])
     (frame[ATLAS_BATCH],) = batches(0, 8, device.texture_size)
     for pass_type in (SplatMaps, FillHoles, GatherLight):
         renderer.graph.step(pass_type, frame, Profile())

@@ -148,6 +148,16 @@ def test_reflections_of_emissive_meshes_are_not_occluded_by_them(device):
     assert np.allclose(reflected, [0.9, 0.5, 0.2], rtol=0.02)
 
 
+@pytest.mark.parametrize("shape", [LightShape.RECTANGLE, LightShape.ELLIPSE])
+def test_no_light_is_reflected_behind_an_area(device, shape):
+    """The surface is close to the light, on the side that does not emit."""
+    above = light(shape, (0.0, 0.0, 0.02), (0.8, 0.0, 0.0), (0.0, 0.8, 0.0), radiance=100.0)
+    assert above.normal[0, 2] > 0.0
+    settings = with_quality(SMALL_SETTINGS, samples=8)
+    drawn = draw(device, floor_of(*metal(0.9), above), view_from_above(2.0, (16, 16)), settings)
+    assert not drawn.color[..., :3].any()
+
+
 def test_a_light_of_negligible_irradiance_is_reflected(device):
     """Its radiance is a hundred times that of the other light, its irradiance less than a thousandth."""
     large = light(LightShape.RECTANGLE, (0.0, 0.0, 1.5), (1.2, 0.0, 0.0), (0.0, -1.2, 0.0), radiance=1.0)

@@ -2,10 +2,8 @@
 #include "maths/octahedron.glsl"
 #include "surfaces/similarity.glsl"
 uniform sampler2D position; // in alpha, the normal, packed
-uniform sampler2D normal;
-uniform sampler2D depth;
 uniform sampler2D base_color; // in alpha, the terminator offset
-uniform usampler2D primitive;
+uniform usampler2D normal; // shading and geometric normal, packed; index of the triangle plus 1, and of its instance
 
 struct Surface {
     vec3 position;
@@ -20,10 +18,11 @@ struct Surface {
 };
 
 Surface surface_at(ivec2 at) {
-    vec4 p = fetch(position, at), octahedra = fetch(normal, at), color = fetch(base_color, at);
-    uvec2 id = fetch(primitive, at).xy;
-    return Surface(p.xyz, direction_from_octahedron(octahedra.xy), direction_from_octahedron(octahedra.zw),
-                   color.rgb, fetch(depth, at).x, color.a, int(id.x) - 1, int(id.y), p.w > 0.0);
+    vec4 p = fetch(position, at), color = fetch(base_color, at);
+    uvec4 ids = fetch(normal, at);
+    return Surface(p.xyz, direction_from_octahedron(unpack_octahedron(ids.x)),
+                   direction_from_octahedron(unpack_octahedron(ids.y)), color.rgb,
+                   -(view_from_anchor * vec4(p.xyz, 1.0)).z, color.a, int(ids.z) - 1, int(ids.w), p.w > 0.0);
 }
 
 // Similarity of a surface to the surface of another pixel.

@@ -86,16 +86,18 @@ float triangle_distance(int triangle, vec3 origin, vec3 ray) {
 struct Intersection { float distance; int triangle; int instance; }; // a fraction of the ray's length, 1 if there is none
 
 #if TRANSPARENCY
-// What passes through a triangle where a ray meets it. `blas_from_anchor`: linear; `origin`, `ray`: in its space.
-vec3 transparency_at(int triangle, int instance, mat3 blas_from_anchor, vec3 position, vec3 anchor_ray, vec3 on_mesh) {
-    TriangleVertices corners = fetch_triangle(triangle);
+// What passes through a triangle where a ray meets it. `blas_from_anchor`: linear; `on_mesh`: in its space.
+vec3 transparency_at(Intersection hit, mat3 blas_from_anchor, vec3 position, vec3 anchor_ray, vec3 on_mesh) {
+    TriangleVertices corners = fetch_triangle(hit.triangle);
     vec3 n = cross(corners.u, corners.v), scaled = n / dot(n, n), in_triangle = on_mesh - corners.first;
     float s = dot(cross(in_triangle, corners.v), scaled), t = dot(cross(corners.u, in_triangle), scaled);
     vec3 normal = normalize(n * blas_from_anchor), incoming = -normalize(anchor_ray);
     // A mirrored instance flips its triangles, and by that matrix also their normals.
     bool is_back = dot(normal, incoming) < 0.0;
     if (is_back) normal = -normal;
-    ShadingPoint at = ShadingPoint(position, vec3(1.0 - s - t, s, t), normal, normal, incoming, is_back, triangle, instance);
+    vec3 barycentric = vec3(1.0 - s - t, s, t);
+    ShadingPoint at =
+        ShadingPoint(position, barycentric, normal, normal, incoming, is_back, hit.triangle, hit.instance);
     return clamp(transparency(corners.material, at), 0.0, 1.0);
 }
 #endif
@@ -124,28 +126,35 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
         int ignored = caster.instance == instance ? triangle : -1;
         bool is_seen = is_linked(caster.link_groups, blockers) && (any_is_enough || caster.instance >= 0);
         TraversalState state = TraversalState(is_seen ? 1 : 0, uvec2(0u));
-        while (state.node > 0) {
-            while (state.node > 0 && state.node < caster.leaves)
-                state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray, end, !any_is_enough);
-            int start = caster.first_leaf + state.node - caster.leaves;
-            int first = caster.first_triangle + int(texelFetch(blas_nodes, start >> 2)[start & 3]);
-            int last = state.node > 0 ? first + caster.triangles_per_leaf : first;
-            for (int k = first; k < last; ++k) {
-                if (any_is_enough && nearest.triangle >= 0) break;
-                float distance = triangle_distance(k, origin, ray);
-                bool is_hit = distance < end && k != ignored;
-#if TRANSPARENCY
-                if (any_is_enough && is_hit && has_transparency(fetch_triangle(k).material)) {
-                    vec3 position = mix(from, to, distance), on_mesh = origin + distance * ray;
-                    passed *= transparency_at(k, caster.instance, mat3(blas_from_anchor), position, anchor_ray, on_mesh);
-                    ++hits;
-                    is_hit = hits > transparent_hits || passed == vec3(0.0);
+        int next = 0, last = 0; // triangles of a leaf
+        while (state.node > 0 || next < last) {
+            Intersection hit = Intersection(2.0, -1, caster.instance);
+            while (hit.triangle < 0 && (state.node > 0 || next < last)) {
+                while (next == last && state.node > 0 && state.node < caster.leaves)
+                    state = next_leaf(blas_nodes, caster.first_node, state, origin, inverse_ray, end, !any_is_enough);
+                if (next == last && state.node > 0) {
+                    int start = caster.first_leaf + state.node - caster.leaves;
+                    next = caster.first_triangle + int(texelFetch(blas_nodes, start >> 2)[start & 3]);
+                    last = next + caster.triangles_per_leaf;
+                    state = pop(state);
                 }
-#endif
-                if (is_hit) nearest = Intersection(distance, k, caster.instance);
-                end = any_is_enough ? 1.0 : nearest.distance;
+                for (; next < last && hit.triangle < 0; ++next) {
+                    hit.distance = triangle_distance(next, origin, ray);
+                    if (hit.distance < end && next != ignored) hit.triangle = next;
+                }
             }
-            state = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(state);
+            if (hit.triangle < 0) break;
+#if TRANSPARENCY
+            if (any_is_enough && has_transparency(fetch_triangle(hit.triangle).material)) {
+                vec3 position = mix(from, to, hit.distance), on_mesh = origin + hit.distance * ray;
+                passed *= transparency_at(hit, mat3(blas_from_anchor), position, anchor_ray, on_mesh);
+                ++hits;
+                if (hits <= transparent_hits && passed != vec3(0.0)) continue;
+            }
+#endif
+            nearest = hit;
+            end = nearest.distance;
+            if (any_is_enough) break;
         }
         outer = any_is_enough && nearest.triangle >= 0 ? TraversalState(0, uvec2(0u)) : pop(outer);
     }

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import moderngl
 
-from ....resources import DEPTH, IRRADIANCE_CACHE, NORMAL, POSITION, PREDICTED_PIXEL, PREDICTION_SURFACE, TILES
+from ....resources import IRRADIANCE_CACHE, NORMAL, POSITION, PREDICTED_PIXEL, PREDICTION_SURFACE, TILES
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -19,7 +19,7 @@ from ...gl.shader_compiler import bind
 class MatchPredictions(Pass):
     """The neighbour of each pixel whose predictions are those of its surface."""
 
-    inputs = PREDICTION_SURFACE, IRRADIANCE_CACHE, POSITION, NORMAL, DEPTH, TILES, Change.SAMPLE
+    inputs = PREDICTION_SURFACE, IRRADIANCE_CACHE, POSITION, NORMAL, TILES, Change.SAMPLE
     outputs = outputs(PREDICTED_PIXEL)
 
     @cached_property
@@ -32,6 +32,6 @@ class MatchPredictions(Pass):
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
-        surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "depth": frame[DEPTH]}
+        surfaces = {"position": frame[POSITION], "normal": frame[NORMAL]}
         bind(self.program, **surfaces, prediction_surface=frame[PREDICTION_SURFACE])
         draw_tiles(frame, frame.framebuffer(PREDICTED_PIXEL), self.program)

@@ -14,7 +14,6 @@ import numpy as np
 from ....resource_types import Resource, Target
 from ....resources import (
     ALL_PROBES,
-    DEPTH,
     LIGHT_INFLUENCE,
     NORMAL,
     POSITION,
@@ -48,7 +47,7 @@ class PredictVisibility(Pass):
     """For each light that casts shadows, the predicted visibility at each pixel."""
 
     schedule = Schedule.DOUBLING
-    inputs = PROBES, REDISCOVERED, LIGHT_INFLUENCE, POSITION, NORMAL, DEPTH, TILE_SELECTION, Change.SAMPLE
+    inputs = PROBES, REDISCOVERED, LIGHT_INFLUENCE, POSITION, NORMAL, TILE_SELECTION, Change.SAMPLE
     feedback = (RAY_COUNTS,)
     outputs = outputs(PROBE_PREDICTION, PREDICTION_SURFACE, PREDICTED_VISIBILITY, TILE_VISIBILITY, ALL_PROBES)
 
@@ -128,7 +127,7 @@ class PredictVisibility(Pass):
         prediction: moderngl.Texture,
     ) -> None:
         """Predict a light: 0 or 1 in tiles whose rays agree; in others at probes, then interpolated between them."""
-        surfaces = {"position": frame[POSITION], "normal": frame[NORMAL], "depth": frame[DEPTH]}
+        surfaces = {"position": frame[POSITION], "normal": frame[NORMAL]}
         rays = {"probes": probes, "traced": counts is not None, **({} if counts is None else {"ray_counts": counts})}
         gl, uncertain = self.device.gl, tiles_where(visibility.all(2))
         probe_prediction = frame[PROBE_PREDICTION]

@@ -19,7 +19,6 @@ import numpy as np
 from ....resources import (
     CACHE_CONSTANTS,
     CONTRIBUTING_LIGHTS,
-    DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
     FAINT_LIGHTS,
@@ -75,7 +74,7 @@ class TraceShadows(Pass):
     """Predicted radiance W/(sr m²), and the residuals that correct it."""
 
     inputs = (
-        *(*SURFACE, *MATERIAL, DEPTH, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
+        *(*SURFACE, *MATERIAL, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
         *(POINT_GRAPHS, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
@@ -175,7 +174,6 @@ class TraceShadows(Pass):
             **material_samplers(frame),
             **frame[LIGHT_BUFFERS],
             **mean_points(frame.sample),
-            "depth": frame[DEPTH],
             "predicted_pixels": frame[PREDICTED_PIXEL],
             **(frame[TLAS] if frame.casts_shadows else {}),
         }

@@ -18,5 +18,5 @@ class ShadeEmission(Pass):
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
         program = self.tile_program(*emission_parts(frame), **emission_constants(frame))
-        bind(program, primitive=frame[PRIMITIVE], depth=frame[DEPTH], **emission_uniforms(frame))
+        bind(program, normal=frame[PRIMITIVE], depth=frame[DEPTH], **emission_uniforms(frame))
         draw_tiles(frame, frame.framebuffer(SAMPLE_EMISSION), program)

@@ -5,7 +5,7 @@
 
 uniform sampler2D depth;
 uniform sampler2D position;
-uniform sampler2D normal;
+uniform usampler2D normal; // see surfaces/surface.glsl
 uniform sampler2D random;
 uniform vec3 directions[POINTS]; // in [0,1): two for the direction in the cone, one for the distance
 uniform vec2 rotation; // of a sample: of the angle and of the distance
@@ -39,8 +39,9 @@ void main() {
     vec4 receiver = fetch(position, at);
     raw_occlusion = 1.0;
     if (receiver.w == 0.0) return;
-    vec4 octahedra = fetch(normal, at);
-    vec3 n = direction_from_octahedron(octahedra.xy), geometric_normal = direction_from_octahedron(octahedra.zw);
+    uvec2 octahedra = fetch(normal, at).xy;
+    vec3 n = direction_from_octahedron(unpack_octahedron(octahedra.x));
+    vec3 geometric_normal = direction_from_octahedron(unpack_octahedron(octahedra.y));
     vec2 subpixel_offset = project(receiver.xyz).xy - (vec2(at) + 0.5);
     mat3 cone = basis(n);
     vec3 shift = vec3(0.0, fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + rotation);

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import moderngl
 
-from ....resources import AMBIENT_OCCLUSION, DEPTH, HALF_BLURRED_OCCLUSION, NORMAL, POSITION, RAW_OCCLUSION
+from ....resources import AMBIENT_OCCLUSION, HALF_BLURRED_OCCLUSION, NORMAL, POSITION, RAW_OCCLUSION
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
@@ -18,7 +18,7 @@ from ...gl.shader_compiler import bind
 class BlurOcclusion(Pass):
     """The smoothed occlusion at half resolution."""
 
-    inputs = POSITION, NORMAL, DEPTH, RAW_OCCLUSION
+    inputs = POSITION, NORMAL, RAW_OCCLUSION
     outputs = outputs(HALF_BLURRED_OCCLUSION, AMBIENT_OCCLUSION)
 
     @cached_property
@@ -38,7 +38,6 @@ class BlurOcclusion(Pass):
                 self.pixels.program,
                 position=frame[POSITION],
                 normal=frame[NORMAL],
-                depth=frame[DEPTH],
                 occlusion=frame[source],
                 along=along,
             )

@@ -5,10 +5,10 @@ from functools import cached_property
 
 import moderngl
 
-from ....resources import DEBUG_IMAGE, DEBUG_VIEWS, NORMAL, SAMPLE_COLOR
+from ....resources import DEBUG_IMAGE, DEBUG_VIEWS, PRIMITIVE, SAMPLE_COLOR
 from ....sampling.dimensions import Dimension, fixed_increments
 from ...drawing import draw_pixels
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Pass, outputs, targets_of
 from ...gl.shader_compiler import bind, compile_program
 
 
@@ -31,13 +31,13 @@ class DebugImage(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        target = next(view for view in DEBUG_VIEWS if view.name == frame.settings.debug_view)
-        source = frame[target]
+        view = next(view for view in DEBUG_VIEWS if view.name == frame.settings.debug_view)
+        source, (target,) = frame[view], targets_of([view])
         shader = self.shaders[source.dtype == "u4"]
         bind(
             shader.program,
             source=source,
-            octahedral=target is NORMAL,
+            primitive=view is PRIMITIVE,
             components=source.components,
             triangle_steps=fixed_increments(Dimension.DEBUG_COLOR, "triangle"),
             instance_steps=fixed_increments(Dimension.DEBUG_COLOR, "instance"),

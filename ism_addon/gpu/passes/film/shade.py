@@ -10,7 +10,6 @@ from typing import Any
 
 from ....resources import (
     AMBIENT_OCCLUSION,
-    DEPTH,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
     NORMAL,
@@ -32,7 +31,7 @@ class Shade(Pass):
     """The image of one sample, alpha premultiplied; its residual and its headroom."""
 
     inputs = (
-        *(TILES, POSITION, NORMAL, DEPTH, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
+        *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
         *(Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
@@ -48,7 +47,6 @@ class Shade(Pass):
             program,
             position=frame[POSITION],
             normal=frame[NORMAL],
-            depth=frame[DEPTH],
             **material_samplers(frame),
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],

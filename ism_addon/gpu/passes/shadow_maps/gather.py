@@ -18,7 +18,6 @@ import moderngl
 from ....resources import (
     ATLAS_BATCH,
     CACHE_CONSTANTS,
-    DEPTH,
     DIRECT_PREDICTION,
     INSTANCE_BUFFERS,
     IRRADIANCE_CACHE,
@@ -50,7 +49,7 @@ class GatherLight(Pass):
 
     inputs = (
         *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFERS, VIRTUAL_LIGHT_COUNTS),
-        *(DEPTH, IRRADIANCE_CACHE),
+        IRRADIANCE_CACHE,
         *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
         *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
     )
@@ -92,7 +91,6 @@ class GatherLight(Pass):
             "position": frame[POSITION],
             "normal": frame[NORMAL],
             **material_samplers(frame),
-            "primitive": frame[PRIMITIVE],
             "link_groups": frame[INSTANCE_BUFFERS].memberships,
             **frame[LIGHT_BUFFERS],
             **modulation.mean_points(frame.sample),
@@ -109,7 +107,7 @@ class GatherLight(Pass):
         for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
             indices, drawn = zip(*group, strict=True)
             shader = self.shader(frame, drawn, 0 if cached is None else cache[cached].variant)
-            ratio = {} if cached is None else {"depth": frame[DEPTH], **cache[cached].uniforms}
+            ratio = {} if cached is None else cache[cached].uniforms
             bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
             virtual_lights = sum(counts[light] for light in drawn)
             draw_pixels(frame, target, shader, (1 + len(drawn) + virtual_lights) / VIRTUAL_LIGHTS_PER_RAY)

@@ -31,8 +31,8 @@ uniform int background_graph; // of the program that draws the background too
 #endif
 #if LAYERS // a second draw for lobes that few scenes have: framebuffers have at most eight targets
 float depth;
-vec4 position, normal, base_color;
-uvec2 primitive;
+vec4 position, base_color;
+uvec4 normal;
 #if COAT
 layout(location = 0) out uvec4 coat;
 #endif
@@ -42,13 +42,12 @@ layout(location = RARE_LOCATION) out uvec4 rare_lobes;
 #else
 layout(location = 0) out float depth;
 layout(location = 1) out vec4 position;
-layout(location = 2) out vec4 normal;
+layout(location = 2) out uvec4 normal; // see surfaces/surface.glsl
 layout(location = 3) out vec4 base_color;
-layout(location = 4) out uvec2 primitive;
 #if GLOSS
-layout(location = 5) out uvec4 gloss_reflectance;
-layout(location = 6) out uvec4 gloss_rise;
-layout(location = 7) out uvec4 ltc_entries;
+layout(location = 4) out uvec4 gloss_reflectance;
+layout(location = 5) out uvec4 gloss_rise;
+layout(location = 6) out uvec4 ltc_entries;
 #endif
 #endif
 
@@ -146,7 +145,6 @@ void write_lobes(Closures closures, vec3 wo, vec3 n) {
 void main() {
     vec2 pixel = gl_FragCoord.xy + visibility_texel_and_offset.zw;
     uvec2 id = visible_triangle(floor(gl_FragCoord.xy));
-    primitive = id;
     clear_lobes();
     TriangleVertices corner = fetch_triangle(max(int(id.x) - 1, 0));
 #ifdef SEVERAL_GRAPHS
@@ -155,7 +153,8 @@ void main() {
 #endif
     if (id.x == 0u) {
         depth = BACKGROUND_DEPTH;
-        position = normal = base_color = vec4(0.0);
+        position = base_color = vec4(0.0);
+        normal = uvec4(0u);
         return;
     }
     int triangle = int(id.x) - 1;
@@ -226,6 +225,8 @@ void main() {
             image_color(image, uvs * b, uvs * dx, uvs * dy, image.repeat != 0 ? REPEAT : EXTEND).rgb;
     }
 #endif
-    normal = vec4(octahedron_from_direction(shading_normal), octahedron_from_direction(side * geometric_normal));
-    position = vec4(p, pack_normal(normal.xy));
+    vec2 octahedron = octahedron_from_direction(shading_normal);
+    uint geometric = pack_octahedron(octahedron_from_direction(side * geometric_normal));
+    normal = uvec4(pack_octahedron(octahedron), geometric, id);
+    position = vec4(p, pack_normal(octahedron));
 }

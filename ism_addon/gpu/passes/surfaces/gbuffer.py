@@ -51,7 +51,7 @@ class GBuffer(Pass):
         *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, ATTRIBUTE_BUFFERS, TILES),
         *(TILE_GRAPHS, Change.NORMALS, Change.VIEW, Change.SAMPLE, "shortcuts"),
     )
-    outputs = outputs(PRIMITIVE, DEPTH, POSITION, NORMAL, TERMINATOR_OFFSET) | dict.fromkeys(
+    outputs = outputs(DEPTH, POSITION, NORMAL, PRIMITIVE, TERMINATOR_OFFSET) | dict.fromkeys(
         MATERIAL, (MATERIAL_BUFFERS,)
     )
 
@@ -64,7 +64,7 @@ class GBuffer(Pass):
         scene, materials, targets = (
             frame.scene,
             frame[MATERIAL_BUFFERS],
-            (DEPTH, POSITION, NORMAL, BASE_COLOR, PRIMITIVE),
+            (DEPTH, POSITION, NORMAL, BASE_COLOR),
         )
         for target in lobe_targets(scene):
             frame.allocate(target, frame.size)
