@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
 #: Pixels along each side of a tile. All pixels of a tile take part in the same samples.
 TILE_SIZE = 8
-
 #: Pixels between probe rays, in x and in y.
 PROBE_SPACING = 2
 #: Depth of the background, as in Cycles' depth pass. m
@@ -88,6 +87,9 @@ VISIBILITY_BUFFER = Target(
     "visibility_buffer", "primitive in a finer grid, which several samples share", _PICTURE, format="rg32ui", divisor=0
 )
 VISIBILITY_DEPTH = Target("visibility_depth", "Depth buffer of visibility_buffer", format="depth32f", divisor=0)
+TRANSMITTED_COLOR = Target(
+    "transmitted_color", "Tint before it; in alpha, view z of the first surface", _PICTURE, format="rgba16f", divisor=0
+)
 DEPTH = Target(
     *("depth", "Distance along the view's axis, in metres: white from one on"),
     format="r32f",
@@ -276,9 +278,7 @@ SAMPLE_HEADROOM = Target(
 DEBUG_IMAGE = Target("debug_image", "The debug view, stretched to the image's size")
 SUM_COLOR = Target("sum_color", "Weighted sums of sample_color", _PICTURE)
 SUM_RESIDUAL = Target("sum_residual", "Of sample_residual; in alpha, squares of weighted luminances", _PICTURE)
-SUM_WEIGHTS = Target(
-    "sum_weights", "Of squared luminances, of samples, of residuals' luminances, of uncertain luminances", _PICTURE
-)
+SUM_WEIGHTS = Target("sum_weights", "Of squared luminances, samples, residuals' and uncertain luminances", _PICTURE)
 SUM_HEADROOM = Target("sum_headroom", "Of sample_headroom", _PICTURE, format="r32f")
 NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of a pixel's neighbourhood; in alpha the pixel's own weight")
 SIGNAL_AND_NOISE = Target(

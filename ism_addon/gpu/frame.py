@@ -20,12 +20,13 @@ from ..settings import Settings
 from .gl.buffer_texture import SceneRecords
 from .gl.context import Device
 from .gl.shader_compiler import Include, ProgramSource, compile_program, program_of
-from .gl.shader_records import Record
+from .gl.shader_records import INSTANCE, Record
 from .submission import Submission
 
 if TYPE_CHECKING:
     from .estimators import Estimator
     from .graph import Graph
+    from .materials.point_graphs import PointGraphs
 
 T = TypeVar("T")
 
@@ -98,9 +99,10 @@ class Frame:
             raise UndeclaredResourceError(f"{self.step} reads {resource} before the first sample has made it")
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
-        """A framebuffer of outputs of the pass. Raises UndeclaredResourceError."""
+        """A framebuffer of outputs of the pass; its depth may be an input. Raises UndeclaredResourceError."""
         for target in targets:
-            self._check(target, self.step is None or target in self.step.outputs)
+            allowed = self.step is None or target in (self.step.readable if target.is_depth else self.step.outputs)
+            self._check(target, allowed)
         return self.graph.targets.framebuffer(*targets)
 
     def copy_target(self, into: Target, source: Target) -> None:
@@ -260,6 +262,13 @@ class Pass:
         includes = tuple(each for each in parts if isinstance(each, Include))
         records = tuple(each for each in parts if isinstance(each, Record))
         return ProgramSource((*stages, *includes), records, (("tile_size", TILE_SIZE), *constants.items()))
+
+    def instance_program(self, surfaces: PointGraphs) -> moderngl.Program:
+        """The program of this pass's shader file that draws instances of such surfaces."""
+        stages = "glsl/instances.vert", f"{self.shader_name()}.frag"
+        constants = {"reversed_depth": int(self.device.reversed_depth), **surfaces.constants}
+        records = surfaces.records or (INSTANCE,)
+        return compile_program(self.device, *stages, *surfaces.includes, records=records, **constants)
 
     def full_screen_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
         """A full-screen triangle with this pass's shader file; see shader_name."""

@@ -8,7 +8,14 @@ from pathlib import Path
 import moderngl
 
 from ..resource_types import Target
-from ..resources import SHADOW_MAP_SPLATS, SHADOW_MAPS, SUBSAMPLE_EMISSION, VISIBILITY_BUFFER, VISIBILITY_DEPTH
+from ..resources import (
+    SHADOW_MAP_SPLATS,
+    SHADOW_MAPS,
+    SUBSAMPLE_EMISSION,
+    TRANSMITTED_COLOR,
+    VISIBILITY_BUFFER,
+    VISIBILITY_DEPTH,
+)
 from ..sampling.pixel_grid import has_wide_filter
 from ..scene import View
 from .material_inputs import ALL_LOBES
@@ -32,7 +39,8 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
     `fine_pixels`: of the visibility buffer. `lights`: that rays are traced to. `map_texels`: of the shadow map atlas.
     """
     wide, pixels = has_wide_filter(view.filter_width), view.width * view.height
-    texels = {VISIBILITY_BUFFER: fine_pixels, VISIBILITY_DEPTH: fine_pixels, SHADOW_MAP_SPLATS: map_texels}
+    texels = dict.fromkeys((VISIBILITY_BUFFER, VISIBILITY_DEPTH, TRANSMITTED_COLOR), fine_pixels)
+    texels[SHADOW_MAP_SPLATS] = map_texels
     texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
     texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | dict.fromkeys(

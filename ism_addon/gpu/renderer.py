@@ -14,7 +14,7 @@ import numpy as np
 
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
-from ..resources import CONVERGENCE, TILE_SELECTION
+from ..resources import CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Lights, Scene, View, World
 from ..settings import DebugView, Settings
@@ -40,6 +40,7 @@ from .passes.shadow_maps.atlas import batches
 from .passes.surfaces.find_graphs import FindGraphs
 from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
+from .passes.surfaces.transmitted_color import TransmittedColor
 from .passes.surfaces.visibility_buffer import VisibilityBuffer
 from .passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from .passes.upload.cull_meshes import CullMeshes
@@ -62,7 +63,7 @@ UPLOAD = (
     *(UploadInstances, UploadMaterials, UploadPointGraphs, UploadLights),
 )
 #: Visible surfaces in the tiles that take part in the sample.
-SURFACES = SelectTiles, VisibilityBuffer, FindGraphs, GBuffer
+SURFACES = SelectTiles, VisibilityBuffer, TransmittedColor, FindGraphs, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
 SELECTION = UploadBLAS, BuildTLAS, CullLights, CacheIrradiance
 #: Radiance of a sample, and the sums of all samples.
@@ -76,7 +77,7 @@ PASSES: tuple[type[Pass], ...] = (
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
 )
 
-#: Maximum number of pixels of a visibility buffer, 12 bytes each.
+#: Maximum number of pixels of a visibility buffer: 12 bytes each, and 8 where colored surfaces are transparent.
 MAX_FINE_PIXELS = 1 << 25
 
 
@@ -219,6 +220,7 @@ class Renderer:
             output for pass_type in pass_types_of(chosen) for output in pass_type.outputs if isinstance(output, Target)
         }
         targets -= set(ALL_LOBES) - set(lobe_targets(scene))
+        targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
         required = needed(targets, view, fine_pixels, lights, map_texels)
         check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 

@@ -100,6 +100,13 @@ class Scene:
         return camera, shadow
 
     @property
+    def tints(self) -> np.ndarray:
+        """(M,) bool: the materials that tint what the camera sees through them. Without rows if all are opaque."""
+        of_graphs = np.array([*(graph.tints for graph in self.graphs), False])
+        tints: np.ndarray = of_graphs[self.materials.transparency[:, 0]]  # -1 is the last one
+        return tints
+
+    @property
     def has_emission_graphs(self) -> bool:
         """Whether the radiance of any material varies."""
         return bool((self.materials.emission_graph >= 0).any())

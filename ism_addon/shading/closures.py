@@ -27,7 +27,7 @@ def below(name: str, operands: str, *, parameter: bool = False, cost: int) -> No
     )
 
 
-# What passes, and what is emitted.
+# What passes, with the parameter 1 if it may be colored, and what is emitted.
 closure("closure_transparent", "vec3", file="closures")
 closure("closure_emission", "vec3", file="closures")
 # The parameter of lobes of microfacets, and of rough diffuse ones: 1 if light is reflected between them more than once.

@@ -188,7 +188,7 @@ register(
     hsl_from_rgb=hsl_from_rgb,
     rgb_from_hsl=rgb_from_hsl,
 )
-register("colors", "vec3", "float", average=np.mean)
+register("colors", "vec3", "float", average=np.mean, largest=np.max)
 register("colors", "float", "vec3", grey=lambda a: np.full(3, a))
 register("colors", "vec4", "vec3", color_of=lambda a: a[:3])
 register("colors", "vec4", "float", alpha_of=lambda a: a[3])

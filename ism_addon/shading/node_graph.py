@@ -77,6 +77,11 @@ class NodeGraph:
         return not any(each.operation in WITHOUT_NORMAL for each in self.instructions)
 
     @cached_property
+    def tints(self) -> bool:
+        """Whether light that passes may have another color afterwards."""
+        return any(each.operation == "closure_transparent" and each.parameter for each in self.instructions)
+
+    @cached_property
     def has_gloss(self) -> bool:
         """Whether it has other closures than Lambert's."""
         return self.has_coat or self.has_extra or any(each.operation in GLOSSY for each in self.instructions)

@@ -30,7 +30,7 @@ PHASES = *renderer.UPLOAD, *renderer.SURFACES, *renderer.SELECTION
 COMMON_PASSES = (
     {pass_type.__name__ for pass_type in PHASES}
     - BVH_PASSES
-    - {*("UploadUVs", "UploadAttributes", "UploadPointGraphs", "FindGraphs", "CacheIrradiance")}
+    - {*("UploadUVs", "UploadAttributes", "UploadPointGraphs", "TransmittedColor", "FindGraphs", "CacheIrradiance")}
 )
 NOT_IN_FIRST_SAMPLE = {"RetestOccluded", "MatchPredictions"}  # nothing to retest, and predictions are its own
 DIRECT_LIGHT_PASSES = {pass_type.__name__ for pass_type in RayTracedDirect.pass_types} - NOT_IN_FIRST_SAMPLE

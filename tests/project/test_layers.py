@@ -20,8 +20,12 @@ PASS_ROOT = ADDON / "gpu" / "passes"
 PASSES = sorted(path for path in PASS_ROOT.glob("*/*.py") if path.stem != "__init__")
 SHADERS = sorted(path for path in ADDON.rglob("*") if path.suffix in {".frag", ".vert", ".glsl"})
 PASS_SHADERS = [path for path in SHADERS if path.is_relative_to(PASS_ROOT)]
-#: Vertex shaders that all passes share, and the method of Pass that uses each: for all pixels, or for some tiles.
-COMMON = {"full_screen.vert": "full_screen_program", "tiles.vert": "tile_source"}
+#: Vertex shaders that passes share, and the method of Pass that uses each: for all pixels, some tiles, or instances.
+COMMON = {
+    "full_screen.vert": "full_screen_program",
+    "tiles.vert": "tile_source",
+    "instances.vert": "instance_program",
+}
 #: Shaders that are named after a part of their pass, and that pass.
 INTERNAL_SHADERS = {"pull": "fill_holes", "push": "fill_holes"}
 #: Limit of the files in a folder.

@@ -154,10 +154,11 @@ MUTATIONS = (
         "square_from_hemisphere(d)",
         ("test_splat",),
     ),
+    Mutation("glass tints nothing", "DST_COLOR, moderngl.ZERO", "ZERO, moderngl.ONE", ("test_transparency",)),
     Mutation(
         "a transparent film is opaque",
-        "color = background * vec4(world, 1.0)",
-        "color = vec4(background * world, 1.0)",
+        "mix(opaque, 1.0, background)",
+        "1.0",
         ("test_shade", "test_engine"),
     ),
     Mutation(

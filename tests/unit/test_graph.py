@@ -121,7 +121,7 @@ def test_every_resource_is_written_and_read():
     assert read <= written
     #: Read by their own pass only, read back for the user, or read through a channel.
     assert {each.name for each in unread & set(RESOURCES.values())} == {
-        *("visibility_depth", "tile_variance", "retest_candidates"),
+        *("tile_variance", "retest_candidates"),
         *("tile_min", "tile_max", "tile_normal_cone", "far_tile_min", "far_tile_max", "far_tile_normal_cone"),
         *("all_probes", "lights_used", "neighbour_mean", "signal_and_noise", "half_samples_image"),
         "doubling_difference",
@@ -167,6 +167,7 @@ def test_targets_describe_their_texel_format():
         "r32ui": (1, "u4"),
         "rg32ui": (2, "u4"),
         "rg8": (2, "f1"),
+        "rgba16f": (4, "f2"),
         "rgba32f": (4, "f4"),
         "depth32f": (1, "f4"),
     }

@@ -36,7 +36,7 @@ def ticks_during(draw) -> int:
 
 def test_other_threads_run_while_triangles_are_drawn(device):
     """Software drivers draw before the call returns. The GIL must not be held for so long. Cards return at once."""
-    names = "passes/surfaces/visibility_buffer.vert", "passes/surfaces/visibility_buffer.frag"
+    names = "glsl/instances.vert", "passes/surfaces/visibility_buffer.frag"
     program = compile_program(device, *names, records=(INSTANCE,), reversed_depth=1)
     triangles = device.gl.vertex_array(program, [])
     device.gl.simple_framebuffer((8, 8)).use()

@@ -13,7 +13,7 @@ from ism_addon.gpu.gl import draw_limit
 from ism_addon.gpu.gl.errors import Cancelled
 from ism_addon.gpu.graph import Graph
 from ism_addon.gpu.jobs.job import Request
-from ism_addon.gpu.passes.surfaces import visibility_buffer
+from ism_addon.gpu.passes.surfaces import draw_instances
 from ism_addon.gpu.profile import Profile
 from ism_addon.gpu.renderer import Renderer
 from ism_addon.sampling import point_cloud
@@ -61,7 +61,7 @@ class Watch:
 def watch(monkeypatch) -> Watch:
     """A Watch of pictures whose passes all have several portions."""
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", MAX_RAYS)
-    monkeypatch.setattr(visibility_buffer, "TRIANGLES_AT_A_TIME", 10)
+    monkeypatch.setattr(draw_instances, "TRIANGLES_AT_A_TIME", 10)
     monkeypatch.setattr(point_cloud, "POINTS_AT_A_TIME", 100)
     monkeypatch.setattr(submission, "SHORT_SAMPLE", 0.0)
     return Watch(monkeypatch)

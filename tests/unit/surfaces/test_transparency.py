@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.resources import POINT_CLOUD, POINT_GRAPHS
+from ism_addon.resources import POINT_CLOUD, POINT_GRAPHS, TRANSMITTED_COLOR
 from ism_addon.scene import Image, LightShape
 from ism_addon.shading.builder import Builder, Value, constant
 from tests.scenes.parts.tables import materials_of
@@ -27,10 +27,10 @@ FLOOR = (0.5, 0.5, 0.5)
 CLEAR = (1.0, 1.0, 1.0)
 
 
-def even(color):
+def even(color, tints=False):
     """The graph of a surface that is equally transparent everywhere, and its constants."""
     builder = Builder()
-    return builder.finish([builder.call("closure_transparent", constant(color))])
+    return builder.finish([builder.call("closure_transparent", constant(color), parameter=int(tints))])
 
 
 def by_image():
@@ -85,6 +85,46 @@ def test_shadow_rays_are_tinted_by_each_surface(device, layers):
     scene = scene_of(even(CLEAR), even(tint), layers)
     # The first sample's prediction is grey.
     assert np.allclose(colors(device, scene) / bare(device), tint**layers, atol=0.01)
+
+
+@pytest.mark.parametrize("layers", [1, 2, 3])
+def test_the_camera_sees_tints_of_each_surface(device, layers):
+    tint = np.array([1.0, 0.5, 0.25])
+    ratio = colors(device, scene_of(even(tint, True), even(CLEAR), layers), 4) / bare(device)
+    assert np.allclose(ratio, tint**layers, atol=1e-3), "as one component passes entirely, there is no noise"
+
+
+def test_surfaces_tint_what_is_behind_them_alone(device):
+    """Opaque surfaces among those that tint, and edges between the triangles of both."""
+    tint = np.array([0.8, 0.4, 0.2])
+    for color in (FLOOR, (0.0, 0.0, 0.0)):
+        scene = scene_of(even(tint, True), even(CLEAR), color=color)
+        ratio = colors(device, scene, 64).mean((0, 1)) / bare(device)
+        assert np.allclose(ratio, tint + 0.2 * np.array(color) / FLOOR, atol=0.01)
+
+
+def test_grey_surfaces_have_no_tint_and_no_other_shader(device):
+    before = set(device.programs)
+    drawn = draw(device, scene_of(even([0.5] * 3), even(CLEAR)), view_from_above(3.0, SIZE))
+    assert not drawn.profile.rows["TransmittedColor"].drawn
+    assert TRANSMITTED_COLOR not in drawn.renderer.graph.targets.sizes
+    assert not [key for key in device.programs.keys() - before if ("tinted", 1) in key[-1]]
+
+
+def test_only_instances_that_tint_are_drawn_again(device):
+    counts = []
+    for tints in (False, True):
+        drawn = draw(device, scene_of(even([0.5] * 3, tints), even(CLEAR)), view_from_above(3.0, SIZE))
+        counts.append(drawn.profile.counts["triangles_drawn"])
+    assert counts == [4, 6]
+
+
+def test_a_smaller_picture_with_tints_after_a_larger_one_without(device):
+    """The depth buffer stays as large as it was."""
+    grey, tinted = (scene_of(even([0.5] * 3, tints), even(CLEAR)) for tints in (False, True))
+    larger = draw(device, grey, view_from_above(3.0, (40, 32)))
+    again = draw(device, tinted, view_from_above(3.0, SIZE), renderer=larger.renderer)
+    assert np.array_equal(again.color, draw(device, tinted, view_from_above(3.0, SIZE)).color)
 
 
 def test_too_many_surfaces_are_opaque(device):

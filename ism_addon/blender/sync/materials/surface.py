@@ -143,8 +143,8 @@ class Surface:
         return Emission(radiance, graph, constants)
 
     def _opaque(self) -> Value:
-        """The probability that camera rays do not pass the surface."""
-        passes = self._builder.call("average", passing(self._builder, self._closures))
+        """The probability that camera rays do not pass the surface: see surfaces/instance_fragment.glsl."""
+        passes = self._builder.call("largest", passing(self._builder, self._closures))
         return self._builder.call("math_subtract", ONE, passes)
 
     def _mean(self, value: Value) -> Constant:

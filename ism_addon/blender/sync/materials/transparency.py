@@ -20,7 +20,7 @@ MAX_POINT_COST = 300
 
 
 #: Difference between a color's components up to which it counts as grey.
-MAX_CHROMA = 0.02
+MAX_CHROMA = 0.002
 
 
 class Transparency(NamedTuple):
@@ -46,11 +46,11 @@ def passing(builder: Builder, closures: Sequence[Closure]) -> Value:
 
 
 def is_colored(builder: Builder, color: Value) -> bool:
-    """Whether a color is not grey everywhere, as far as its nodes tell."""
+    """Whether a color is not grey everywhere, as far as its nodes tell. If constants may change, any color may."""
     color = builder.known(color)
-    if color.is_constant:
+    if color.is_constant and builder.simplifies:
         return float(np.ptp(color.constant)) > MAX_CHROMA
-    return builder.operation_of(color)[0] != "grey"
+    return color.is_constant or builder.operation_of(color)[0] != "grey"
 
 
 def covered(builder: Builder, closure: Closure) -> Value:
@@ -74,14 +74,13 @@ def transparency(
     color = passing(builder, closures)
     if color.equals(0.0):
         return None
-    if any(each.name == "transparent" and is_colored(builder, each.inputs["color"]) for each in closures):
-        issue = "Shadows of colored transparent surfaces are tinted, but not what is seen through them"
-        findings.warn(issue, material.name)
+    tints = any(each.name == "transparent" and is_colored(builder, each.inputs["color"]) for each in closures)
     for note in builder.notes([color]):
         findings.warn(note, material.name)
-    graph, constants = builder.finish([builder.call("closure_transparent", color)])
+    graph, constants = builder.finish([builder.call("closure_transparent", color, parameter=int(tints))])
     if graph.cost > MAX_POINT_COST:
         issue = "Materials with too many nodes for what passes through them are evenly transparent"
         findings.warn(issue, material.name)
-        graph, constants = builder.finish([builder.call("closure_transparent", constant(mean(color)))])
+        even = builder.call("closure_transparent", constant(mean(color)), parameter=int(tints))
+        graph, constants = builder.finish([even])
     return Transparency(graph, constants)

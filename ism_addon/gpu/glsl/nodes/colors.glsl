@@ -89,6 +89,7 @@ vec3 hue_saturation(float hue, float saturation, float value, float t, vec3 colo
     return max(mix(color, rgb_from_hsv(changed), t), 0.0);
 }
 
+float largest(vec3 a) { return max(a.x, max(a.y, a.z)); }
 float average(vec3 a) { return (a.x + a.y + a.z) / 3.0; }
 vec3 grey(float a) { return vec3(a); }
 vec3 color_of(vec4 a) { return a.rgb; }

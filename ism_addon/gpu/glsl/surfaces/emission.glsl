@@ -1,5 +1,6 @@
 // Emission that the camera sees along a ray.
 #include "surfaces/camera_ray.glsl"
+#include "surfaces/tint.glsl"
 #if SEEN_LIGHTS
 #include "lights/light.glsl"
 uniform int seen_lights; // rows of LIGHT
@@ -15,8 +16,9 @@ uniform usamplerBuffer materials;
 const float MAX_EMISSION = 1e30;
 #endif
 
-// Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles.
-vec3 seen_radiance(Ray ray, float farthest) {
+// Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles. Those before
+// all surfaces that tint are not tinted.
+vec3 seen_radiance(Ray ray, float farthest, Tint tint) {
     vec3 sum = vec3(0.0);
 #if SEEN_LIGHTS
     vec3 wi = normalize(ray.direction);
@@ -26,7 +28,9 @@ vec3 seen_radiance(Ray ray, float farthest) {
         if (emitted <= 0.0) continue;
         float distance = light_hit_distance(light, ray.origin, wi);
         vec3 point = ray.origin + distance * wi;
-        if (distance < farthest) sum += emitted * light.emission * light_color(light, ray.origin, point);
+        if (distance >= farthest) continue;
+        vec3 passes = distance > tint.depth * length(ray.direction) ? tint.color : vec3(1.0);
+        sum += passes * emitted * light.emission * light_color(light, ray.origin, point);
     }
 #endif
     return sum;
@@ -47,11 +51,11 @@ vec3 surface_radiance(int triangle, int instance, vec3 p, vec3 incoming) {
 #endif
 
 // Of the surface at a depth along the view's axis, and of the lights before it. Triangle -1: there is no surface.
-vec3 emission_along(Ray ray, float depth, int triangle, int instance) {
-    vec3 sum = seen_radiance(ray, triangle < 0 ? 1e30 : depth * length(ray.direction));
+vec3 emission_along(Ray ray, float depth, int triangle, int instance, Tint tint) {
+    vec3 sum = seen_radiance(ray, triangle < 0 ? 1e30 : depth * length(ray.direction), tint);
 #if EMISSIVE
     vec3 p = ray.origin + depth * ray.direction;
-    if (triangle >= 0) sum += surface_radiance(triangle, instance, p, -normalize(ray.direction));
+    if (triangle >= 0) sum += tint.color * surface_radiance(triangle, instance, p, -normalize(ray.direction));
 #endif
     return sum;
 }

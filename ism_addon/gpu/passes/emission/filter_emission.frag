@@ -9,5 +9,6 @@ layout(location = 0) out vec4 subsample_emission;
 void main() {
     Ray ray = view_ray(gl_FragCoord.xy - float(BORDER) + visibility_texel_and_offset.zw);
     Intersection hit = nearest_hit(ray.origin + depths.x * ray.direction, ray.origin + depths.y * ray.direction);
-    subsample_emission = vec4(emission_along(ray, mix(depths.x, depths.y, hit.distance), hit.triangle, hit.instance), 0.0);
+    float depth = mix(depths.x, depths.y, hit.distance);
+    subsample_emission = vec4(emission_along(ray, depth, hit.triangle, hit.instance, NO_TINT), 0.0);
 }

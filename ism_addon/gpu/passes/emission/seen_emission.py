@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS, POINT_GRAPHS, SEEN_LIGHTS
+from ....resources import LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS, POINT_GRAPHS, SEEN_LIGHTS, TRANSMITTED_COLOR
 from ...frame import Frame
 from ...gl.shader_compiler import Include
 from ...gl.shader_records import LIGHT_RECORDS, MATERIAL, Record
 from ...lights import mixed_variant
 from ...materials.point_graphs import NO_POINT_GRAPHS, PointGraphs
+from ...surface_inputs import tint_constants, tint_uniforms
 
 #: Must be among the inputs of their passes.
-EMISSION = SEEN_LIGHTS, LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS, POINT_GRAPHS
+EMISSION = SEEN_LIGHTS, LIGHT_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS, POINT_GRAPHS, TRANSMITTED_COLOR
 
 
 def emission_parts(frame: Frame) -> tuple[Record | Include, ...]:
@@ -32,12 +33,13 @@ def emission_constants(frame: Frame) -> dict[str, Any]:
     is_seen = frame.get(SEEN_LIGHTS) is not None
     variant = mixed_variant(frame.scene.lights, seen_rows(frame)) if is_seen else {}
     emissive = int(frame[MATERIAL_BUFFERS].emissive)
-    return {"seen_lights": int(is_seen), "emissive": emissive, **variant, **emission_graphs(frame).constants}
+    graphs = emission_graphs(frame).constants
+    return {"seen_lights": int(is_seen), "emissive": emissive, **variant, **graphs, **tint_constants(frame)}
 
 
 def emission_uniforms(frame: Frame) -> dict[str, Any]:
     """Their uniforms."""
-    seen, uniforms = frame.get(SEEN_LIGHTS), dict[str, Any]()
+    seen, uniforms = frame.get(SEEN_LIGHTS), tint_uniforms(frame)
     if frame[MATERIAL_BUFFERS].emissive:
         uniforms |= {"materials": frame[MATERIAL_BUFFERS].table, "corners": frame[MESH_BUFFERS].samplers["corners"]}
         uniforms |= emission_graphs(frame).uniforms

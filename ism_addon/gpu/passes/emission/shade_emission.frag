@@ -9,5 +9,6 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Ray ray = view_ray(gl_FragCoord.xy + visibility_texel_and_offset.zw);
     uvec2 id = fetch(normal, at).zw;
-    sample_emission = vec4(emission_along(ray, fetch(depth, at).x, int(id.x) - 1, int(id.y)), 0.0);
+    Tint tint = tint_at(floor(gl_FragCoord.xy), visibility_texel_and_offset.xy);
+    sample_emission = vec4(emission_along(ray, fetch(depth, at).x, int(id.x) - 1, int(id.y), tint), 0.0);
 }

@@ -1,4 +1,5 @@
 // Composition in linear light.
+#include "surfaces/tint.glsl"
 #include "textures/bilateral_upsample.glsl"
 #if GLOSS
 #include "surfaces/camera_ray.glsl"
@@ -10,6 +11,7 @@ uniform sampler2D ambient_occlusion;
 uniform vec3 world;   // its radiance
 uniform vec3 ambient; // the same, if it is not one of the lights
 uniform float background;
+flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sample_color;
 layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
 layout(location = 2) out float sample_headroom; // upper bound of the increase of luminance
@@ -35,10 +37,12 @@ vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, te
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Surface surface = surface_at(at);
+    vec3 tint = tint_at(floor(gl_FragCoord.xy), visibility_texel_and_offset.xy).color;
     sample_residual = vec4(0.0);
     sample_headroom = 0.0;
-    if (!surface.exists) {
-        sample_color = background * vec4(world, 1.0);
+    if (!surface.exists) { // without a world, tints cover what is behind the picture
+        float opaque = 1.0 - (tint.r + tint.g + tint.b) / 3.0;
+        sample_color = vec4(background * tint * world, mix(opaque, 1.0, background));
         return;
     }
     vec4 direct = fetch_clamped(direct_prediction, at);
@@ -54,7 +58,8 @@ void main() {
     albedo += lobes.rare.sheen;
 #endif
 #endif
-    sample_color = vec4(direct.rgb + albedo * ambient * ambient_visibility(at, surface), 1.0);
-    sample_residual = fetch_clamped(direct_residual, at);
-    sample_headroom = direct.a;
+    sample_color = vec4(tint * (direct.rgb + albedo * ambient * ambient_visibility(at, surface)), 1.0);
+    float brightest = max(tint.r, max(tint.g, tint.b)); // by which luminance grows at most
+    sample_residual = vec4(tint, brightest) * fetch_clamped(direct_residual, at);
+    sample_headroom = brightest * direct.a;
 }

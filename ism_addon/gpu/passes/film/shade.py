@@ -18,6 +18,7 @@ from ....resources import (
     SAMPLE_HEADROOM,
     SAMPLE_RESIDUAL,
     TILES,
+    TRANSMITTED_COLOR,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
@@ -25,6 +26,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...lights.world import has_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
+from ...surface_inputs import tint_constants, tint_uniforms
 
 
 class Shade(Pass):
@@ -32,6 +34,7 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
+        TRANSMITTED_COLOR,
         *(Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
@@ -41,6 +44,7 @@ class Shade(Pass):
         constants: dict[str, Any] = {
             "occluded": int(not frame.is_neutral(AMBIENT_OCCLUSION)),
             **material_constants(frame),
+            **tint_constants(frame),
         }
         program = self.tile_program(**constants)
         bind(
@@ -53,6 +57,7 @@ class Shade(Pass):
             ambient_occlusion=frame[AMBIENT_OCCLUSION],
             world=tuple(frame.scene.world.radiance),
             ambient=tuple(frame.scene.world.radiance * (not has_world(frame.scene.lights))),
+            **tint_uniforms(frame),
             background=0.0 if frame.view.transparent else 1.0,
         )
         draw_tiles(frame, frame.framebuffer(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM), program)

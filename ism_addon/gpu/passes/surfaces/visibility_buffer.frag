@@ -1,19 +1,13 @@
 // The triangle's index plus 1, and the instance's index. 0 is the background. With TRANSPARENCY, surfaces are drawn with
 // the probability that they are opaque (Enderton et al. 2010): samples of a pixel are stratified for each triangle.
+#include "surfaces/instance_fragment.glsl"
 #if TRANSPARENCY
-#include "surfaces/camera_ray.glsl"
-#include "surfaces/shading_point.glsl"
-#include "surfaces/transparency.glsl"
 uniform mat2 pixel_from_fine;
 uniform vec2 first;      // fine pixel of the first pixel
 uniform uvec3 strata; // number of fine pixels in a pixel, a power of two; factor of y that numbers them; of the first
 uniform uvec2 sample_digits; // by that number the index of the sample in the grid, four bits each
 uniform uint round_seed; // other for each 16 samples
-in vec3 position;
-in vec3 barycentric;
 #endif
-flat in uvec2 triangle_and_instance;
-uniform vec2 depth; // see depth.py
 out uvec2 id;
 
 #if TRANSPARENCY
@@ -51,17 +45,12 @@ float stratified_number(uvec2 id, vec2 fine_pixel) {
 
 void main() {
 #if TRANSPARENCY
-    int triangle = int(triangle_and_instance.x) - 1, instance = int(triangle_and_instance.y);
-    int material = fetch_triangle(triangle).material;
+    int material = material_of_triangle();
     if (has_transparency(material)) {
-        vec3 incoming = direction_to_camera(position);
-        ShadingPoint at = shading_point(triangle, instance, barycentric, position, incoming);
-        vec3 passes = clamp(transparency(material, at), 0.0, 1.0);
-        if (stratified_number(triangle_and_instance, gl_FragCoord.xy) < dot(passes, vec3(1.0 / 3.0))) discard;
+        float probability = pass_probability(passing(material));
+        if (stratified_number(triangle_and_instance, gl_FragCoord.xy) < probability) discard;
     }
 #endif
     id = triangle_and_instance;
-#if !REVERSED_DEPTH
-    gl_FragDepth = depth.y < 0.0 ? depth.x - depth.y * log2(gl_FragCoord.w) : 1.0 - gl_FragCoord.z;
-#endif
+    write_depth();
 }

@@ -11,7 +11,8 @@ uniform vec2 shift;
 uniform vec2 depth; // see depth.py
 flat out uvec2 triangle_and_instance; // index of the triangle plus 1; index of the instance
 #if TRANSPARENCY
-out vec3 position;    // in anchor space
+invariant gl_Position; // surfaces that tint are drawn again, and compared with the depth that they have left
+out vec3 position;     // in anchor space
 out vec3 barycentric;
 #endif
 

@@ -1,0 +1,30 @@
+// Fragments of instances.vert.
+#if TRANSPARENCY
+#include "surfaces/camera_ray.glsl"
+#include "surfaces/shading_point.glsl"
+#include "surfaces/transparency.glsl"
+in vec3 position;
+in vec3 barycentric;
+#endif
+flat in uvec2 triangle_and_instance;
+uniform vec2 depth; // see depth.py
+
+void write_depth() {
+#if !REVERSED_DEPTH
+    gl_FragDepth = depth.y < 0.0 ? depth.x - depth.y * log2(gl_FragCoord.w) : 1.0 - gl_FragCoord.z;
+#endif
+}
+
+#if TRANSPARENCY
+int material_of_triangle() { return fetch_triangle(int(triangle_and_instance.x) - 1).material; }
+
+// The fraction of light, between 0 and 1, that passes through a material to the camera.
+vec3 passing(int material) {
+    int triangle = int(triangle_and_instance.x) - 1, instance = int(triangle_and_instance.y);
+    vec3 incoming = direction_to_camera(position);
+    return clamp(transparency(material, shading_point(triangle, instance, barycentric, position, incoming)), 0.0, 1.0);
+}
+
+// The probability that a camera ray passes: what it sees then is multiplied by tints of 1 at most.
+float pass_probability(vec3 passes) { return max(passes.r, max(passes.g, passes.b)); }
+#endif
