@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .gpu.culling.culling_state import CullingState
     from .gpu.culling.light_influence import LightInfluence
     from .gpu.culling.receiver_region import ReceiverRegion
+    from .gpu.emission.baked_emission import BakedEmission
     from .gpu.gl.buffer_texture import BufferTexture, RecordTable
     from .gpu.materials.point_graphs import ScenePointGraphs
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
@@ -68,6 +69,7 @@ ATTRIBUTE_BUFFERS: Resource[AttributeBuffers] = Resource("attribute_buffers", "W
 INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matrices and link groups", _SCENE)
 POINT_GRAPHS: Resource[ScenePointGraphs] = Resource("point_graphs", "Graphs of transparency, of emission", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
+BAKED_EMISSION: Resource[BakedEmission] = Resource("baked_emission", "What meshes with graphs of it emit", _SCENE)
 LIGHT_BUFFERS: Resource[Mapping[str, RecordTable]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
 SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
 
@@ -128,9 +130,7 @@ TILE_NORMAL_CONE = _of_tiles("tile_normal_cone", "Axis of the cone of their norm
 FAR_TILE_MIN = _of_tiles("far_tile_min", "tile_min of far surfaces")
 FAR_TILE_MAX = _of_tiles("far_tile_max", "tile_max of far surfaces")
 FAR_TILE_NORMAL_CONE = _of_tiles("far_tile_normal_cone", "tile_normal_cone of far surfaces")
-CULLING_STATE: Resource[CullingState] = Resource(
-    "culling_state", "Bounds of the surfaces of all samples so far, and coarse visibility of lights", _PICTURE
-)
+CULLING_STATE: Resource[CullingState] = Resource("culling_state", "Bounds of surfaces, visibility of lights", _PICTURE)
 LIGHT_INFLUENCE: Resource[dict[int, LightInfluence]] = Resource(
     "light_influence", "Of each light that contributes anywhere, bounds of its irradiance in each tile", _PICTURE
 )
@@ -138,7 +138,7 @@ HIDDEN_LIGHTS: Resource[tuple[np.ndarray, np.ndarray]] = Resource(
     "hidden_lights", "Lights (H,) no ray has reached; (H,R,C) bounds over all, summed over coarse tiles", _PICTURE
 )
 CONTRIBUTING_LIGHTS: Resource[tuple[int, ...]] = Resource(
-    "contributing_lights", "Their indices, ascending", _PICTURE, by_value=True
+    "contributing_lights", "Indices, ascending", _PICTURE, by_value=True
 )
 RECEIVER_REGION: Resource[ReceiverRegion | None] = Resource(
     "receiver_region", "A sphere around the visible surfaces, if there is parallel light", _PICTURE, by_value=True

@@ -13,6 +13,9 @@ from .gl.render_targets import draw_into
 from .gl.shader_compiler import bind
 from .tiles import TILE_LAYOUT
 
+#: Columns of the picture of evaluate_points, so that it is within OpenGL's limits.
+COLUMNS = 1024
+
 
 def draw_tiles(
     frame: Frame,
@@ -73,3 +76,17 @@ def draw_pixels(frame: Frame, target: moderngl.Framebuffer, shader: moderngl.Ver
     finally:
         if [width, height] != size:
             target.scissor = None  # type: ignore[assignment] # None resets it
+
+
+def evaluate_points(
+    frame: Frame, shader: moderngl.VertexArray, points: np.ndarray, components: int, **uniforms: Any
+) -> np.ndarray:
+    """(P,components) float32: what a shader of full_screen_program gives at points (P,8) uint32, two texels each."""
+    device, rows = frame.device, -(-len(points) // COLUMNS)
+    table = np.zeros((rows * COLUMNS, 8), np.uint32)
+    table[: len(points)] = points
+    texture = device.gl.texture((COLUMNS, rows), components, dtype="f4")
+    device.overwrite()
+    bind(shader.program, points=device.buffer_from(table.reshape(-1, 4)), columns=COLUMNS, **uniforms)
+    draw_pixels(frame, device.gl.framebuffer([texture]), shader)
+    return np.frombuffer(texture.read(), np.float32).reshape(-1, components)[: len(points)]

@@ -19,7 +19,7 @@ from ..scene import Change, Scene, View
 from ..settings import Settings
 from .gl.buffer_texture import SceneRecords
 from .gl.context import Device
-from .gl.shader_compiler import Include, ProgramSource, compile_program, program_of
+from .gl.shader_compiler import Include, ProgramSource, compile_program, program_of, split_parts
 from .gl.shader_records import INSTANCE, Record
 from .submission import Submission
 
@@ -185,6 +185,11 @@ class Frame:
                 if any(graph.changes_normals for graph in self.scene.graphs)
                 else None
             ),
+            Change.EMISSION_VIEW: (
+                (view.clip_from_view.tobytes(), view.view_from_world.tobytes())
+                if any(graph.emits and graph.reads_view for graph in self.scene.graphs)
+                else None
+            ),
             Change.GLOSS: self.scene.has_gloss,
             Change.LIGHTS: (
                 self.scene.lights,
@@ -259,8 +264,7 @@ class Pass:
     def tile_source(cls, *parts: Record | Include, suffix: str = "", **constants: int | float) -> ProgramSource:
         """The source of such a program. `suffix`: see shader_name; `parts`: what the file includes."""
         stages = "glsl/tiles.vert", f"{cls.shader_name(suffix)}.frag"
-        includes = tuple(each for each in parts if isinstance(each, Include))
-        records = tuple(each for each in parts if isinstance(each, Record))
+        includes, records = split_parts(parts)
         return ProgramSource((*stages, *includes), records, (("tile_size", TILE_SIZE), *constants.items()))
 
     def instance_program(self, surfaces: PointGraphs) -> moderngl.Program:
@@ -270,10 +274,13 @@ class Pass:
         records = surfaces.records or (INSTANCE,)
         return compile_program(self.device, *stages, *surfaces.includes, records=records, **constants)
 
-    def full_screen_program(self, *records: Record, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
-        """A full-screen triangle with this pass's shader file; see shader_name."""
+    def full_screen_program(
+        self, *parts: Record | Include, suffix: str = "", **constants: int | float
+    ) -> moderngl.VertexArray:
+        """A full-screen triangle with this pass's shader file, see tile_source."""
         stages = "glsl/full_screen.vert", f"{self.shader_name(suffix)}.frag"
-        program = compile_program(self.device, *stages, records=records, **constants)
+        includes, records = split_parts(parts)
+        program = compile_program(self.device, *stages, *includes, records=records, **constants)
         return self.device.gl.vertex_array(program, [])
 
     @classmethod

@@ -7,26 +7,24 @@ occlusion").
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Collection, Generator, Iterator
 
 import numpy as np
 
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
-from ..resources import CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
+from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
-from ..scene import Lights, Scene, View, World
+from ..scene import Scene, View
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
-from .emission.emitters import EmissiveMeshes
+from .emission.scene_lights import SceneLights
 from .estimators import DIRECT, EMISSION, WORLD_LIGHT, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
-from .lights.world import with_world
 from .material_inputs import ALL_LOBES, lobe_targets
 from .memory_estimate import check, needed
 from .passes.film.accumulate import Accumulate
@@ -42,6 +40,7 @@ from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
 from .passes.surfaces.transmitted_color import TransmittedColor
 from .passes.surfaces.visibility_buffer import VisibilityBuffer
+from .passes.upload.bake_emission import BakeEmission
 from .passes.upload.build_bvh import BuildBLAS, BuildTLAS, UploadBLAS
 from .passes.upload.cull_meshes import CullMeshes
 from .passes.upload.upload_lights import UploadLights
@@ -70,7 +69,7 @@ SELECTION = UploadBLAS, BuildTLAS, CullLights, CacheIrradiance
 FILM = Shade, DebugImage, Accumulate
 
 #: Passes of every image.
-COMMON = *UPLOAD, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
+COMMON = *UPLOAD, BakeEmission, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
 ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT, EMISSION
 PASSES: tuple[type[Pass], ...] = (
     *COMMON,
@@ -89,11 +88,7 @@ class Renderer:
         self.submission = Submission(device)
         self.graph = Graph(device)
         self.uniforms = device.gl.buffer(reserve=frame_uniforms.DTYPE.itemsize)
-        self.emissive_meshes = EmissiveMeshes()
-        #: Lights and a world, and the lights of both.
-        self.world_lit: tuple[Lights, World, Lights] | None = None
-        #: A scene, whether the world is a light, and the scene with all lights.
-        self.lit: tuple[Scene, bool, Scene] | None = None
+        self.scene_lights = SceneLights()
         #: The scene and view of `uniforms`, and their anchor.
         self.placed: tuple[Scene, View, np.ndarray] | None = None
 
@@ -113,9 +108,8 @@ class Renderer:
         is true, even within a long pass: the image is then lost, and another one can be begun.
         """
         self.submission.begin(sample, cancelled)
-        frame = self.frame(scene, view, settings, sample, profile, low_latency)
         run = self.graph.run
-        yield from run(UPLOAD, frame, profile)
+        frame = yield from self.uploaded(scene, view, settings, sample, profile, low_latency)
         yield from run(SURFACES, frame, profile)
         yield from run(SELECTION, frame, profile)
         for estimator in frame.estimators:
@@ -133,8 +127,23 @@ class Renderer:
     ) -> Iterator[str]:
         """Draw only the visible surfaces, as `sample` does. A picture that begins afterwards reuses them."""
         self.submission.begin(0, cancelled)
-        frame = self.frame(scene, view, settings, 0, profile)
-        yield from self.graph.run((*UPLOAD, *SURFACES), frame, profile)
+        frame = yield from self.uploaded(scene, view, settings, 0, profile)
+        yield from self.graph.run(SURFACES, frame, profile)
+
+    def uploaded(
+        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
+    ) -> Generator[str, None, Frame]:
+        """Upload the scene, as `sample` does. Returns the input of the other passes."""
+        frame = self.frame(scene, view, settings, sample, profile, low_latency)
+        yield from self.graph.run(UPLOAD, frame, profile)
+        if sample > 0 or not scene.has_emission_graphs:
+            return frame
+        baked = self.graph.get(BAKED_EMISSION)
+        yield from self.graph.run((BakeEmission,), frame, profile)
+        if self.graph.get(BAKED_EMISSION) is not baked:  # then there are other lights
+            frame = self.frame(scene, view, settings, sample, profile, low_latency)
+            yield from self.graph.run(UPLOAD, frame, profile)
+        return frame
 
     def frame(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
@@ -184,17 +193,7 @@ class Renderer:
         """
         traced = settings.shadow.enabled and settings.shadow.world and any(each.traces_rays for each in chosen)
         traces_world = traced and bool(scene.world.radiance.any() and scene.instances.casts_shadow.any())
-        if self.lit is None or self.lit[:2] != (scene, traces_world):
-            with_lamps = replace(scene, lights=self.lamps_and_world(scene)) if traces_world else scene
-            lights = self.emissive_meshes.lights_of(with_lamps)
-            self.lit = scene, traces_world, scene if lights is scene.lights else replace(scene, lights=lights)
-        return self.lit[2]
-
-    def lamps_and_world(self, scene: Scene) -> Lights:
-        """The scene's lights and the world: the same object while both are unchanged."""
-        if self.world_lit is None or self.world_lit[:2] != (scene.lights, scene.world):
-            self.world_lit = scene.lights, scene.world, with_world(scene.lights, scene.world)
-        return self.world_lit[2]
+        return self.scene_lights.lit(scene, traces_world, self.graph.get(BAKED_EMISSION))
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""

@@ -157,6 +157,7 @@ class Change(Enum):
     INSTANCES = "instances"
     MATERIALS = "materials, their images and graphs"
     NORMALS = "normals of materials"
+    EMISSION_VIEW = "view, if graphs of emission read it"
     GLOSS = "whether any material has gloss"
     LIGHTS = "lights"
     WORLD = "world"

@@ -60,8 +60,8 @@ class Materials(Arrays):
     #: constants. Without rows if all materials are opaque.
     transparency: np.ndarray = optional_array("int32 T 2", into="graphs", first=-1)
     transparency_constant: np.ndarray = optional_array("int32 T 2", into="constants", first=-1)
-    #: The graph of the radiance that the camera sees, -1 where it is `emission`; and the first of its constants.
-    #: Without rows if none varies.
+    #: The graph of the radiance, and of what passes if the camera sees through it; -1 where the radiance is `emission`;
+    #: and the first of its constants. Without rows if none varies.
     emission_graph: np.ndarray = optional_array("int32 E", into="graphs", first=-1)
     emission_constant: np.ndarray = optional_array("int32 E", into="constants", first=-1)
 

@@ -14,6 +14,11 @@ from .operations import OPERATIONS
 #: Numbers of a constant of each type. Constants are stored in rows of four numbers.
 NUMBERS = {"float": 1, "image": 1, "vec3": 3, "vec4": 4, "table": 4 * 256}
 
+#: Operations that depend on the camera, or how their names begin.
+VIEW_OPERATIONS = "coordinate_camera", "coordinate_window", "ray_length", "camera_from_world", "world_from_camera"
+#: Likewise those that may differ between the sides of a surface.
+SIDE_OPERATIONS = "geometry_backfacing", "geometry_normal", "geometry_true_normal", "geometry_incoming"
+
 
 @dataclass(frozen=True)
 class Instruction:
@@ -95,6 +100,21 @@ class NodeGraph:
     def has_extra(self) -> bool:
         """Whether it has anisotropy, sheen or rough diffuse closures."""
         return any(each.operation in EXTRA for each in self.instructions)
+
+    @cached_property
+    def emits(self) -> bool:
+        """Whether it is of what a surface emits."""
+        return self.uses("closure_emission")
+
+    @cached_property
+    def reads_view(self) -> bool:
+        """Whether it reads where the camera is."""
+        return any(map(self.uses, VIEW_OPERATIONS))
+
+    @cached_property
+    def reads_side(self) -> bool:
+        """Whether it may differ between the sides of a surface."""
+        return any(map(self.uses, SIDE_OPERATIONS))
 
     @property
     def reads_objects(self) -> bool:

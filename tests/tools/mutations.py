@@ -193,8 +193,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a faint light's turns are rarer than they count",
-        "unshadowed_diffuse(surface, light, irradiance) / tile_probability",
-        "unshadowed_diffuse(surface, light, irradiance)",
+        "unshadowed_diffuse(surface, light, irradiance, color) / tile_probability",
+        "unshadowed_diffuse(surface, light, irradiance, color)",
         ("test_faint_lights",),
     ),
     Mutation(

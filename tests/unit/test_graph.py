@@ -119,7 +119,7 @@ def test_every_resource_is_written_and_read():
     per_light = {"probe", "prediction", "ray_count", "irradiance_ratio"}
     assert {each.name for each in set(RESOURCES.values()) - written} == per_light
     assert read <= written
-    #: Read by their own pass only, read back for the user, or read through a channel.
+    #: Read by their own pass only, by the renderer, read back for the user, or read through a channel.
     assert {each.name for each in unread & set(RESOURCES.values())} == {
         *("tile_variance", "retest_candidates"),
         *("tile_min", "tile_max", "tile_normal_cone", "far_tile_min", "far_tile_max", "far_tile_normal_cone"),
@@ -127,6 +127,7 @@ def test_every_resource_is_written_and_read():
         "doubling_difference",
         "emission_contrast",
         "subsample_emission",
+        "baked_emission",
     }
 
 

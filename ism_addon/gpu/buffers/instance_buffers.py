@@ -72,9 +72,7 @@ class InstanceBuffers:
         linear, offsets = anchor_from_quanta(mesh_buffers, instances, order, anchor)
         self.matrices = np.concatenate([linear, offsets[:, :, None]], 2)
         #: Rows of INSTANCE, and of OBJECT_INFO if graphs read it.
-        self.transforms = np.zeros(len(order), INSTANCE.dtype)
-        for k in range(3):
-            self.transforms[f"row{k}"] = self.matrices[:, k]
+        self.transforms = instance_table(linear, offsets)
         self.table = INSTANCE.upload(device, self.transforms)
         groups = np.zeros(len(order), MEMBERSHIP.dtype)
         groups["groups"] = instances.groups[order]
@@ -146,6 +144,14 @@ def joined_ranges(first: np.ndarray, triangles: np.ndarray) -> MultiDrawCall:
     """Ranges of `triangles` triangles from `first` on; adjacent ranges are joined."""
     begins = np.flatnonzero(np.append(True, first[1:] != (first + triangles)[:-1]))
     return MultiDrawCall(first[begins], np.add.reduceat(triangles, begins))
+
+
+def instance_table(linear: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """(N,) rows of INSTANCE, of transforms (N,3,3) and (N,3)."""
+    table = np.zeros(len(linear), INSTANCE.dtype)
+    for k in range(3):
+        table[f"row{k}"] = np.concatenate([linear[:, k], offsets[:, k, None]], 1)
+    return table
 
 
 def object_info(mesh_buffers: MeshBuffers, instances: Instances, rows: np.ndarray) -> np.ndarray:

@@ -201,6 +201,19 @@ class MeshBuffers:
         """The triangles of resident meshes with these indices."""
         return TriangleOrder([self.meshes[index] for index in indices], [self.blases[index] for index in indices])
 
+    def rows_of(self, mesh: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+        """(P,) rows of triangles (P,) of meshes with these indices (P,); -1: the mesh is not resident."""
+        result = np.full(len(mesh), -1)
+        for k in np.unique(mesh).tolist():
+            if self.first_triangle[k] < 0:
+                continue
+            chosen, blas = mesh == k, self.blases[k]
+            own = triangles[chosen]
+            if blas is not None and blas.order is not None:
+                own = np.argsort(blas.order)[own]
+            result[chosen] = self.first_triangle[k] + own
+        return result
+
 
 def buffers_of(ranges: list[TriangleRange]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (2 N,4) uint32 and normals (3 N,2) int16 of N triangles."""

@@ -1,39 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes lights of emissive meshes: one of each connected part of an instance, with a light BVH if it is large.
 
-Materials emit light from both sides. The inner side of a closed part is hidden from outside of it, so its triangles
-count as one-sided there: otherwise half of the light would be unshadowed light that its other half occludes.
+Materials emit light from both sides, unless their graphs tell otherwise. The inner side of a closed part is hidden from
+outside of it, so its triangles count as one-sided there: otherwise half of the light would be unshadowed light that its
+other half occludes.
 """
-
-from collections import Counter
-from dataclasses import replace
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
+from ...color import luminance
 from ...scene import Instances, Lights, Mesh, Scene
 from ...scene.arrays import array_specs
-from .emissive_lights import EMISSIVE_MESH, MAX_EXACT_TRIANGLES, EmissiveLights
-from .light_bvh import MIN_DIVISOR, LightBVH, median_leaves, normal_areas, triangle_boxes
+from .baked_emission import BakedEmission, key_of
+from .emissive_lights import EmissiveLights
+from .light_bvh import median_leaves, normal_areas
+from .light_tables import Emitters, lights_of_emitters
 from .mesh_parts import parts_of
+from .pieces import Pieces
 
 #: If there are more lights than this, neighbours of the same emission are joined until no emission has more.
 MAX_LIGHTS = 256
-
-#: Emissive triangles have the same shape if their corners agree to this fraction of their size.
-SHAPE_STEPS = 1 << 20
-
-
-class Emitters(NamedTuple):
-    """Emissive triangles (T,) and the lights (L,) that they belong to."""
-
-    corners: np.ndarray  # (T,3,3) m, counterclockwise as seen from outside if one-sided
-    one_sided: np.ndarray  # (T,) bool
-    light: np.ndarray  # (T,) int
-    emission: np.ndarray  # (L,3)
-    links: np.ndarray  # (L,2) int: groups of receivers and blockers
-    enclosure: np.ndarray  # (L,2,3) m
 
 
 class EmissiveMeshes:
@@ -45,14 +31,19 @@ class EmissiveMeshes:
         #: Lamps, and the same with `own`.
         self.joined: tuple[Lights, Lights] | None = None
 
-    def lights_of(self, scene: Scene) -> Lights:
-        """The lights of a scene, and after them those of its emissive meshes, if there are any."""
+    def lights_of(self, scene: Scene, baked: BakedEmission | None = None) -> Lights:
+        """The lights of a scene, and after them those of its emissive meshes, if there are any.
+
+        Without the scene's own `baked` emission, meshes with graphs of it emit evenly.
+        """
+        baked = baked if baked is not None and baked.key == key_of(scene) else None
         rows, instances, materials = emissive_instances(scene), scene.instances, scene.materials
         arrays = [getattr(instances, name) for name in array_specs(Instances)][1:]
         tables = (array[rows].tobytes() for array in arrays if len(array))
         key = (*(scene.meshes[k] for k in instances.mesh[rows]), materials.emission.tobytes(), *tables)
+        key = *key, scene.working_space, materials.emission_graph.tobytes(), baked
         if key != self.key:
-            self.key, self.own, self.joined = key, emissive_lights(scene, rows), None
+            self.key, self.own, self.joined = key, emissive_lights(scene, rows, baked), None
         if self.own is None:
             return scene.lights
         if self.joined is None or self.joined[0] is not scene.lights:
@@ -60,53 +51,88 @@ class EmissiveMeshes:
         return self.joined[1]
 
 
+def emits(scene: Scene) -> np.ndarray:
+    """(M,) bool: which materials emit."""
+    emissive: np.ndarray = scene.materials.emission.any(1)
+    return emissive | (scene.materials.emission_graph >= 0) if scene.has_emission_graphs else emissive
+
+
 def emissive_instances(scene: Scene) -> np.ndarray:
     """(K,) int: instances that light surfaces, if any of their triangles emits."""
-    emits = scene.materials.emission.any(1)
-    if not emits.any():
+    emissive = emits(scene)
+    if not emissive.any():
         return np.zeros(0, int)
-    mesh_emits = np.array([emits[mesh.material_indices].any() for mesh in scene.meshes], bool)
+    mesh_emits = np.array([emissive[mesh.material_indices].any() for mesh in scene.meshes], bool)
     return np.flatnonzero(mesh_emits[scene.instances.mesh] & scene.instances.visible_diffuse)
 
 
-def emissive_lights(scene: Scene, rows: np.ndarray) -> EmissiveLights | None:
+def emissive_lights(scene: Scene, rows: np.ndarray, baked: BakedEmission | None) -> EmissiveLights | None:
     """The lights of the emissive instances (K,) of a scene; None if there are none."""
-    emits, mesh = scene.materials.emission.any(1), scene.instances.mesh[rows]
-    _, emission_of = np.unique(scene.materials.emission, axis=0, return_inverse=True)
-    found = []
-    for k in np.unique(mesh):
-        chosen = np.flatnonzero(emits[scene.meshes[k].materials])
-        found.append(emitters_of(scene, scene.meshes[k], chosen, rows[mesh == k], emission_of.ravel()))
+    mesh, group_of, found = scene.instances.mesh[rows], emission_groups(scene), []
+    pieces = {} if baked is None else baked.pieces
+    alike = np.array([id(pieces.get(row)) for row in rows.tolist()], int)
+    for k, pieces_id in np.unique(np.stack([mesh, alike], 1), axis=0).tolist() if len(rows) else ():
+        members = rows[(mesh == k) & (alike == pieces_id)]
+        own = emissive_pieces(scene, scene.meshes[k], None if baked is None else pieces.get(int(members[0])))
+        if len(own.triangle):
+            found.append(emitters_of(scene, scene.meshes[k], own, members, group_of))
     emitters = with_area(concatenated(found)) if found else None
-    return None if emitters is None or not len(emitters.light) else lights_of_emitters(joined(emitters))
+    if emitters is None or not len(emitters.group):
+        return None
+    return lights_of_emitters(joined(emitters), luminance(scene.working_space))
 
 
-def emitters_of(
-    scene: Scene, mesh: Mesh, chosen: np.ndarray, instances: np.ndarray, emission_of: np.ndarray
-) -> Emitters:
-    """The emitters of the chosen triangles of a mesh in these instances. `emission_of` (M,): equal for equal ones."""
-    parts, materials = parts_of(mesh), mesh.materials[chosen]
-    pairs = parts.part[chosen] * len(emission_of) + emission_of[materials]
+def emission_groups(scene: Scene) -> np.ndarray:
+    """(M,) int: equal for materials whose lights may be joined, as their emission is equal."""
+    keys = np.pad(scene.materials.emission.astype(np.float64), ((0, 0), (0, 1)))
+    if scene.has_emission_graphs:
+        keys[:, 3] = np.where(scene.materials.emission_graph >= 0, 1 + np.arange(len(keys)), 0)
+    groups: np.ndarray = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+    return groups
+
+
+def emissive_pieces(scene: Scene, mesh: Mesh, baked: Pieces | None) -> Pieces:
+    """What of a mesh emits; `baked`: of the materials with graphs, if that is known."""
+    chosen = emits(scene)
+    if baked is not None:
+        chosen &= scene.materials.emission_graph < 0
+    triangle = np.flatnonzero(chosen[mesh.materials])
+    even = Pieces(triangle, scene.materials.emission[mesh.materials[triangle]])
+    return even if baked is None else Pieces.joined([even, baked])
+
+
+def emitters_of(scene: Scene, mesh: Mesh, pieces: Pieces, instances: np.ndarray, group_of: np.ndarray) -> Emitters:
+    """The emitters of pieces of a mesh in these instances. `group_of` (M,): see emission_groups."""
+    parts, chosen = parts_of(mesh), pieces.triangle
+    pairs = parts.part[chosen] * len(group_of) + group_of[mesh.materials[chosen]]
     _, example, own = np.unique(pairs, return_index=True, return_inverse=True)
     part, count = parts.part[chosen[example]], len(instances)
     matrices = scene.instances.world_from_object[instances]
     linear, offset = matrices[:, :3, :3], matrices[:, :3, 3]
     vertices = mesh.positions[mesh.triangles[chosen]].astype(np.float64)
+    if pieces.corners is not None:
+        vertices = np.einsum("tab,tbj->taj", pieces.corners, vertices)
     corners = np.einsum("kij,tcj->ktci", linear, vertices) + offset[:, None, None]
     hidden = hides_its_back(scene.instances, instances)
-    side = parts.side[part][own] * (np.sign(np.linalg.det(linear)) * hidden)[:, None]
+    side = parts.side[part][own] * hidden[:, None]
+    is_sided = np.zeros(len(part), bool)
+    if pieces.side is not None:
+        side = np.where(pieces.side != 0, pieces.side, side)
+        is_sided[own] = pieces.side != 0
+    side = side * np.sign(np.linalg.det(linear))[:, None]
     is_clockwise = side < 0.0
     corners[is_clockwise] = corners[is_clockwise][:, ::-1]
     middle, half = parts.boxes[part].sum(1) / 2.0, (parts.boxes[part, 1] - parts.boxes[part, 0]) / 2.0
     middle = np.einsum("kij,pj->kpi", linear, middle) + offset[:, None]
-    half = np.einsum("kij,pj->kpi", np.abs(linear), half)
+    half = np.einsum("kij,pj->kpi", np.abs(linear), half) * np.where(is_sided, -1.0, 1.0)[:, None]  # nothing is inside
     enclosure = np.stack([middle - half, middle + half], 2)
     links = np.stack([scene.instances.receivers[instances], scene.instances.blockers[instances]], 1)
     return Emitters(
         corners.reshape(-1, 3, 3),
         (side != 0.0).ravel(),
+        np.tile(pieces.radiance, (count, 1)),
         (own + len(part) * np.arange(count)[:, None]).ravel(),
-        np.tile(scene.materials.emission[materials[example]], (count, 1)),
+        np.tile(group_of[mesh.materials[chosen[example]]], count),
         links.repeat(len(part), 0),
         enclosure.reshape(-1, 2, 3),
     )
@@ -121,7 +147,7 @@ def hides_its_back(instances: Instances, chosen: np.ndarray) -> np.ndarray:
 
 def concatenated(all_emitters: list[Emitters]) -> Emitters:
     """Emitters as one, with their lights one after the other."""
-    counts = [len(each.emission) for each in all_emitters]
+    counts = [len(each.group) for each in all_emitters]
     shifted = [
         each._replace(light=each.light + first)
         for each, first in zip(all_emitters, np.cumsum([0, *counts[:-1]]), strict=True)
@@ -138,16 +164,17 @@ def with_area(emitters: Emitters) -> Emitters:
     return Emitters(
         emitters.corners[has_area],
         emitters.one_sided[has_area],
+        emitters.radiance[has_area],
         light.ravel(),
-        *(column[lights] for column in (emitters.emission, emitters.links, emitters.enclosure)),
+        *(column[lights] for column in (emitters.group, emitters.links, emitters.enclosure)),
     )
 
 
 def joined(emitters: Emitters) -> Emitters:
-    """At most MAX_LIGHTS lights for each emission and links: neighbours are joined."""
-    if len(emitters.emission) <= MAX_LIGHTS:
+    """At most MAX_LIGHTS lights for each group and links: neighbours are joined."""
+    if len(emitters.group) <= MAX_LIGHTS:
         return emitters
-    keys, centres = np.concatenate([emitters.emission, emitters.links], 1), emitters.enclosure.mean(1)
+    keys, centres = np.concatenate([emitters.group[:, None], emitters.links], 1), emitters.enclosure.mean(1)
     kind, light, count = np.unique(keys, axis=0, return_inverse=True)[1].ravel(), np.empty(len(keys), int), 0
     for each in range(kind.max() + 1):
         members = np.flatnonzero(kind == each)
@@ -161,42 +188,10 @@ def joined(emitters: Emitters) -> Emitters:
     low, high = np.minimum.reduceat(low, first), np.maximum.reduceat(high, first)
     return emitters._replace(
         light=light[emitters.light],
-        emission=emitters.emission[order[first]],
+        group=emitters.group[order[first]],
         links=emitters.links[order[first]],
         enclosure=np.stack([low, high], 1),
     )
-
-
-def lights_of_emitters(emitters: Emitters) -> EmissiveLights:
-    """A table of the lights of emissive triangles."""
-    count, order = len(emitters.emission), np.argsort(emitters.light, kind="stable")
-    bounds = np.searchsorted(emitters.light[order], np.arange(count + 1))
-    lights_by_size, shapes = Counter(np.diff(bounds).tolist()), dict[bytes, tuple[LightBVH, np.ndarray]]()
-    triangles, bvhs = [], []
-    for first, end in pairwise(bounds):
-        corners, bvh = emitters.corners[order[first:end]], None
-        if end - first > MAX_EXACT_TRIANGLES:
-            bvh = shared_bvh(corners, shapes) if lights_by_size[end - first] > 1 else LightBVH.over(corners)
-        rows = np.append(order[first:end], -1)
-        triangles.append(rows[:-1] if bvh is None else rows[bvh.triangles])
-        bvhs.append(bvh)
-    one_sided = np.bincount(emitters.light, ~emitters.one_sided, count) == 0
-    of_lights = emissive_rows(emitters, triangles, bvhs)
-    return EmissiveLights.of(**of_lights, **triangle_tables(emitters, triangles), **node_tables(one_sided, bvhs))
-
-
-def shared_bvh(corners: np.ndarray, shapes: dict[bytes, tuple[LightBVH, np.ndarray]]) -> LightBVH:
-    """The light BVH over triangles (N,3,3). Copies that are only moved share one: `shapes`, with the middle of each."""
-    middle = corners.mean((0, 1))
-    local = corners - middle
-    size = float(f"{np.abs(local).max():.6e}")  # so rounded that copies have the same
-    shape = (
-        np.rint(local * (SHAPE_STEPS / max(size, float(MIN_DIVISOR)))).astype(np.int32).tobytes() + str(size).encode()
-    )
-    if shape not in shapes:
-        shapes[shape] = LightBVH.over(corners), middle
-    bvh, first_middle = shapes[shape]
-    return replace(bvh, centre=bvh.centre + (middle - first_middle))
 
 
 def after_lamps(lamps: Lights, own: EmissiveLights) -> EmissiveLights:
@@ -209,80 +204,3 @@ def after_lamps(lamps: Lights, own: EmissiveLights) -> EmissiveLights:
             rows = np.concatenate([first, rows])
         values[name] = rows
     return EmissiveLights.of(**values)
-
-
-def emissive_rows(
-    emitters: Emitters, triangles: list[np.ndarray], bvhs: list[LightBVH | None]
-) -> dict[str, np.ndarray]:
-    """Fields of the lights, by name; `triangles`: rows of the emitters by light, -1 to fill up leaves."""
-    count, light = len(emitters.emission), emitters.light
-    order = np.argsort(light, kind="stable")
-    starts = np.searchsorted(light[order], np.arange(count))
-    low, high = triangle_boxes(emitters.corners)
-    low, high = np.minimum.reduceat(low[order], starts), np.maximum.reduceat(high[order], starts)
-    sizes, leaves = np.array([len(each) for each in triangles]), np.array([bvh.leaves if bvh else 0 for bvh in bvhs])
-    unit = np.tile(np.eye(3)[:, None], (1, count, 1))
-    return {
-        "shape": np.full(count, EMISSIVE_MESH),
-        "position": (low + high) / 2.0,
-        "axis_u": unit[0],
-        "axis_v": unit[1],
-        "normal": unit[2],
-        "emission": emitters.emission,
-        "spread": np.full(count, np.pi),
-        "blend": np.zeros(count),
-        "radius": np.linalg.norm(high - low, axis=1) / 2.0,
-        "soft_falloff": np.zeros(count, bool),
-        "falloff_power": np.zeros(count, np.int32),
-        "falloff_smooth": np.zeros(count),
-        "profile": np.full(count, -1),
-        "profile_axes": np.zeros((count, 3, 3)),
-        "image": np.full(count, -1),
-        "casts_shadow": np.ones(count, bool),
-        "visible_camera": np.zeros(count, bool),
-        "shadow_softness": np.ones(count),
-        "receivers": emitters.links[:, 0],
-        "blockers": emitters.links[:, 1],
-        "first_triangle": np.cumsum(sizes) - sizes,
-        "triangle_count": sizes,
-        "first_node": 2 * (np.cumsum(leaves) - leaves),
-        "leaves": leaves,
-        "projected_area": projected_areas(normal_areas(emitters.corners), emitters.one_sided, light, count),
-        "enclosure": emitters.enclosure,
-    }
-
-
-def projected_areas(normals: np.ndarray, one_sided: np.ndarray, light: np.ndarray, count: int) -> np.ndarray:
-    """(L,) m²: upper bounds of the lights' areas as seen from any direction w, from normals times areas (T,3).
-
-    The sum of areas times |n . w| is at most that times its root mean square. Of one-sided triangles half of it counts,
-    and half of the sum of n . w.
-    """
-    areas = np.linalg.norm(normals, axis=1)
-    total = np.bincount(light, areas, count)
-    outer = np.einsum("ti,tj->tij", normals, normals / np.maximum(areas, 1e-300)[:, None]).reshape(-1, 9)
-    squares = np.stack([np.bincount(light, column, count) for column in outer.T], 1).reshape(-1, 3, 3)
-    both = np.sqrt(total * np.linalg.eigvalsh(squares)[:, -1])
-    mean = np.linalg.norm([np.bincount(light, column, count) for column in normals.T], axis=0)
-    is_one_sided = np.bincount(light, ~one_sided, count) == 0
-    return np.minimum(total, np.where(is_one_sided, (both + mean) / 2.0, both))
-
-
-def triangle_tables(emitters: Emitters, triangles: list[np.ndarray]) -> dict[str, np.ndarray]:
-    """Fields of the triangles, by name."""
-    rows = np.concatenate(triangles)
-    corners = np.where((rows < 0)[:, None, None], 0.0, emitters.corners[rows])
-    return {"corners": corners, "one_sided": emitters.one_sided[rows]}
-
-
-def node_tables(one_sided: np.ndarray, bvhs: list[LightBVH | None]) -> dict[str, np.ndarray]:
-    """Fields of the nodes, by name; `one_sided` (L,): whether all triangles of a light are."""
-    tables = {
-        name: np.concatenate(
-            [spec.empty(), *(getattr(bvh, name.removeprefix("node_")) for bvh in bvhs if bvh is not None)]
-        )
-        for name, spec in array_specs(EmissiveLights).items()
-        if spec.shapes[0][0] == "N" and name != "node_one_sided"
-    }
-    nodes = [2 * bvh.leaves if bvh is not None else 0 for bvh in bvhs]
-    return tables | {"node_one_sided": np.repeat(one_sided, nodes)}

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light BVHs: hierarchies over emissive triangles, from which shaders choose triangles by importance.
 
-A node has a bounding sphere, and the first moments of its triangles' normals, weighted by area, from which its area as
-seen from a direction can be estimated (Conty Estevez & Kulla 2018 bound the normals by a cone instead). The tree is
-complete: node k has the children 2k and 2k + 1, the root is 1. Each node splits its triangles at the median along the
-longest axis of position and normal, so that nodes become flat as well as small.
+A node has a bounding sphere, and the first moments of its triangles' normals, weighted by area and relative luminance,
+from which its area as seen from a direction can be estimated (Conty Estevez & Kulla 2018 bound the normals by a cone
+instead). The tree is complete: node k has the children 2k and 2k + 1, the root is 1. Each node splits its triangles at
+the median along the longest axis of position and normal, so that nodes become flat as well as small.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,8 @@ MIN_LEAVES = 16
 class LightBVH:
     """A light BVH over N triangles; arrays of 2 * leaves nodes, of which row 0 is unused.
 
-    The moments are sums over the triangles, weighted by area; positions are relative to the centre.
+    The moments are sums over the triangles, weighted by area times relative luminance, which `area` stands for too;
+    positions are relative to the centre.
     """
 
     triangles: np.ndarray  # (leaves * T,) int: the triangles of each leaf; N where a leaf is not full
@@ -49,10 +50,11 @@ class LightBVH:
     normal_normal: np.ndarray  # (…,6) m²: outer products of the normals, in the order of ELEMENT_AXES
     position_position: np.ndarray  # (…,6) m⁴
     normal_position: np.ndarray  # (…,9) m³, row by row
+    color: np.ndarray | None  # (…,3) mean color, if triangles have colors
 
     @classmethod
-    def over(cls, corners: np.ndarray) -> "LightBVH":
-        """The BVH over triangles (N,3,3)."""
+    def over(cls, corners: np.ndarray, colors: np.ndarray | None = None) -> "LightBVH":
+        """The BVH over triangles (N,3,3) of colors (N,4), see EmissiveLights.colors, or of the same radiance."""
         origin = corners.mean((0, 1))
         # Axes first: numpy is slow along short axes. The last triangle is empty, for leaves that are not full.
         local = np.zeros((3, 3, len(corners) + 1))  # corner, axis, triangle
@@ -62,19 +64,25 @@ class LightBVH:
         low, high = middles.min(1), middles.max(1)
         places = (middles - low[:, None]) / max((high - low).max() / 2.0, MIN_DIVISOR)
         leaves = median_leaves(np.concatenate([places, directions[:, :-1]]).T, MAX_PER_LEAF, MIN_LEAVES)
-        sums, low, high = (np.empty((rows, len(leaves))) for rows in (MOMENTS, 3, 3))
+        own_colors = None if colors is None else np.append(colors, np.zeros((1, 4)), 0).T
+        count = MOMENTS if own_colors is None else MOMENTS + COLOR_MOMENTS
+        sums, low, high = (np.empty((rows, len(leaves))) for rows in (count, 3, 3))
 
         def fill(first: int) -> None:
             chunk = slice(first, first + LEAVES_AT_A_TIME)
             rows = leaves[chunk].T
             triangles, is_empty = local.take(rows, 2), rows == len(corners)
-            sums[:, chunk] = moments(triangles).sum(1)
+            own = moments(triangles)
+            if own_colors is not None:
+                own *= own_colors[3].take(rows)
+                own = np.concatenate([own, own[0] * own_colors[:3].take(rows, 1)])
+            sums[:, chunk] = own.sum(1)
             low[:, chunk] = np.where(is_empty, np.inf, triangles.min(0)).min(1)
             high[:, chunk] = np.where(is_empty, -np.inf, triangles.max(0)).max(1)
 
         parallel_map(fill, range(0, len(leaves), LEAVES_AT_A_TIME), len(corners))
         sums, low, high = tree_of(sums, np.add), tree_of(low, np.minimum), tree_of(high, np.maximum)
-        area, normal, normal_normal, position, second, mixed = np.split(sums, np.cumsum([1, 3, 6, 3, 6]))
+        area, normal, normal_normal, position, second, mixed, color = np.split(sums, np.cumsum([1, 3, 6, 3, 6, 9]))
         offset = position / np.maximum(area, MIN_DIVISOR)
         extent = np.where(low <= high, np.maximum(high - offset, offset - low), 0.0)
         return cls(
@@ -88,11 +96,12 @@ class LightBVH:
             normal_normal=normal_normal.T,
             position_position=(second - position[ELEMENT_AXES[0]] * offset[ELEMENT_AXES[1]]).T,
             normal_position=(mixed - outer(normal, offset)).T,
+            color=(color / np.maximum(area, MIN_DIVISOR)).T if len(color) else None,
         )
 
 
-#: Number of moments of a triangle.
-MOMENTS = 28
+#: Number of moments of a triangle, and how many more there are with colors.
+MOMENTS, COLOR_MOMENTS = 28, 3
 
 #: Leaves whose moments are summed at a time.
 LEAVES_AT_A_TIME = 1 << 10

@@ -7,7 +7,7 @@ once. The head has the GLSL version, constants from Python, fetch.glsl, the fram
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -104,6 +104,13 @@ class ProgramSource(NamedTuple):
     sources: tuple[str | Include, ...]
     records: tuple[Record, ...]
     constants: tuple[tuple[str, int | float], ...]
+
+
+def split_parts(parts: Iterable[Record | Include]) -> tuple[tuple[Include, ...], tuple[Record, ...]]:
+    """The includes and the records among parts of a shader."""
+    parts = tuple(parts)
+    includes = tuple(each for each in parts if isinstance(each, Include))
+    return includes, tuple(each for each in parts if isinstance(each, Record))
 
 
 def compile_program(

@@ -158,7 +158,7 @@ MATERIAL = Record(
 #: of its constants.
 MATERIAL_TRANSPARENCY = Record("Transparency", graphs="ivec2", first_constants="ivec2")
 
-#: The graph of the radiance that the camera sees of a material, -1 if it is even, and the first of its constants.
+#: The graph of the radiance of a material, -1 if it is even, and the first of its constants.
 MATERIAL_EMISSION = Record("MaterialEmission", graph="int", first_constant="int")
 
 #: Constants of graphs.
@@ -173,7 +173,8 @@ IMAGE = Record(
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is
 #: the sine of half of their angle. Of emissive meshes: a sphere around the triangles; as axes, two corners of a box;
-#: and the first rows of their triangles and nodes in the tables of these, see lights/emissive_mesh.glsl.
+#: the first rows of their triangles and nodes in the tables of these, see lights/emissive_mesh.glsl; and the largest
+#: relative luminance of a triangle.
 LIGHT = Record(
     "Light",
     position="vec3",
@@ -211,10 +212,14 @@ LIGHT = Record(
     triangle_count="int",
     first_node="int",
     leaves="int",
+    brightest="float",
 )
 
 #: A triangle that emits light, in anchor space: a corner, and the edges from it to the others.
 EMISSIVE_TRIANGLE = Record("EmissiveTriangle", corner="vec3", u="vec3", v="vec3", one_sided="int")
+
+#: What it emits relative to its light, if they differ: see EmissiveLights.colors.
+EMISSIVE_COLOR = Record("EmissiveColor", color="vec3", luminance="float")
 
 #: A node of a light BVH over emissive triangles, in anchor space, see emission/light_bvh.py. Of symmetric matrices: xx,
 #: yy and zz; xy, yz and zx. Of normal_position: rows.
@@ -235,8 +240,11 @@ LIGHT_NODE = Record(
     normal_z_position="vec3",
 )
 
+#: The mean color of a node's triangles.
+LIGHT_NODE_COLOR = Record("LightNodeColor", color="vec3")
+
 #: Records of shaders that include lights/light.glsl.
-LIGHT_RECORDS = LIGHT, EMISSIVE_TRIANGLE, LIGHT_NODE
+LIGHT_RECORDS = LIGHT, EMISSIVE_TRIANGLE, EMISSIVE_COLOR, LIGHT_NODE, LIGHT_NODE_COLOR
 
 #: Probe rays to one light: its index, the light_uv of the picture's first texel in 32-bit fixed point, and the position
 #: of the block's first texel in the picture.

@@ -119,6 +119,7 @@ struct LightSample {
     vec3 wi;        // unit, from the receiver to it
     float radiance; // towards the receiver; 0: no light from this point
     float pdf;      // density by solid angle, 1/sr; 1 if there is only one direction: radiance is irradiance then
+    int triangle;   // of an emissive mesh, on which it is; -1 of others
 };"""
 
 LIGHT_TABLES = """
@@ -126,7 +127,9 @@ LIGHT_TABLES = """
 uniform int lights;             // rows of LIGHT
 uniform int light_texels;       // of profiles and images
 uniform int light_nodes;        // rows of LIGHT_NODE
+uniform int light_node_colors;  // rows of LIGHT_NODE_COLOR, if there are any
 uniform int emissive_triangles; // rows of EMISSIVE_TRIANGLE
+uniform int emissive_colors;    // rows of EMISSIVE_COLOR, if there are any
 """
 
 #: GLSL functions of each light type: result, name, and parameters after the light. The light has radiance 1; p and n

@@ -166,7 +166,7 @@ LightSample area_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     float lateral = length(cross(light.normal, ray));
     return LightSample(light.position + offset, ray * inversesqrt(max(dot(ray, ray), 1e-30)),
                        angle * strip > 0.0 && region.height > 0.0 ? spread_falloff(light, region.height, lateral) : 0.0,
-                       max(density, 1e-4) / max(angle * strip, 1e-33));
+                       max(density, 1e-4) / max(angle * strip, 1e-33), -1);
 }
 
 // Where a ray hits the light's plane from its emitting side: coordinates in units of half sides or semi-axes, and the

@@ -1,8 +1,9 @@
-// Emissive meshes of uniform radiance. Few triangles have a closed form together, and one is chosen for a sample by its
-// irradiance. More have a light BVH: their irradiance is estimated from its root, which the irradiance cache corrects,
-// and a triangle is chosen by importance, from node to node.
+// Emissive meshes whose triangles have a uniform radiance each. Few triangles have a closed form together, and one is
+// chosen for a sample by its irradiance. More have a light BVH: their irradiance is estimated from its root, which the
+// irradiance cache corrects, and a triangle is chosen by importance, from node to node.
 #include "lights/emissive_limits.glsl"
 #include "closed_forms/triangle.glsl"
+#include "lights/light_node.glsl"
 #include "sampling/discrete.glsl"
 #include "sampling/triangle.glsl"
 #ifndef MESHES_WITH_BVH
@@ -11,10 +12,45 @@
 #ifndef MESHES_WITHOUT_BVH
 #define MESHES_WITHOUT_BVH 1
 #endif
+#ifndef MESH_COLORS
+#define MESH_COLORS 0 // 1: triangles of a mesh differ in radiance, and there are tables of that
+#endif
 #ifndef ESTIMATE_NODES
 #define ESTIMATE_NODES MAX_NODES // see estimate_light_bvh
 #endif
-const int MAX_NODES = 16;
+const int MAX_NODES = 16, CACHED_NODES = MESH_COLORS == 1 ? 16 : 1;
+
+// Of a triangle, relative to the light's emission: a colour of luminance 1, and the luminance.
+EmissiveColor emissive_color(int row) {
+#if MESH_COLORS
+    return fetch_EmissiveColor(scene_records, emissive_colors + row);
+#else
+    return EmissiveColor(vec3(1.0), 1.0);
+#endif
+}
+
+// The mean colour of a node's triangles.
+vec3 light_node_color(int row) {
+#if MESH_COLORS
+    return fetch_LightNodeColor(scene_records, light_node_colors + row).color;
+#else
+    return vec3(1.0);
+#endif
+}
+
+// The largest relative luminance of a triangle.
+float brightest(Light light) {
+#if MESH_COLORS
+    return light.brightest;
+#else
+    return 1.0;
+#endif
+}
+
+// Irradiance, and in yzw the same times its colour.
+vec4 colored(float irradiance, vec3 color) { return vec4(irradiance, irradiance * color); }
+
+vec3 mean_color(vec4 irradiance) { return MESH_COLORS == 1 ? irradiance.yzw / max(irradiance.x, 1e-37) : vec3(1.0); }
 
 bool has_light_bvh(Light light) { return MESHES_WITHOUT_BVH == 0 || (MESHES_WITH_BVH == 1 && light.leaves > 0); }
 
@@ -40,112 +76,52 @@ const float SMALL_TRIANGLE = MESHES_WITHOUT_BVH == 0 ? 2e-2 : 2e-3;
 float emissive_triangle_irradiance(int row, vec3 p, vec3 n, bool enclosed) {
     EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + row);
     if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) return 0.0;
-    return triangle_irradiance(triangle.corner - p, triangle.u, triangle.v, n, SMALL_TRIANGLE);
-}
-
-// The largest cosine to the receiver's normal of a part of a sphere above the horizon, about in proportion to that part.
-// Distances in m; `height`: of its centre over the horizon.
-float cosine_above_horizon(float height, float radius, float distance) {
-    float part = max(height + radius, 0.0);
-    return min((height >= radius ? height : 0.25 * part * part / radius) / distance, 1.0);
-}
-
-// A symmetric matrix times a vector.
-vec3 symmetric_product(vec3 squares, vec3 products, vec3 v) {
-    return squares * v + vec3(products.x * v.y + products.z * v.z, products.x * v.x + products.y * v.z,
-                              products.z * v.x + products.y * v.y);
-}
-
-// The cosines of a node's triangles to a direction count as evenly distributed, with the mean and the variance that they
-// have. x: the mean, weighted by area; y: half of their range.
-vec2 node_cosines(LightNode node, vec3 wi) {
-    float area = max(node.area, 1e-37), mean = -dot(node.normal, wi) / area;
-    float square = dot(symmetric_product(node.normal_squares, node.normal_products, wi), wi) / area;
-    return vec2(mean, sqrt(3.0 * max(square - mean * mean, 0.0)));
-}
-
-// The area of a node as seen along a direction, m^2.
-float projected_area(LightNode node, vec2 cosines, bool one_sided) {
-    float mean = abs(cosines.x), half_range = cosines.y;
-    float absolute = mean < half_range ? 0.5 * (mean * mean / half_range + half_range) : mean;
-    return node.area * (one_sided ? 0.5 * (absolute + cosines.x) : absolute);
-}
-
-// The cosine of a node's mean normal to the receiver, less or more than that of any triangle by at most `slack`.
-struct NodeFacing { float cosine; float slack; };
-
-NodeFacing node_facing(LightNode node, vec3 to, float inverse_distance) {
-    float size = max(dot(node.normal, node.normal), 1e-37);
-    return NodeFacing(-dot(node.normal, to) * inversesqrt(size) * inverse_distance,
-                      node.normal_sine + node.radius * inverse_distance);
-}
-
-// Estimated irradiance of a node, and its importance, which is not 0 where any of its triangles illuminates p.
-vec2 estimate_node(LightNode node, vec3 p, vec3 n, bool enclosed) {
-    vec3 to = node.centre - p;
-    float square = max(dot(to, to), 1e-30), inverse = inversesqrt(square), radius_square = node.radius * node.radius;
-    float cosine = cosine_above_horizon(dot(n, to), max(node.radius, 1e-30), 1.0 / inverse);
-    bool one_sided = node.one_sided != 0 && !enclosed;
-    float area = projected_area(node, node_cosines(node, to * inverse), one_sided);
-    NodeFacing facing = node_facing(node, to, inverse);
-    if (one_sided && facing.cosine <= -facing.slack) return vec2(0.0);
-    float rest = abs(facing.cosine) < facing.slack ? 0.2 * node.area * min(node.radius * inverse, 1.0) : 0.0;
-    return cosine * vec2(area / max(square, 0.25 * radius_square), (area + rest) / max(square, radius_square));
-}
-
-// The irradiance of a node whose triangles all face the receiver, or all the other way, above the horizon: the Taylor
-// series of N . x n . x / |x|^4 up to second moments. x: from the receiver to the centre.
-float facing_node_irradiance(LightNode node, vec3 x, vec3 n) {
-    float inverse = 1.0 / dot(x, x), height = dot(n, x), along = dot(node.normal, x) / node.area;
-    vec3 unit = node.normal / node.area, cx = symmetric_product(node.position_squares, node.position_products, x);
-    vec3 cn = symmetric_product(node.position_squares, node.position_products, n);
-    float trace = node.position_squares.x + node.position_squares.y + node.position_squares.z;
-    float positions = dot(unit, cn) - 4.0 * inverse * (height * dot(cx, unit) + along * dot(cx, n)) +
-                      2.0 * along * height * inverse * (6.0 * inverse * dot(cx, x) - trace);
-    // The row vector x^T normal_position, and its trace.
-    vec3 xd = x.x * node.normal_x_position + x.y * node.normal_y_position + x.z * node.normal_z_position;
-    float both = node.normal_x_position.x + node.normal_y_position.y + node.normal_z_position.z;
-    float normals = height * both + dot(xd, n) - 4.0 * height * inverse * dot(xd, x);
-    return abs(node.area * along * height + positions + normals) * inverse * inverse;
+    return triangle_irradiance(triangle.corner - p, triangle.u, triangle.v, n, SMALL_TRIANGLE) *
+           emissive_color(row).luminance;
 }
 
 float light_node_importance(int row, vec3 p, vec3 n, bool enclosed) {
     return estimate_node(fetch_LightNode(scene_records, light_nodes + row), p, n, enclosed).y;
 }
 
-float emissive_triangles_irradiance(int first, int count, vec3 p, vec3 n, bool enclosed) {
-    float sum = 0.0;
-    for (int k = first; k < first + count; ++k) sum += emissive_triangle_irradiance(k, p, n, enclosed);
+vec4 emissive_triangles_irradiance(int first, int count, vec3 p, vec3 n, bool enclosed) {
+    vec4 sum = vec4(0.0);
+    for (int k = first; k < first + count; ++k)
+        sum += colored(emissive_triangle_irradiance(k, p, n, enclosed), emissive_color(k).color);
     return sum;
 }
 
 // Estimated irradiance of a light BVH: the sum over `nodes` nodes, all of one depth, from the root at 1 to MAX_NODES.
-float estimate_light_bvh(Light light, vec3 p, vec3 n, int nodes) {
+vec4 estimate_light_bvh(Light light, vec3 p, vec3 n, int nodes) {
     bool enclosed = emissive_mesh_encloses(light, p);
-    float sum = 0.0;
+    vec4 sum = vec4(0.0);
     for (int node = nodes; node < 2 * nodes; ++node) {
-        LightNode bounds = fetch_LightNode(scene_records, light_nodes + light.first_node + node);
-        sum += estimate_node(bounds, p, n, enclosed).x;
+        int row = light.first_node + node;
+        LightNode bounds = fetch_LightNode(scene_records, light_nodes + row);
+        sum += colored(estimate_node(bounds, p, n, enclosed).x, light_node_color(row));
     }
-    return min(sum, 3.141592653589793);
+    return colored(min(sum.x, 3.141592653589793 * brightest(light)), mean_color(sum));
 }
 
-float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) {
+vec4 emissive_mesh_colored_irradiance(Light light, vec3 p, vec3 n) {
     if (has_light_bvh(light)) return estimate_light_bvh(light, p, n, ESTIMATE_NODES);
     bool enclosed = emissive_mesh_encloses(light, p);
     return emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed);
 }
 
+float emissive_mesh_irradiance(Light light, vec3 p, vec3 n) { return emissive_mesh_colored_irradiance(light, p, n).x; }
+
 // The same without the estimate's error: by nodes that face the receiver and are seen as smaller than MAX_NODE_SIZE, and
 // by the triangles of other leaves. These have separate loops, which drivers that execute both branches of an "if" can
 // skip.
-const float MAX_NODE_SIZE = 0.15, MAX_EDGE_NODE_SIZE = 0.05, MAX_HORIZON_NODE_SIZE = 0.0015; // radius over distance
+const float MAX_NODE_SIZE = MESH_COLORS == 1 ? 0.05 : 0.15;
+const float MAX_EDGE_NODE_SIZE = 0.05, MAX_HORIZON_NODE_SIZE = 0.0015; // radius over distance
 const float MAX_EDGE_NODE_SLACK = 0.2;
 
-float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
+vec4 emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
     bool enclosed = emissive_mesh_encloses(light, p);
     int per_leaf = light.triangle_count / light.leaves, node = 1;
-    float sum = 0.0;
+    vec4 sum = vec4(0.0);
     while (node > 0) {
         bool is_leaf = false;
         int leaf = 0;
@@ -164,7 +140,8 @@ float emissive_mesh_accurate_irradiance(Light light, vec3 p, vec3 n) {
             bool is_done = is_hidden || is_small || is_tiny;
             is_leaf = !is_done && node >= light.leaves;
             float irradiance = is_small ? facing_node_irradiance(bounds, to, n) : estimate_node(bounds, p, n, enclosed).x;
-            sum += !is_hidden && (is_small || is_tiny) ? irradiance : 0.0;
+            bool is_estimated = !is_hidden && (is_small || is_tiny);
+            sum += colored(is_estimated ? irradiance : 0.0, light_node_color(light.first_node + node));
             leaf = node - light.leaves;
             // To a child, or to the next node that is no descendant.
             int after = (node + 1) >> findLSB(node + 1);
@@ -221,7 +198,8 @@ LightSample emissive_mesh_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     float offset = min(1e-6 * (dot(abs(point), vec3(1.0)) + dot(abs(p), vec3(1.0))), 0.5 * abs(height));
     point += normal_area * (sign(height) * offset / max(area, 1e-37));
     bool emits = range.probability * chosen.probability > 0.0 && projected > 0.0;
-    return LightSample(point, to / distance, emits ? 1.0 : 0.0, max(pdf, 1e-37));
+    int row = range.first + chosen.index;
+    return LightSample(point, to / distance, emits ? emissive_color(row).luminance : 0.0, max(pdf, 1e-37), row);
 }
 
 // The nearest triangle that emits along a ray: its row, and the distance; -1: none.
@@ -264,7 +242,7 @@ float emissive_mesh_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
             node = next;
         }
     }
-    float sum = emissive_triangles_irradiance(first, count, p, n, enclosed);
+    float sum = emissive_triangles_irradiance(first, count, p, n, enclosed).x;
     EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + hit.row);
     probability *= emissive_triangle_irradiance(hit.row, p, n, enclosed) / max(sum, 1e-37);
     float fraction = triangle_sample(triangle.corner - p, triangle.u, triangle.v, n, vec2(0.5)).fraction;
@@ -273,7 +251,8 @@ float emissive_mesh_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
 }
 
 float emissive_mesh_emitted(Light light, vec3 p, vec3 wi) {
-    return emissive_mesh_hit(light, p, wi).row < 0 ? 0.0 : 1.0;
+    int row = emissive_mesh_hit(light, p, wi).row;
+    return row < 0 ? 0.0 : emissive_color(row).luminance;
 }
 
 float emissive_mesh_hit_distance(Light light, vec3 p, vec3 wi) { return emissive_mesh_hit(light, p, wi).distance; }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emissive meshes: groups of triangles of the same radiance, see emission/emitters.py."""
+"""Emissive meshes: groups of triangles, of the same radiance or of one each, see emission/emitters.py."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,19 +24,20 @@ MIN_HEIGHT, MAX_HEIGHT = 1e-4, 0.02
 class EmissiveMeshBounds(PointLightBounds):
     """Bounds of K lights: float32, anchor space, columns (K,1). The luminance is that of the radiance."""
 
-    area: np.ndarray  # m²: as seen from any direction, at most
+    area: np.ndarray  # m²: as seen from any direction, at most, times the relative luminance
+    brightest: np.ndarray  # the largest relative luminance of a triangle
 
     @classmethod
     def of(cls, lights: Any, anchor: np.ndarray, working_space: str = REC709) -> Self:
         """All lights, about the anchor (3,)."""
         luminances = np.abs(lights.emission) @ luminance(working_space)
-        columns = (lights.position - anchor).T, lights.radius, luminances, lights.projected_area
+        columns = (lights.position - anchor).T, lights.radius, luminances, lights.projected_area, lights.brightest
         return cls(*(column[..., None].astype(np.float32) for column in columns))
 
     @property
     def peak(self) -> np.ndarray:
         """(K,1) luminance of the irradiance of a light that fills a receiver's hemisphere."""
-        return np.pi * self.luminance
+        return np.pi * self.luminance * self.brightest
 
     def irradiance(self, surfaces: SurfaceBounds) -> tuple[np.ndarray, np.ndarray]:
         """See LightBounds: by all of the area at the nearest point of the sphere around it."""
@@ -52,7 +53,8 @@ class EmissiveMeshBounds(PointLightBounds):
         near = distance - slack
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # where they touch, or not lit
             solid_angle = self.area / (near * near) * np.minimum(above / near, 1.0)
-        upper_bound = np.where(near > 0.0, np.minimum(solid_angle, np.pi), np.pi)
+        most = np.pi * self.brightest
+        upper_bound = np.where(near > 0.0, np.minimum(solid_angle, most), most)
         upper_bound = np.where(surfaces.exists & (above > 0.0), self.luminance * upper_bound, 0.0)
         visible = self.area * np.float32(0.75)
         estimate = np.pi * self.luminance * visible * np.maximum(axis_cosine, 0.0) / (np.pi * square + visible)
@@ -68,7 +70,8 @@ class EmissiveMesh(PointLight):
     max_rays = 16  # near many triangles, samples differ much: see lights/resampled_light_sample.glsl
 
     def records(self, lights: Any, anchor: np.ndarray) -> np.ndarray:
-        table = light_records(lights, anchor, "radius", "first_triangle", "triangle_count", "first_node", "leaves")
+        fields = "radius", "first_triangle", "triangle_count", "first_node", "leaves", "brightest"
+        table = light_records(lights, anchor, *fields)
         table["axis_u"], table["axis_v"] = np.moveaxis(lights.enclosure - anchor, 1, 0)
         return table
 
@@ -82,13 +85,15 @@ class EmissiveMesh(PointLight):
         return False
 
     def virtual_lights(self, lights: Any, row: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Evenly over the area; every other one is on the back of a two-sided triangle.
+        """Over the area, in proportion to the luminance; every other one is on the back of a two-sided triangle.
 
         They are off the surface, so that discs of the mesh around them lie below their horizon.
         """
         first, count = lights.first_triangle[row], lights.triangle_count[row]
         corners, one_sided = lights.corners[first : first + count], lights.one_sided[first : first + count]
         normals = normal_areas(corners)
+        if lights.varies[row]:
+            normals = normals * lights.colors[first : first + count, 3:]
         areas = np.linalg.norm(normals, axis=1)
         ends = np.cumsum(areas)
         chosen = np.minimum(np.searchsorted(ends, squares[:, 0] * ends[-1], "right"), np.flatnonzero(areas)[-1])
@@ -104,7 +109,8 @@ class EmissiveMesh(PointLight):
 
     def variant(self, lights: Lights) -> dict[str, np.ndarray]:
         has_bvh = has_light_bvh(lights)
-        return {"meshes_with_bvh": has_bvh, "meshes_without_bvh": ~has_bvh}
+        varies = lights.varies if isinstance(lights, EmissiveLights) else np.zeros(len(has_bvh), bool)
+        return {"meshes_with_bvh": has_bvh, "meshes_without_bvh": ~has_bvh, "mesh_colors": varies}
 
 
 def has_light_bvh(lights: Lights) -> np.ndarray:

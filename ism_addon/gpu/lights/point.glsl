@@ -46,12 +46,12 @@ float point_distance(Light light, PointCap cap, float cosine) {
 
 LightSample point_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     PointCap cap = point_cap(light, p);
-    if (!point_has_radius(light)) return LightSample(light.position, cap.axis, cap.inverse_square, 1.0);
+    if (!point_has_radius(light)) return LightSample(light.position, cap.axis, cap.inverse_square, 1.0, -1);
     CapSample s = cap_sample(cap.axis, cap.sine, n, uv);
     float to_axis = dot(s.wi, cap.axis);
     bool hits = cap.sine >= 1.0 || (to_axis > 0.0 && to_axis * to_axis >= (1.0 - cap.sine * cap.sine) * (1.0 - 1e-6));
     float radiance = hits && s.pdf > 0.0 ? point_radiance(light) : 0.0;
-    return LightSample(p + point_distance(light, cap, to_axis) * s.wi, s.wi, radiance, max(s.pdf, 1e-37));
+    return LightSample(p + point_distance(light, cap, to_axis) * s.wi, s.wi, radiance, max(s.pdf, 1e-37), -1);
 }
 
 float point_emitted(Light light, vec3 p, vec3 wi) {

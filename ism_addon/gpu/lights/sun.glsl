@@ -27,12 +27,12 @@ vec3 sun_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
 
 LightSample sun_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 axis = -light.normal;
-    if (!sun_has_angle(light)) return LightSample(sun_point(p, axis), axis, 1.0, 1.0);
+    if (!sun_has_angle(light)) return LightSample(sun_point(p, axis), axis, 1.0, 1.0, -1);
     CapSample s = cap_sample(axis, light.radius, n, uv);
     float to_axis = dot(s.wi, axis);
     bool hits = to_axis > 0.0 && to_axis * to_axis >= (1.0 - light.radius * light.radius) * (1.0 - 1e-6);
     float radiance = hits && s.pdf > 0.0 ? sun_radiance(light) : 0.0;
-    return LightSample(sun_point(p, s.wi), s.wi, radiance, max(s.pdf, 1e-37));
+    return LightSample(sun_point(p, s.wi), s.wi, radiance, max(s.pdf, 1e-37), -1);
 }
 
 float sun_emitted(Light light, vec3 p, vec3 wi) {

@@ -9,7 +9,7 @@ vec3 world_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
 
 LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 wi = basis(n) * cosine_hemisphere(uv);
-    return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(dot(n, wi)), 1e-37));
+    return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(dot(n, wi)), 1e-37), -1);
 }
 
 float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return cosine_hemisphere_pdf(max(dot(n, wi), 0.0)); }

@@ -18,6 +18,11 @@ from ..gl.shader_compiler import GENERATED, Include
 FILE = "surfaces/node_graph.glsl"
 #: Files of point_functions.
 POINT_FILES = {"transparency": "surfaces/transparency.glsl", "emission": "surfaces/surface_emission.glsl"}
+#: The type of their results, and these: of emission, the radiance, and the fraction of camera rays that pass.
+POINT_RESULTS = {
+    "transparency": ("vec3", "closures.transparency"),
+    "emission": ("vec4", "vec4(closures.emission, sum_of(closures.transparency) / 3.0)"),
+}
 GENERATED |= dict.fromkeys((FILE, *POINT_FILES.values()), lambda _constants: "")  # of shaders without a graph
 
 #: The point at which instructions are evaluated, and those for the differences between pixels: their names in GLSL.
@@ -47,30 +52,31 @@ def glsl(graph: NodeGraph) -> Include:
 def point_functions(graphs: Sequence[NodeGraph], member: str, table: str, fields: tuple[str, str]) -> Include:
     """A file with functions that evaluate graphs where rays meet surfaces.
 
-    `member` of Closures is their result, and the functions' name. `fields` of `table`, rows by material of the record
-    with that name: the index among these graphs, or -1, and the first of its constants.
+    `member`: a key of POINT_RESULTS, and the functions' name. `fields` of `table`, rows by material of the record with
+    that name: the index among these graphs, or -1, and the first of its constants.
     """
+    type_, result = POINT_RESULTS[member]
     lines = [
         '#include "nodes/closures.glsl"',
         *dict.fromkeys(each for graph in graphs for each in includes(graph)),
     ]
     for key, graph in enumerate(graphs):
-        lines += [f"vec3 {member}{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
+        lines += [f"{type_} {member}{key}(ShadingPoint at, int first_constant) {{", *beginning(graph)]
         for index, instruction in enumerate(graph.instructions):
             lines.append(line(graph, index, instruction, CENTRE, at_points=False))
-        lines += [f"    return closures.{member};", "}"]
+        lines += [f"    return {result};", "}"]
     graph_field, constant_field = fields
     row = f"fetch_{table}(scene_records, {member}_graphs + material)"
     lines += [
         f"uniform int {member}_graphs; // rows of {table}, by material",
         f"bool has_{member}(int material) {{ return {row}.{graph_field} >= 0; }}",
-        f"vec3 {member}(int material, ShadingPoint at) {{",
+        f"{type_} {member}(int material, ShadingPoint at) {{",
         f"    {table} row = {row};",
         *(
             f"    if (row.{graph_field} == {key}) return {member}{key}(at, row.{constant_field});"
             for key in range(len(graphs))
         ),
-        "    return vec3(0.0);",
+        f"    return {type_}(0.0);",
         "}",
     ]
     return Include(POINT_FILES[member], "\n".join(lines))

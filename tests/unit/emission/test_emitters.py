@@ -6,12 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.color import REC709, luminance
+from ism_addon.gpu.emission.baked_emission import SCENE_PIECES, SCENE_POINTS, BakedEmission, bakes_of, key_of
 from ism_addon.gpu.emission.emissive_lights import MAX_EXACT_TRIANGLES
 from ism_addon.gpu.emission.emitters import MAX_LIGHTS, EmissiveMeshes
+from ism_addon.gpu.emission.pieces import Pieces
+from ism_addon.gpu.lights import mixed_variant
 from ism_addon.sampling.points import triangle_areas
 from ism_addon.scene import Scene
 from tests.scenes.parts.tables import instances_of, materials_of
 from tests.scenes.small import mesh, sphere, subdivided_box
+from tests.support.emission import textured, with_graph
 from tests.support.small_scenes import light, make_scene, quad, transform
 
 WARM = (2.0, 1.0, 0.5)
@@ -143,3 +148,58 @@ def test_triangles_without_area_are_left_out():
     assert len(lights.shape) == 1 and lights.triangle_count.tolist() == [12]
     nothing = make_scene([mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))], emission=WARM)
     assert EmissiveMeshes().lights_of(nothing) is nothing.lights
+
+
+@pytest.mark.parametrize("shape", [BOX, BALL], ids=["box", "ball"])
+def test_triangles_are_brighter_or_darker_than_their_light(shape):
+    radiance = np.random.default_rng(3).random((len(shape.triangles), 3)) ** 3
+    lights, areas = textured(shape, radiance), triangle_areas(shape.positions[shape.triangles])
+    weights = luminance(REC709)
+    assert lights.varies.tolist() == [True]
+    assert np.allclose(lights.emission, areas @ radiance / areas.sum())
+    assert np.isclose(lights.brightest[0], (radiance @ weights).max() / (lights.emission[0] @ weights))
+    exist = np.linalg.norm(lights.corners, axis=2).any(1)
+    absolute = lights.emission[0] * lights.colors[exist, :3] * lights.colors[exist, 3:]
+    assert np.allclose(np.sort(absolute, axis=0), np.sort(radiance, axis=0))
+    assert np.allclose((lights.emission[0] * lights.colors[:, :3]) @ weights, lights.emission[0] @ weights)
+
+
+def test_without_a_texture_there_are_no_colors():
+    """Neither without graphs nor if a graph's radiance is even."""
+    plain = EmissiveMeshes().lights_of(make_scene([BALL], emission=WARM))
+    graph = textured(BALL, np.tile(np.float32(WARM), (len(BALL.triangles), 1)))
+    assert not len(graph.colors) and not graph.varies.any() and graph.brightest.tolist() == [1.0]
+    assert graph.equals(plain)
+    assert mixed_variant(graph)["mesh_colors"] == 0, "shaders are the same, too"
+    dark = np.ones((len(BALL.triangles), 3)) * (np.arange(len(BALL.triangles)) % 2)[:, None]
+    assert mixed_variant(textured(BALL, dark))["mesh_colors"] == 1
+
+
+def test_pieces_of_one_side_emit_from_it_alone():
+    scene = with_graph(
+        make_scene([PANEL], matrices=np.array([transform(), transform(np.diag([-1.0, 1.0, 1.0]))]), mesh_ids=[0, 0])
+    )
+    for side in (1, -1):
+        pieces = Pieces(np.arange(2), np.ones((2, 3))).on_side(side)
+        lights = EmissiveMeshes().lights_of(scene, BakedEmission(key_of(scene), None, dict.fromkeys(range(2), pieces)))
+        edges = lights.corners[:, 1:] - lights.corners[:, :1]
+        height = np.cross(edges[:, 0], edges[:, 1])[:, 2]
+        assert lights.one_sided.all() and (np.sign(height) == side).all(), "a mirrored instance is not turned around"
+
+
+def test_emission_of_another_scene_is_not_used():
+    scene = with_graph(make_scene([PANEL], emission=WARM))
+    pieces = Pieces(np.array([0]), np.full((1, 3), 7.0))
+    meshes, baked = EmissiveMeshes(), BakedEmission(key_of(scene), None, {0: pieces})
+    assert np.allclose(meshes.lights_of(scene, baked).emission, 7.0)
+    other = replace(scene, materials=replace(scene.materials, constants=2.0 * scene.materials.constants))
+    assert np.allclose(meshes.lights_of(other, baked).emission, WARM)
+    moved = replace(scene, lights=light())
+    assert np.allclose(meshes.lights_of(moved, baked).emission[1], 7.0), "lamps are not part of it"
+
+
+def test_many_textured_lights_share_a_budget():
+    count = 200
+    matrices = np.array([transform(offset=(3.0 * k, 0.0, 0.0)) for k in range(count)])
+    (bake,) = bakes_of(with_graph(make_scene([PANEL], matrices=matrices, mesh_ids=[0] * count)))
+    assert bake.max_pieces * count <= SCENE_PIECES and bake.points * count <= SCENE_POINTS

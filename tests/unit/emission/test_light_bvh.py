@@ -38,10 +38,15 @@ def test_each_triangle_is_in_one_leaf(triangles):
     assert bvh.leaves >= MIN_LEAVES and len(bvh.triangles) // bvh.leaves <= MAX_PER_LEAF
 
 
-def test_nodes_have_the_moments_of_their_triangles(triangles):
-    """Against sums over many points of the triangles."""
-    bvh, normals = LightBVH.over(triangles), normal_areas(triangles)
+@pytest.mark.parametrize("textured", [False, True])
+def test_nodes_have_the_moments_of_their_triangles(triangles, textured):
+    """Against sums over many points of the triangles, weighted by their relative luminance."""
+    random = np.random.default_rng(1)
+    colors = np.exp(random.normal(size=(len(triangles), 4))) if textured else np.ones((len(triangles), 4))
+    bvh, normals = LightBVH.over(triangles, colors if textured else None), normal_areas(triangles)
+    normals = normals * colors[:, 3:]
     areas = np.linalg.norm(normals, axis=1)
+    assert (bvh.color is not None) == textured
     for node in (1, 2, 3, 7, bvh.leaves, 2 * bvh.leaves - 1):
         own = members(bvh, node, len(triangles))
         if not len(own):
@@ -50,9 +55,11 @@ def test_nodes_have_the_moments_of_their_triangles(triangles):
         area, corners = areas[own].sum(), triangles[own]
         centre = (corners.mean(1) * areas[own, None]).sum(0) / area
         assert bvh.area[node] == pytest.approx(area, rel=1e-5)
+        if textured:
+            assert np.allclose(bvh.color[node], (colors[own, :3] * areas[own, None]).sum(0) / area)
         assert np.allclose(bvh.centre[node], centre, rtol=0.0, atol=1e-5)
         assert np.allclose(bvh.normal[node], normals[own].sum(0), atol=1e-5 * area)
-        outer = np.einsum("ni,nj->ij", normals[own], normals[own] / areas[own, None])
+        outer = np.einsum("ni,nj->ij", normals[own], normals[own] / areas[own, None])  # the second are unit vectors
         assert np.allclose(bvh.normal_normal[node], outer[*ELEMENT_AXES], atol=1e-5 * area)
         offsets = corners.mean(1) - centre
         mixed = np.einsum("ni,nj->ij", normals[own], offsets).ravel()

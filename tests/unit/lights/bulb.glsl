@@ -6,7 +6,7 @@ float bulb_irradiance(Light light, vec3 p, vec3 n) {
 
 LightSample bulb_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 to = light.position - p;
-    return LightSample(light.position, normalize(to), 1.0 / dot(to, to), 1.0);
+    return LightSample(light.position, normalize(to), 1.0 / dot(to, to), 1.0, -1);
 }
 
 float bulb_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return 0.0; }

@@ -97,8 +97,8 @@ void main() {
     vec3 p = texelFetch(points, at, 0).xyz, n = texelFetch(normals, at, 0).xyz;
     Light light = fetch_Light(scene_records, lights);
     bool enclosed = emissive_mesh_encloses(light, p);
-    irradiances.x = emissive_mesh_accurate_irradiance(light, p, n);
-    irradiances.y = emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed);
+    irradiances.x = emissive_mesh_accurate_irradiance(light, p, n).x;
+    irradiances.y = emissive_triangles_irradiance(light.first_triangle, light.triangle_count, p, n, enclosed).x;
 }
 """
 

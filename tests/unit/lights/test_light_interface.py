@@ -16,6 +16,7 @@ from ism_addon.gpu.lights.world import with_world
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape, World
 from tests.scenes.small import sphere, subdivided_box
+from tests.support.emission import textured
 from tests.support.small_scenes import light, make_scene, quad
 
 from .bulb import BULB, Bulb
@@ -82,6 +83,10 @@ EXAMPLES: dict[str, list[Lights]] = {
             subdivided_box((-0.4, -0.9, 0.6), (0.9, 0.3, 1.4), 1),
             sphere((0.3, -0.2, 1.1), 0.6, 12, 6),
         )
+    ]
+    + [
+        textured(mesh, np.random.default_rng(0).random((len(mesh.triangles), 3)) ** 2)
+        for mesh in (subdivided_box((-0.4, -0.9, 0.6), (0.9, 0.3, 1.4), 1), sphere((0.3, -0.2, 1.1), 0.6, 12, 6))
     ],
     "world": [with_world(light().select(slice(0)), World.of(radiance=np.ones(3)))],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
@@ -98,19 +103,23 @@ def evaluate():
         patch.setattr(lights, "LIGHT_TYPES", (*lights.LIGHT_TYPES, Bulb()))
         device = open_device()
         with device.gl as gl:
-            begin = head(LIGHT_RECORDS, {"side": SIDE})
-            program = gl.program(
-                begin + (FOLDER / "glsl/full_screen.vert").read_text(),
-                fragment_shader=begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + MAIN,
-            )
+            programs = []
+            for mesh_colors in (0, 1):
+                begin = head(LIGHT_RECORDS, {"side": SIDE, "mesh_colors": mesh_colors})
+                source = begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + MAIN
+                vertex_shader = begin + (FOLDER / "glsl/full_screen.vert").read_text()
+                programs.append(gl.program(vertex_shader, fragment_shader=source))
             targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
-            framebuffer, triangle = gl.framebuffer(targets), gl.vertex_array(program, [])
+            framebuffer = gl.framebuffer(targets)
 
             def run(of: Lights, normal: np.ndarray) -> np.ndarray:
+                program = programs[lights.mixed_variant(of)["mesh_colors"]]
+                triangle = gl.vertex_array(program, [])
                 buffers = light_buffers(device.scene_records(), of, np.zeros(3))
+                used = {name: table for name, table in buffers.items() if name in program}
                 gl.enable_only(moderngl.NOTHING)
                 framebuffer.use()
-                bind(program, **buffers, point=(0.0, 0.0, 0.0), normal=tuple(normal))
+                bind(program, **used, point=(0.0, 0.0, 0.0), normal=tuple(normal))
                 triangle.render(moderngl.TRIANGLES, vertices=3)
                 return np.concatenate([pixels(target) for target in targets], 2).reshape(SIDE**2, -1).astype(float)
 

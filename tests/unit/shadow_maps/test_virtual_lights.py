@@ -6,6 +6,8 @@ import pytest
 
 from ism_addon.gpu.passes.shadow_maps.virtual_lights import virtual_light_tables
 from ism_addon.scene import LightShape
+from tests.scenes.small import subdivided_box
+from tests.support.emission import textured
 from tests.support.small_scenes import (
     SMALL_SHADOW_MAPS,
     draw,
@@ -88,3 +90,11 @@ def test_more_lights_than_virtual_lights(device):
     )
     assert drawn.profile.counts["virtual_lights"] == 10
     assert drawn.color[..., :3].max() > 0.2
+
+
+def test_bright_triangles_of_a_mesh_have_more_virtual_lights():
+    box = subdivided_box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1)
+    middles = box.positions[box.triangles].mean(1)
+    lights = textured(box, np.where(middles[:, 2:] > 0.99, 9.0, 1.0) * np.ones(3))
+    _, _, points = virtual_light_tables(lights, {0: 700}, 0, ORIGIN)
+    assert np.isclose((points["position"][:, 2] > 0.99).mean(), 9.0 / 14.0, atol=0.01)

@@ -131,15 +131,13 @@ class Surface:
         if opaque.equals(1.0) and not builder.varies(total):
             return Emission(radiance)
         # What the camera sees is divided by the probability that it sees the surface.
+        closures = [builder.call("closure_emission", total)]
         if not opaque.equals(1.0):
-            share = builder.call("math_divide", ONE, builder.call("math_maximum", opaque, MIN_WEIGHT))
-            total = builder.call("vector_scale", total, share)
-        graph, constants = builder.finish([builder.call("closure_emission", total)])
+            closures.append(builder.call("closure_transparent", passing(builder, self._closures)))
+        graph, constants = builder.finish(closures)
         if graph.cost > MAX_POINT_COST:
             findings.warn("Materials with too many nodes for what they emit emit evenly", name)
             return Emission(radiance)
-        if radiance.any() and builder.varies(total):
-            findings.warn("Surfaces whose emission nodes give light others by about its mean", name)
         return Emission(radiance, graph, constants)
 
     def _opaque(self) -> Value:

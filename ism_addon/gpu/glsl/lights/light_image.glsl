@@ -1,4 +1,5 @@
-// The colour that a light's image multiplies its emission by: at each point of an area, in each direction of a spot.
+// The colour that multiplies a light's emission: of its image, at each point of an area or in each direction of a spot; and
+// of triangles of an emissive mesh.
 #ifndef LIGHT_IMAGE
 #define LIGHT_IMAGE 16 // points of a light whose mean colour is that of its irradiance; 0: no light has an image
 #endif
@@ -20,7 +21,11 @@ vec2 light_image_uv(Light light, vec3 p, vec3 point) {
 }
 #endif
 
-vec3 light_color(Light light, vec3 p, vec3 point) {
+// At a point of the light, on a triangle of an emissive mesh or -1.
+vec3 light_color(Light light, vec3 p, vec3 point, int triangle) {
+#if MESH_COLORS
+    if (triangle >= 0) return emissive_color(triangle).color;
+#endif
 #if LIGHT_IMAGE
     if (light.image < 0) return vec3(1.0);
     vec2 texel = light_image_uv(light, p, point) * vec2(light.image_width, light.image_height) - 0.5;
@@ -36,16 +41,27 @@ vec3 light_color(Light light, vec3 p, vec3 point) {
 
 // The mean over a light's irradiance.
 vec3 light_mean_color(Light light, vec3 p, vec3 n) {
+#if MESH_COLORS
+    if (light.triangle_count > 0) return mean_color(emissive_mesh_colored_irradiance(light, p, n));
+#endif
 #if LIGHT_IMAGE > 1
     if (light.image < 0) return vec3(1.0);
     vec4 sum = vec4(0.0);
     for (int k = 0; k < LIGHT_IMAGE; ++k) {
         LightSample from = light_sample(light, p, n, mean_point(k, LIGHT_IMAGE));
         float weight = from.radiance * max(dot(n, from.wi), 0.0) / from.pdf;
-        sum += weight * vec4(light_color(light, p, from.point), 1.0);
+        sum += weight * vec4(light_color(light, p, from.point, from.triangle), 1.0);
     }
     return sum.rgb / max(sum.a, 1e-30);
 #else
-    return light_color(light, p, light.position);
+    return light_color(light, p, light.position, -1);
 #endif
+}
+
+// The triangle of an emissive mesh that a ray from p meets; -1: of another light.
+int light_triangle(Light light, vec3 p, vec3 wi) {
+#if MESH_COLORS
+    if (light.triangle_count > 0) return emissive_mesh_hit(light, p, wi).row;
+#endif
+    return -1;
 }

@@ -32,12 +32,12 @@ vec3 emitting_point(Light light, vec3 p, vec3 wi) {
     return p + (distance < 1e28 ? distance - min(error, 0.5 * distance) : 2.0 * scene_extent.x) * wi;
 }
 
-// Where the light's radiance is even, candidates differ from the prediction by as much as the BSDF does; otherwise their
+// Where the light's radiance is even and has one `color`, candidates differ from the prediction by as much as the BSDF does; otherwise their
 // sum does. That of light from everywhere is exact.
 ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction prediction, Light light, vec2 light_uv,
-                                   vec3 lobe_uv, float irradiance) {
+                                   vec3 lobe_uv, float irradiance, vec3 color) {
     vec3 p = surface.position, n = surface.normal;
-    vec3 even = prediction.even * light.emission * light_mean_color(light, p, n);
+    vec3 even = prediction.even * light.emission * color;
     LightSample by_light = resampled_light_sample(light, p, n, light_uv, irradiance);
     LobeValue value = LobeValue(vec3(0.0), 0.0);
     if (lobes.exist) value = evaluate_lobes(lobes, by_light.wi);
@@ -47,7 +47,7 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     const bool has_other = false; // the light's density in any direction takes too long
 #endif
     float density = by_light.pdf + (has_other ? value.pdf : 0.0);
-    vec3 light_sum = light.emission * light_color(light, p, by_light.point) * (by_light.radiance / density);
+    vec3 light_sum = light.emission * light_color(light, p, by_light.point, by_light.triangle) * (by_light.radiance / density);
     vec3 diffuse = light_sum * evaluate_diffuse(surface, by_light.wi), reflected = light_sum * value.reflected;
     ReflectionSample kept = ReflectionSample(by_light, diffuse, reflected, reflected);
     if (prediction.even == EVERYWHERE) kept.correction = vec3(0.0);
@@ -61,14 +61,15 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     value = evaluate_lobes(lobes, wi);
     density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
     vec3 point = emitting_point(light, p, wi);
-    light_sum = light.emission * light_color(light, p, point) * (radiance / density);
+    int triangle = light_triangle(light, p, wi);
+    light_sum = light.emission * light_color(light, p, point, triangle) * (radiance / density);
     vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
     if (prediction.even != EVERYWHERE) kept.correction += other_gloss;
     if (prediction.even > 0.0) kept.correction -= even / density * evaluate_prediction(prediction, lobes, wi);
     float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
     float probability = second > 0.0 ? first / (first + second) : 1.0;
     if (lobe_uv.z >= probability) {
-        kept.from = LightSample(point, wi, radiance, density);
+        kept.from = LightSample(point, wi, radiance, density, triangle);
         kept.diffuse = other_diffuse;
         kept.gloss = other_gloss;
         probability = 1.0 - probability;
@@ -81,7 +82,7 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
 #else
 ReflectionSample reflection_sample(Surface surface, Light light, vec2 light_uv, float irradiance) {
     LightSample from = resampled_light_sample(light, surface.position, surface.normal, light_uv, irradiance);
-    vec3 emission = light.emission * light_color(light, surface.position, from.point);
+    vec3 emission = light.emission * light_color(light, surface.position, from.point, from.triangle);
     return ReflectionSample(from, emission * evaluate_diffuse(surface, from.wi) * (from.radiance / from.pdf));
 }
 #endif

@@ -78,7 +78,9 @@ float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
         EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + k);
         if (is_edge_on(triangle, p) || !emits_towards(triangle, p, enclosed)) continue;
         mat3 corners = m * mat3(triangle.corner - p, triangle.u, triangle.v);
-        sum += triangle_irradiance(corners[0], corners[1], corners[2], vec3(0.0, 0.0, 1.0), SMALL_TRIANGLE);
+        float irradiance =
+            triangle_irradiance(corners[0], corners[1], corners[2], vec3(0.0, 0.0, 1.0), SMALL_TRIANGLE);
+        sum += irradiance * emissive_color(k).luminance;
     }
     return sum;
 }

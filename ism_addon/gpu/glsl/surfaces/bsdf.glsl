@@ -14,10 +14,10 @@ vec3 evaluate_diffuse(Surface surface, vec3 wi) {
     return surface.base_color * (INVERSE_PI * max(dot(surface.normal, wi), 0.0));
 }
 
-// Unshadowed radiance that the Lambertian lobe reflects of a light of this irradiance, for a radiance or intensity of 1.
-// W/(sr m^2)
-vec3 unshadowed_diffuse(Surface surface, Light light, float irradiance) {
-    vec3 emission = light.emission * light_mean_color(light, surface.position, surface.normal);
+// Unshadowed radiance that the Lambertian lobe reflects of a light of this irradiance, for a radiance or intensity of 1,
+// and mean color. W/(sr m^2)
+vec3 unshadowed_diffuse(Surface surface, Light light, float irradiance, vec3 color) {
+    vec3 emission = light.emission * color;
     return emission * surface.base_color * (INVERSE_PI * irradiance);
 }
 
@@ -83,8 +83,8 @@ vec3 mean_reflectance(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 mi
     return gloss.reflected * reflectance(gloss, max(dot(wo, half_way), 0.0));
 }
 
-// Exact if the light has no size. `irradiance`: as for the Lambertian lobe.
-LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float irradiance) {
+// Exact if the light has no size. `irradiance` and `color`: as for the Lambertian lobe.
+LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float irradiance, vec3 color) {
     LobePrediction prediction;
     prediction.radiance = vec3(0.0);
     prediction.even = 0.0;
@@ -92,7 +92,7 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     vec3 n = surface.normal, p = surface.position;
     LightSample from = light_sample(light, p, n, vec2(0.5));
     if (light_is_delta(light, p)) {
-        vec3 emission = light.emission * light_color(light, p, from.point);
+        vec3 emission = light.emission * light_color(light, p, from.point, from.triangle);
         lobes.gloss = gloss_for_points(lobes.gloss);
 #if COAT
         lobes.coat = gloss_for_points(lobes.coat);
@@ -133,7 +133,7 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
         sum += prediction.rough_diffuse * irradiance;
     }
 #endif
-    prediction.radiance = sum * light.emission * light_mean_color(light, p, n);
+    prediction.radiance = sum * light.emission * color;
     return prediction;
 }
 

@@ -13,7 +13,7 @@ uniform usamplerBuffer materials;
 #if EMISSION_GRAPHS
 #include "surfaces/shading_point.glsl"
 #include "surfaces/surface_emission.glsl"
-const float MAX_EMISSION = 1e30;
+const float MAX_EMISSION = 1e30, MIN_OPACITY = 1e-3;
 #endif
 
 // Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles. Those before
@@ -30,7 +30,7 @@ vec3 seen_radiance(Ray ray, float farthest, Tint tint) {
         vec3 point = ray.origin + distance * wi;
         if (distance >= farthest) continue;
         vec3 passes = distance > tint.depth * length(ray.direction) ? tint.color : vec3(1.0);
-        sum += passes * emitted * light.emission * light_color(light, ray.origin, point);
+        sum += passes * emitted * light.emission * light_color(light, ray.origin, point, -1);
     }
 #endif
     return sum;
@@ -42,7 +42,8 @@ vec3 surface_radiance(int triangle, int instance, vec3 p, vec3 incoming) {
     int material = fetch_triangle(triangle).material;
 #if EMISSION_GRAPHS
     if (has_emission(material)) {
-        vec3 radiance = emission(material, shading_point(triangle, instance, p, incoming));
+        vec4 emitted = emission(material, shading_point(triangle, instance, p, incoming));
+        vec3 radiance = emitted.rgb / max(1.0 - emitted.a, MIN_OPACITY);
         return any(isnan(radiance)) ? vec3(0.0) : clamp(radiance, -MAX_EMISSION, MAX_EMISSION);
     }
 #endif

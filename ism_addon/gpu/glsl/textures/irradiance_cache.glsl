@@ -6,7 +6,7 @@
 uniform sampler2D irradiance_ratio;
 uniform int fine_width; // of the part with a texel for each pixel, beside which the coarse one is
 
-struct CachedIrradiance { float value; bool is_reliable; };
+struct CachedIrradiance { float value; vec3 color; bool is_reliable; };
 
 // Texels whose ratios differ by more than this factor are too far from each other to interpolate between them reliably.
 // Of 1.04 to 2.5, it leaves the least error in the scene lanterns of `bench error`.
@@ -14,24 +14,30 @@ const float MAX_RATIO_CHANGE = 1.1;
 
 // `predicted`: the pixel that had this surface when visibility was predicted; negative if there is none.
 CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2 predicted) {
+    vec3 color_sum = vec3(0.0);
     float sum = 0.0, weights = 0.0, smallest = 1e30, largest = 0.0;
     vec2 offset = vec2(at % CACHE_SPACING) / float(CACHE_SPACING), texel = texel_size(position);
     for (int k = 0; k < 4; ++k) { // as upsample_tap, but there are texels beyond the last pixel
         ivec2 step = ivec2(k & 1, k >> 1), other = at / CACHE_SPACING + step;
         vec2 bilinear = mix(1.0 - offset, offset, vec2(step));
         float weight = bilinear.x * bilinear.y * similarity(surface, min(CACHE_SPACING * other, last_pixel()), texel);
-        float ratio = fetch(irradiance_ratio, ivec2(fine_width, 0) + other).x;
+        vec4 texel_at = fetch(irradiance_ratio, ivec2(fine_width, 0) + other);
+        float ratio = texel_at.x;
         if (ratio < 0.0) weight = 0.0; // NO_RATIO
         sum += weight * ratio;
+        color_sum += weight * ratio * texel_at.yzw;
         weights += weight;
         smallest = min(smallest, weight > 0.0 ? ratio : 1e30);
         largest = max(largest, weight > 0.0 ? ratio : 0.0);
     }
     bool similar = weights > 1e-3, is_reliable = similar && largest <= MAX_RATIO_CHANGE * smallest;
     float ratio = similar ? sum / weights : 1.0;
+    vec3 color = color_sum / max(sum, 1e-30);
 #if CACHED == FINE_CACHE // a light of few triangles, of which the fine part has the surroundings
     if (fetch(irradiance_ratio, at).x >= 0.0) {
-        ratio = predicted.x < 0 ? -1.0 : fetch(irradiance_ratio, predicted).x;
+        vec4 texel_at = fetch(irradiance_ratio, max(predicted, 0));
+        ratio = predicted.x < 0 ? -1.0 : texel_at.x;
+        color = texel_at.yzw;
         smallest = largest = ratio;
         for (int k = 0; k < 4; ++k) { // what is smaller than a pixel and near the light changes from pixel to pixel
             ivec2 step = k < 2 ? ivec2(2 * k - 1, 0) : ivec2(0, 2 * k - 5);
@@ -43,9 +49,16 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
     } else {
         similar = similar && largest < MAX_COARSE_RATIO;
     }
-    if (!similar)
-        return CachedIrradiance(emissive_mesh_accurate_irradiance(light, surface.position, surface.normal), true);
+    if (!similar) {
+        vec4 accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
+        return CachedIrradiance(accurate.x, mean_color(accurate), true);
+    }
 #endif
-    float estimate = estimate_light_bvh(light, surface.position, surface.normal, similar ? 1 : MAX_NODES);
-    return CachedIrradiance(ratio * estimate, is_reliable);
+    vec4 estimate = estimate_light_bvh(light, surface.position, surface.normal, similar ? CACHED_NODES : MAX_NODES);
+#if MESH_COLORS
+    if (!similar) color = mean_color(estimate);
+#else
+    color = vec3(1.0);
+#endif
+    return CachedIrradiance(ratio * estimate.x, color, is_reliable);
 }

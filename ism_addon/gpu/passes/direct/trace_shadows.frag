@@ -46,13 +46,15 @@ void main() {
 #if CACHED
     CachedIrradiance cached = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
     float irradiance = cached.value;
+    vec3 color = cached.color;
     bool is_reliable = TRACE == 0 || cached.is_reliable; // without rays, nothing better corrects it
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
+    vec3 color = light_mean_color(light, surface.position, surface.normal);
     const bool is_reliable = true;
 #endif
     bool exact = EXACT == 1 && is_reliable;
-    vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance) : vec3(0.0);
+    vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance, color) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
 #if TRACE
     if (!pixel.similar) predicted.y = 1.0;
@@ -60,7 +62,7 @@ void main() {
     vec3 all_unshadowed = unshadowed;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    LobePrediction prediction_of_lobes = predict_lobes(surface, lobes, light, irradiance);
+    LobePrediction prediction_of_lobes = predict_lobes(surface, lobes, light, irradiance, color);
     vec3 glossy = is_lit ? prediction_of_lobes.radiance : vec3(0.0);
     bool corrects_gloss = is_lit && lobes.exist && !light_is_delta(light, surface.position);
     all_unshadowed += glossy;
@@ -69,7 +71,7 @@ void main() {
     bool uncertain = !exact || predicted.y > 0.0;
     direct_prediction = vec4(all_unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
 #if CACHED && TRACE
-    float most = luminance(unshadowed_diffuse(surface, light, 1.0 / INVERSE_PI)); // from all directions
+    float most = brightest(light) * luminance(unshadowed_diffuse(surface, light, 1.0 / INVERSE_PI, color)); // all around
     if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif
 #if HARD
@@ -124,7 +126,7 @@ void main() {
 #if GLOSS
         vec3 lobe_uv = lobe_sequence(at, lobe_shift, uint(scheduled.first + k));
         ReflectionSample chosen =
-            reflection_sample(surface, lobes, prediction_of_lobes, light, light_uv, lobe_uv, irradiance);
+            reflection_sample(surface, lobes, prediction_of_lobes, light, light_uv, lobe_uv, irradiance, color);
         corrections += chosen.correction;
 #else
         ReflectionSample chosen = reflection_sample(surface, light, light_uv, irradiance);

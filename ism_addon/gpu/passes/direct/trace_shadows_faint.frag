@@ -20,10 +20,12 @@ void main() {
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
     float irradiance = light_irradiance(light, surface.position, surface.normal);
-    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance) / tile_probability, all_unshadowed = unshadowed;
+    vec3 color = light_mean_color(light, surface.position, surface.normal);
+    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance, color) / tile_probability;
+    vec3 all_unshadowed = unshadowed;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    LobePrediction prediction = predict_lobes(surface, lobes, light, irradiance);
+    LobePrediction prediction = predict_lobes(surface, lobes, light, irradiance, color);
     vec3 glossy = prediction.radiance / tile_probability;
     bool corrects_gloss = lobes.exist && !light_is_delta(light, surface.position);
     all_unshadowed += glossy;
@@ -53,7 +55,7 @@ void main() {
     vec2 light_uv = pixel_sequence(at, start.xy + ray_shift(scheduled.first));
 #if GLOSS
     vec3 lobe_uv = lobe_sequence(at, uint(tile_light + 1) * lobe_light_steps, uint(scheduled.first));
-    ReflectionSample chosen = reflection_sample(surface, lobes, prediction, light, light_uv, lobe_uv, irradiance);
+    ReflectionSample chosen = reflection_sample(surface, lobes, prediction, light, light_uv, lobe_uv, irradiance, color);
     if (corrects_gloss) {
         direct_prediction.a = 1e30; // the correction has no bound
         direct_residual.a = max(direct_residual.a, correctable_luminance(lobes, unshadowed, glossy));

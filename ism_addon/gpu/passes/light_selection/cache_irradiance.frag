@@ -7,7 +7,7 @@ uniform int light_index;
 uniform sampler2D needed; // by tile: whether the ratio is
 uniform int fine_width;   // of the fine part, beside which the coarse one is
 #endif
-out float irradiance_ratio;
+out vec4 irradiance_ratio; // and the mean colour, if the light has colours
 
 void main() {
 #if FINE
@@ -18,10 +18,11 @@ void main() {
     bool is_needed = fetch(needed, at / TILE_SIZE).x > 0.0;
 #endif
     Surface surface = surface_at(at);
-    irradiance_ratio = NO_RATIO;
+    irradiance_ratio = vec4(NO_RATIO);
     if (!surface.exists || !is_needed || surface.base_color == vec3(0.0)) return;
     Light light = fetch_Light(scene_records, lights + light_index);
-    float estimate = estimate_light_bvh(light, surface.position, surface.normal, 1);
-    float accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
-    irradiance_ratio = accurate <= 0.0 ? (estimate > 0.0 ? 0.0 : 1.0) : min(accurate / max(estimate, 1e-30), MAX_RATIO);
+    float estimate = estimate_light_bvh(light, surface.position, surface.normal, CACHED_NODES).x;
+    vec4 accurate = emissive_mesh_accurate_irradiance(light, surface.position, surface.normal);
+    float ratio = min(accurate.x / max(estimate, 1e-30), MAX_RATIO), unlit = estimate > 0.0 ? 0.0 : 1.0;
+    irradiance_ratio = vec4(accurate.x <= 0.0 ? unlit : ratio, mean_color(accurate));
 }

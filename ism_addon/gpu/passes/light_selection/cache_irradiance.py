@@ -6,7 +6,7 @@ every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpo
 light it varies much. There the cache has it at each pixel, where rays are traced, which correct what is left.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import moderngl
@@ -30,6 +30,7 @@ from ....resources import (
 from ....scene import Change
 from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_pixels, draw_tiles
+from ...emission.baked_emission import LIGHT_PIECES
 from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, size_of
@@ -49,6 +50,7 @@ NO_RATIO = -1.0
 MAX_FINE_RATIO = 6e4
 
 #: Maximum number of a light's triangles for which the cache has each pixel near it: there they are seen one by one.
+#: LIGHT_PIECES if they differ in radiance.
 MAX_NEAR_TRIANGLES = 256
 
 #: A tile is near a light if it is within this multiple of a node's radius of the node, one of so many nodes at most.
@@ -108,16 +110,18 @@ class CacheIrradiance(Pass):
         gl, columns_and_rows = self.device.gl, np.array(frame.tiles)
         width, height = (texels + 1 for texels in size_of(IRRADIANCE_RATIO, *frame.size))  # to interpolate to the end
         fine_width, fine_height = (TILE_SIZE * columns_and_rows * (len(near) > 0)).tolist()
-        texture = create(gl, IRRADIANCE_RATIO, (fine_width + width, max(fine_height, height)))
+        varies = cast(EmissiveLights, frame.scene.lights).varies[light]
+        target = replace(IRRADIANCE_RATIO, format="rgba16f") if varies else IRRADIANCE_RATIO  # and the mean color
+        texture = create(gl, target, (fine_width + width, max(fine_height, height)))
         shader = self.full_screen_program(
             *LIGHT_RECORDS, fine=0, tile_size=TILE_SIZE, max_ratio=MAX_COARSE_RATIO, **constants(frame, light)
         )
         needed = gl.texture(frame.tiles, 1, with_next_tiles(tiles).astype(np.uint8) * 255, alignment=1)
         bind(shader.program, **uniforms(frame, light), needed=needed, fine_width=fine_width)
-        target = gl.framebuffer([texture])
-        target.clear(NO_RATIO)
-        target.viewport = fine_width, 0, width, height
-        draw_pixels(frame, target, shader, RAYS_PER_TEXEL)
+        framebuffer = gl.framebuffer([texture])
+        framebuffer.clear(NO_RATIO)
+        framebuffer.viewport = fine_width, 0, width, height
+        draw_pixels(frame, framebuffer, shader, RAYS_PER_TEXEL)
         return CachedIrradiance(texture, fine_width, near)
 
     def draw_fine(self, frame: Frame, light: int, cache: CachedIrradiance) -> None:
@@ -144,7 +148,8 @@ def near_light(frame: Frame, light: int) -> np.ndarray:
     All tiles, if nothing is known of their surfaces.
     """
     lights = cast(EmissiveLights, frame.scene.lights)  # others have no light BVH
-    if lights.triangle_count[light] > MAX_NEAR_TRIANGLES or not frame.traces_shadows:
+    most = LIGHT_PIECES if lights.varies[light] else MAX_NEAR_TRIANGLES
+    if lights.triangle_count[light] > most or not frame.traces_shadows:
         return np.zeros(frame.tiles[::-1], bool)
     state = frame.get(CULLING_STATE)
     if state is None:

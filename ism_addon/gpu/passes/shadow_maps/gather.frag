@@ -66,14 +66,17 @@ float visibility(VirtualLight virtual_light, int index, vec3 v, vec3 n) {
 vec3 shadowed_radiance(Surface surface, Light light, VirtualLightRange range) {
     bool is_shadowed = shadows && light.casts_shadow != 0;
 #if CACHED
-    float irradiance = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy), ivec2(-1)).value;
+    CachedIrradiance cached = cached_irradiance(surface, light, ivec2(gl_FragCoord.xy), ivec2(-1));
+    float irradiance = cached.value;
+    vec3 color = cached.color;
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
+    vec3 color = light_mean_color(light, surface.position, surface.normal);
 #endif
-    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance);
+    vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance, color);
 #if GLOSS
     vec3 wo = direction_to_camera(surface.position);
-    unshadowed += predict_lobes(surface, lobes_at(ivec2(gl_FragCoord.xy), surface, wo), light, irradiance).radiance;
+    unshadowed += predict_lobes(surface, lobes_at(ivec2(gl_FragCoord.xy), surface, wo), light, irradiance, color).radiance;
 #endif
     if (!is_shadowed) return batch.x == 0 ? unshadowed : vec3(0.0);
     // If no virtual light is above the receiver's horizon, those closest to the light's part above it are used.

@@ -11,20 +11,14 @@ from ....resources import INSTANCE_BUFFERS, MESH_BUFFERS, POINT_CLOUD, POINT_GRA
 from ....sampling.dimensions import Dimension, draw
 from ....sampling.point_cloud import PointCloud, make_point_cloud
 from ....scene import Change
-from ...buffers.mesh_buffers import MeshBuffers
-from ...drawing import draw_pixels
+from ...drawing import evaluate_points
 from ...frame import Frame, Pass, outputs
-from ...gl.shader_compiler import bind, compile_program
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE
 
 #: Points in the cloud for each point of a map, and the cloud's limit, unless a map has more. See `dev.py bench
 #: constants` in docs/benchmarks.md.
 POINTS_PER_MAP_POINT = 16
 MAX_POINTS = 1 << 20
-
-
-#: Columns of the picture of all points, so that it is within OpenGL's limits.
-COLUMNS = 1024
 
 
 class SamplePoints(Pass):
@@ -51,39 +45,11 @@ class SamplePoints(Pass):
     def passing(self, frame: Frame, cloud: PointCloud) -> np.ndarray:
         """(P,) the fraction of light that passes at each point; 0 on meshes that are not resident."""
         surfaces, meshes = frame[POINT_GRAPHS].points, frame[MESH_BUFFERS]
-        triangles = buffer_triangles(meshes, frame.scene.instances.mesh[cloud.instances], cloud.triangles)
-        rows = -(-len(cloud) // COLUMNS)
-        table = np.zeros((rows * COLUMNS, 8), np.uint32)
-        table[: len(cloud), :3], table[: len(cloud), 3] = cloud.positions.view(np.uint32), triangles.clip(0)
-        table[: len(cloud), 4:7] = cloud.normals.view(np.uint32)
-        table[: len(cloud), 7] = frame[INSTANCE_BUFFERS].rows[cloud.instances].clip(0)
-        stages = "glsl/full_screen.vert", f"{self.shader_name()}.frag"
-        records, constants = surfaces.records, surfaces.constants
-        program = compile_program(self.device, *stages, *surfaces.includes, records=records, **constants)
-        texture = self.device.gl.texture((COLUMNS, rows), 1, dtype="f4")
-        target = self.device.gl.framebuffer([texture])
-        self.device.overwrite()
-        bind(
-            program,
-            points=self.device.buffer_from(table.reshape(-1, 4)),
-            columns=COLUMNS,
-            corners=meshes.samplers["corners"],
-            **surfaces.uniforms,
-        )
-        draw_pixels(frame, target, self.device.gl.vertex_array(program, []))
-        passes = np.frombuffer(texture.read(), np.float32)[: len(cloud)]
+        triangles = meshes.rows_of(frame.scene.instances.mesh[cloud.instances], cloud.triangles)
+        table = np.zeros((len(cloud), 8), np.uint32)
+        table[:, :3], table[:, 3] = cloud.positions.view(np.uint32), triangles.clip(0)
+        table[:, 4:7] = cloud.normals.view(np.uint32)
+        table[:, 7] = frame[INSTANCE_BUFFERS].rows[cloud.instances].clip(0)
+        shader, corners = self.full_screen_program(*surfaces.parts, **surfaces.constants), meshes.samplers["corners"]
+        passes = evaluate_points(frame, shader, table, 1, corners=corners, **surfaces.uniforms)[:, 0]
         return np.where(triangles < 0, np.float32(0.0), passes)
-
-
-def buffer_triangles(buffers: MeshBuffers, mesh: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(P,) indices in the buffers of meshes' (P,) triangles, of these (P,) indices in the meshes; -1: not resident."""
-    result = np.full(len(mesh), -1)
-    for k in np.unique(mesh).tolist():
-        if buffers.first_triangle[k] < 0:
-            continue
-        chosen, blas = mesh == k, buffers.blases[k]
-        own = triangles[chosen]
-        if blas is not None and blas.order is not None:
-            own = np.argsort(blas.order)[own]
-        result[chosen] = buffers.first_triangle[k] + own
-    return result

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes a picture needs: visible ones, and those that may cast a shadow on visible surfaces.
+"""Which meshes a picture needs: visible ones, those that may cast a shadow on visible surfaces, and textured lights.
 
 The others are not uploaded and get no BVH. A mesh that was needed once stays resident as long as the scene has it.
 """
@@ -13,6 +13,7 @@ from ....scene import Change, Lights, Mesh, Scene, bounding_boxes
 from ...culling.frustum_culling import in_view
 from ...culling.frustum_slices import BORDER, visible_slices
 from ...culling.shaft_culling import meets_shaft
+from ...emission.baked_emission import instances_with_graphs
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.frame_uniforms import clip_from_anchor
 from ...lights import by_type
@@ -47,6 +48,7 @@ class CullMeshes(Pass):
         resident = np.zeros(len(meshes), bool)
         if previous is not None and previous.meshes is meshes:
             resident[list(previous.indices)] = True
+        resident[mesh[instances_with_graphs(frame.scene)]] = True
         if not frame.settings.shortcuts:
             resident[mesh] = True
         elif not resident[mesh].all():

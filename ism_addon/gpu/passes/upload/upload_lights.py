@@ -8,7 +8,7 @@ from ....scene import Change, Lights
 from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.buffer_texture import RecordTable, SceneRecords
-from ...gl.shader_records import EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE
+from ...gl.shader_records import EMISSIVE_COLOR, EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE, LIGHT_NODE_COLOR
 from ...lights import by_type
 from .light_textures import NO_TEXTURES, LightTextures
 
@@ -44,6 +44,20 @@ def triangle_table(lights: EmissiveLights, anchor: np.ndarray) -> np.ndarray:
     return triangles
 
 
+def color_tables(records: SceneRecords, lights: EmissiveLights) -> dict[str, RecordTable]:
+    """Write what triangles differ in from their lights, and nodes of light BVHs."""
+    colors, of_nodes = (
+        np.zeros(len(rows), record.dtype)
+        for rows, record in ((lights.colors, EMISSIVE_COLOR), (lights.node_color, LIGHT_NODE_COLOR))
+    )
+    colors["color"], colors["luminance"] = lights.colors[:, :3], lights.colors[:, 3]
+    of_nodes["color"] = lights.node_color
+    return {
+        "emissive_colors": EMISSIVE_COLOR.write(records, "emissive_colors", colors),
+        "light_node_colors": LIGHT_NODE_COLOR.write(records, "light_node_colors", of_nodes),
+    }
+
+
 def light_buffers(
     records: SceneRecords, lights: Lights, anchor: np.ndarray, textures: LightTextures = NO_TEXTURES
 ) -> dict[str, RecordTable]:
@@ -56,6 +70,8 @@ def light_buffers(
         tables["light_nodes"] = LIGHT_NODE.write(records, "light_nodes", node_table(lights, anchor))
         triangles = triangle_table(lights, anchor)
         tables["emissive_triangles"] = EMISSIVE_TRIANGLE.write(records, "emissive_triangles", triangles)
+        if len(lights.colors):
+            tables |= color_tables(records, lights)
     return tables
 
 
