@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -79,3 +80,9 @@ class Channel(Resource[Texture]):
 
     of: Target = field(kw_only=True)
     label: str = ""  # of the debug view; "": it is none
+
+
+def targets_of(inputs: Iterable[object]) -> tuple[Target, ...]:
+    """The targets among the inputs of a pass, and the targets of channels among them."""
+    resources = (each.of if isinstance(each, Channel) else each for each in inputs)
+    return tuple(each for each in resources if isinstance(each, Target))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, cached_property
@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 import moderngl
 import numpy as np
 
-from ..resource_types import Channel, Resource, Target
+from ..resource_types import Resource, Target, targets_of
 from ..resources import TILE_SIZE
 from ..sampling.pixel_grid import PixelGrid
 from ..scene import Change, Scene, View
 from ..settings import Settings
 from .gl.buffer_texture import SceneRecords
 from .gl.context import Device
-from .gl.shader_compiler import Include, ProgramSource, compile_program, program_of, split_parts
-from .gl.shader_records import INSTANCE, Record
+from .gl.shader_compiler import Part, ProgramSource, compile_program, program_of, split_parts
+from .gl.shader_records import INSTANCE
 from .submission import Submission
 
 if TYPE_CHECKING:
@@ -256,12 +256,12 @@ class Pass:
         """Make the outputs. Those that are not targets are stored last, because the pass may raise Cancelled."""
         raise NotImplementedError
 
-    def tile_program(self, *parts: Record | Include, suffix: str = "", **constants: int | float) -> moderngl.Program:
+    def tile_program(self, *parts: Part, suffix: str = "", **constants: int | float) -> moderngl.Program:
         """The program of this pass's shader file for drawing.draw_tiles; see tile_source."""
         return program_of(self.device, self.tile_source(*parts, suffix=suffix, **constants))
 
     @classmethod
-    def tile_source(cls, *parts: Record | Include, suffix: str = "", **constants: int | float) -> ProgramSource:
+    def tile_source(cls, *parts: Part, suffix: str = "", **constants: int | float) -> ProgramSource:
         """The source of such a program. `suffix`: see shader_name; `parts`: what the file includes."""
         stages = "glsl/tiles.vert", f"{cls.shader_name(suffix)}.frag"
         includes, records = split_parts(parts)
@@ -274,9 +274,7 @@ class Pass:
         records = surfaces.records or (INSTANCE,)
         return compile_program(self.device, *stages, *surfaces.includes, records=records, **constants)
 
-    def full_screen_program(
-        self, *parts: Record | Include, suffix: str = "", **constants: int | float
-    ) -> moderngl.VertexArray:
+    def full_screen_program(self, *parts: Part, suffix: str = "", **constants: int | float) -> moderngl.VertexArray:
         """A full-screen triangle with this pass's shader file, see tile_source."""
         stages = "glsl/full_screen.vert", f"{self.shader_name(suffix)}.frag"
         includes, records = split_parts(parts)
@@ -294,12 +292,6 @@ def shader_name(module: str, suffix: str) -> str:
     """See Pass.shader_name."""
     path = module.rpartition(".gpu.")[2].replace(".", "/")
     return "_".join(filter(None, (path, suffix)))
-
-
-def targets_of(inputs: Iterable[Input]) -> tuple[Target, ...]:
-    """The targets among inputs, and the targets of channels among them."""
-    resources = (each.of if isinstance(each, Channel) else each for each in inputs)
-    return tuple(each for each in resources if isinstance(each, Target))
 
 
 def outputs(*resources: Resource[Any]) -> dict[Resource[Any], tuple[Input, ...]]:

@@ -9,7 +9,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import moderngl
 
@@ -106,7 +106,11 @@ class ProgramSource(NamedTuple):
     constants: tuple[tuple[str, int | float], ...]
 
 
-def split_parts(parts: Iterable[Record | Include]) -> tuple[tuple[Include, ...], tuple[Record, ...]]:
+#: What the sources of a program include besides files.
+Part: TypeAlias = Record | Include
+
+
+def split_parts(parts: Iterable[Part]) -> tuple[tuple[Include, ...], tuple[Record, ...]]:
     """The includes and the records among parts of a shader."""
     parts = tuple(parts)
     includes = tuple(each for each in parts if isinstance(each, Include))

@@ -151,7 +151,7 @@ def test_textures_light_as_in_cycles(device, room, name):
     assert read()[0].warnings == ()
     picture, renderer, _ = drawn(device)
     truth = direct_light(1024, FILTER_WIDTH)[..., :3]
-    assert error(picture, truth) < 0.025, "most of which is the noise of Cycles, and of 128 filtered samples"
+    assert error(picture, truth) < 0.03, "most of which is the noise of Cycles, and of 128 filtered samples"
     assert np.allclose(picture.mean((0, 1)), truth.mean((0, 1)), rtol=0.01)
     renderer.release()
 

@@ -70,9 +70,9 @@ bool emissive_mesh_is_delta(Light light, vec3 p) { return false; }
 float emissive_mesh_even_radiance(Light light, vec3 p, vec3 n) { return 0.0; } // triangles may hide each other
 
 // Of few triangles; 0 of a light BVH: rays alone find what it adds to reflections.
-float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
+vec4 emissive_mesh_transformed_colored_irradiance(Light light, vec3 p, mat3 m) {
     bool enclosed = emissive_mesh_encloses(light, p);
-    float sum = 0.0;
+    vec4 sum = vec4(0.0);
     int last = has_light_bvh(light) ? light.first_triangle : light.first_triangle + light.triangle_count;
     for (int k = light.first_triangle; k < last; ++k) {
         EmissiveTriangle triangle = fetch_EmissiveTriangle(scene_records, emissive_triangles + k);
@@ -80,9 +80,14 @@ float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
         mat3 corners = m * mat3(triangle.corner - p, triangle.u, triangle.v);
         float irradiance =
             triangle_irradiance(corners[0], corners[1], corners[2], vec3(0.0, 0.0, 1.0), SMALL_TRIANGLE);
-        sum += irradiance * emissive_color(k).luminance;
+        EmissiveColor of_triangle = emissive_color(k);
+        sum += colored(irradiance * of_triangle.luminance, of_triangle.color);
     }
     return sum;
+}
+
+float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    return emissive_mesh_transformed_colored_irradiance(light, p, m).x;
 }
 #endif
 

@@ -83,6 +83,14 @@ vec3 mean_reflectance(Gloss gloss, vec3 n, vec3 wo, vec3 p, Light light, vec3 mi
     return gloss.reflected * reflectance(gloss, max(dot(wo, half_way), 0.0));
 }
 
+// The irradiance of a light in a transformed space, times its color: `color`, or that of the triangles seen there.
+vec3 transformed_irradiance(Light light, vec3 p, mat3 m, vec3 color) {
+#if MESH_COLORS
+    if (light.triangle_count > 0) return emissive_mesh_transformed_colored_irradiance(light, p, m).yzw;
+#endif
+    return light_transformed_irradiance(light, p, m) * color;
+}
+
 // Exact if the light has no size. `irradiance` and `color`: as for the Lambertian lobe.
 LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float irradiance, vec3 color) {
     LobePrediction prediction;
@@ -108,7 +116,7 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     prediction.reflectance = vec3(0.0);
     if (is_glossy(lobes.gloss)) {
         prediction.reflectance = mean_reflectance(lobes.gloss, n, lobes.wo, p, light, from.wi, everywhere);
-        sum += prediction.reflectance * (INVERSE_PI * light_transformed_irradiance(light, p, prediction.transform));
+        sum += prediction.reflectance * (INVERSE_PI * transformed_irradiance(light, p, prediction.transform, color));
     }
 #if COAT
     vec3 coat_normal = lobes.coat_facets.frame[2];
@@ -116,7 +124,7 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     prediction.coat_reflectance = vec3(0.0);
     if (is_glossy(lobes.coat)) {
         prediction.coat_reflectance = mean_reflectance(lobes.coat, coat_normal, lobes.wo, p, light, from.wi, everywhere);
-        float fraction = INVERSE_PI * light_transformed_irradiance(light, p, prediction.coat_transform);
+        vec3 fraction = INVERSE_PI * transformed_irradiance(light, p, prediction.coat_transform, color);
         sum += prediction.coat_reflectance * fraction;
     }
 #endif
@@ -124,16 +132,16 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     prediction.sheen_transform = sheen_cosine_from_anchor(lobes.rare.sheen_shape, n, lobes.wo);
     prediction.rough_diffuse = vec3(0.0);
     if (lobes.rare.sheen != vec3(0.0)) {
-        float fraction = INVERSE_PI * light_transformed_irradiance(light, p, prediction.sheen_transform);
+        vec3 fraction = INVERSE_PI * transformed_irradiance(light, p, prediction.sheen_transform, color);
         sum += lobes.rare.sheen * fraction;
     }
     if (lobes.rare.diffuse_roughness > 0.0) {
         vec3 value = evaluate_rough_diffuse(lobes.base_color, lobes.rare, n, lobes.wo, from.wi);
         prediction.rough_diffuse = value / max(dot(n, from.wi), 0.1);
-        sum += prediction.rough_diffuse * irradiance;
+        sum += prediction.rough_diffuse * irradiance * color;
     }
 #endif
-    prediction.radiance = sum * light.emission * color;
+    prediction.radiance = sum * light.emission;
     return prediction;
 }
 

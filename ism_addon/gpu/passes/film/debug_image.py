@@ -5,10 +5,11 @@ from functools import cached_property
 
 import moderngl
 
+from ....resource_types import targets_of
 from ....resources import DEBUG_IMAGE, DEBUG_VIEWS, PRIMITIVE, SAMPLE_COLOR
 from ....sampling.dimensions import Dimension, fixed_increments
 from ...drawing import draw_pixels
-from ...frame import Frame, Pass, outputs, targets_of
+from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind, compile_program
 
 
