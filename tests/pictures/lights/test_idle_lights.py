@@ -18,7 +18,7 @@ def test_idle_lights_of_all_types_are_skipped(device):
     """But for a few that may be faint, which have one prediction a tile."""
     settings, idle = with_quality(SMALL_SETTINGS, samples=4), 20 * len(IDLE)
     few, many = (draw(device, *mixed_rooms(count, *SIZE), settings) for count in (0, idle))
-    assert len(many.renderer.lit[2].lights.shape) == MATTER + idle
+    assert len(many.renderer.last[0].scene.lights.shape) == MATTER + idle
     assert few.profile.counts["lights_used"] == len(many.renderer.graph[TILE_VISIBILITY]) == MATTER
     assert many.profile.counts["lights_used"] <= MATTER + 0.05 * idle
     assert many.profile.counts["pairs_traced"] <= 1.1 * few.profile.counts["pairs_traced"]
