@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Transparent surfaces beside Cycles: what the camera sees through them, and their shadows."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.gpu.renderer import Profile, Renderer
 from ism_addon.settings import SSAO, Quality, Settings
+from tests.pictures.opengl.test_ray_samplers import samplers_of
 from tests.scenes.cycles import direct_light
 
 SIDE = 48
@@ -252,3 +254,31 @@ def test_more_surfaces_than_bounces_are_opaque(device, pane, bounces):
         each.visible_camera = each.name == "floor"
     bpy.context.scene.cycles.transparent_max_bounces = bounces
     assert error(device) < 0.02
+
+
+def everything(tree):
+    """Principled with all lobes, whose color and alpha are an image's."""
+    image = bpy.data.images.new("noise", 8, 8, alpha=True)
+    image.pixels.foreach_set(np.random.default_rng(1).random(8 * 8 * 4).astype(np.float32))
+    image.pack()
+    texture = tree.add("ShaderNodeTexImage", image=image)
+    lobes = {"Coat Weight": 0.5, "Sheen Weight": 0.5, "Anisotropic": 0.5, "Roughness": 0.3}
+    outputs = {"Base Color": texture.outputs["Color"], "Alpha": texture.outputs["Alpha"]}
+    return tree.add("ShaderNodeBsdfPrincipled", lobes | outputs)
+
+
+def test_shaders_have_no_more_samplers_than_opengl_guarantees(device, pane, add):
+    """With all lobes, alpha, and a light whose irradiance is cached."""
+    pane(everything)
+    ball = bpy.data.meshes.new("ball")
+    shape = bmesh.new()
+    bmesh.ops.create_icosphere(shape, subdivisions=3, radius=0.2)
+    shape.to_mesh(ball)
+    shape.free()
+    ball.materials.append(made(lambda tree: tree.add("ShaderNodeEmission", {"Strength": 5.0})))
+    add("ball", ball).location = 1.0, 0.0, 1.0
+    device.forget_programs()
+    ours(device, 3)
+    samplers = [samplers_of(program) for program in device.programs.values()]
+    assert max(map(len, samplers)) <= 16
+    assert any({"irradiance_ratio", "coat", "rare_lobes", "byte_texels", "blas_nodes"} <= each for each in samplers)

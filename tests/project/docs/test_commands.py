@@ -15,7 +15,7 @@ import bpy
 import pytest
 
 from ism_addon import addon, snapshot
-from tests.demo import steps
+from tests.demo import sponza, steps
 from tests.docs.commands import Command, commands, other_languages, scripts
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS
@@ -34,7 +34,7 @@ def beginning_with(*words: str) -> list[Command]:
 
 DEV = beginning_with("python3", "dev.py")
 COMMAND_LINE = [*beginning_with("python3", "-m", "ism_addon.gpu"), *beginning_with("python", "-m", "ism_addon.gpu")]
-STEPS = beginning_with("python3", "-m", "tests.demo.steps")
+STEPS = [*beginning_with("python3", "-m", "tests.demo.steps"), *beginning_with("python3", "-m", "tests.demo.sponza")]
 INSTALL, ONE_LINERS = beginning_with("apt-get"), beginning_with("python3", "-c")
 EXTENSION = beginning_with("blender", "--command", "extension")
 BLENDER = [command for command in beginning_with("blender") if command not in EXTENSION]
@@ -93,9 +93,8 @@ def test_the_command_line_draws(command, tmp_path):
 @pytest.mark.parametrize("command", STEPS, ids=str)
 def test_the_pictures_of_the_method_have_a_command(command):
     assert command.options - {"-m"} <= set(help_of(command.words[2]).split())
-    assert not [
-        step for step in steps.SAMPLES if not (project.ROOT / "docs" / "pictures" / steps.file_name(step)).exists()
-    ]
+    files = [*map(steps.file_name, steps.SAMPLES), *(f"{figure}.jpg" for figure in sponza.FIGURES)]
+    assert not [file for file in files if not (project.ROOT / "docs" / "pictures" / file).exists()]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="they use EGL")
