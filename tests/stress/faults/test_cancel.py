@@ -22,8 +22,10 @@ from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.alone
 
-#: Passes of each ray-traced sample. Resolve waits for more samples than are drawn here.
-PASS_TYPES = {*renderer.COMMON, *RayTracedDirect.pass_types, *WorldLight.pass_types} - {renderer.Resolve}
+#: Passes that are left out here: Resolve waits for more samples, and there is no emission by nodes to bake.
+LEFT_OUT = {renderer.Resolve, renderer.BakeEmission}
+#: Passes of each ray-traced sample.
+PASS_TYPES = {*renderer.COMMON, *RayTracedDirect.pass_types, *WorldLight.pass_types} - LEFT_OUT
 PASS_NAMES = sorted(pass_type.__name__ for pass_type in PASS_TYPES)
 
 #: s from the key press until the render has ended.
