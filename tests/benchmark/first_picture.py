@@ -38,6 +38,9 @@ WITH_NODES, PLAIN = "Floor boards", "Ceiling paint"
 #: Until changes of preview pixels have ended.
 WARM_UP = 8
 
+#: Samples of the first change, in which all programs are compiled: a busy machine notices a first picture late.
+WARM_UP_SAMPLES = 4
+
 
 def add_nodes(material: bpy.types.Material, count: int) -> bpy.types.NodeSocket:
     """Give a material a noise texture and a chain of nodes as color. Returns an input of a node amid the chain."""
@@ -111,7 +114,8 @@ def drag(viewport: Viewport, sliders: dict[str, bpy.types.NodeSocket], rounds: i
                 read = time.perf_counter() - start
                 job = viewport.first_picture(scenes[-1])
                 seconds, compiled = time.perf_counter() - start, job.programs
-                while index < WARM_UP and not job.finished and job.samples_done == 0:
+                needed = WARM_UP_SAMPLES if index == 0 else 1
+                while index < WARM_UP and not job.finished and job.samples_done < needed:
                     job.wait(1.0)  # all programs are compiled, and the time of a preview is known
                 viewport.adapt(job)
                 if index >= WARM_UP:
