@@ -62,8 +62,8 @@ def brightness_of(emitters: Emitters, weights: np.ndarray) -> Brightness:
     mean = emission[light[rows]]
     relative = np.divide(emitters.radiance[rows], mean, out=np.zeros_like(mean), where=mean > 0.0)
     luminance = (emitters.radiance[rows] @ weights) / (mean @ weights)
-    shares = np.divide(relative, luminance[:, None], out=np.zeros_like(relative), where=luminance[:, None] > 0.0)
-    colors[rows] = np.concatenate([shares, luminance[:, None]], 1)
+    relative = np.divide(relative, luminance[:, None], out=np.zeros_like(relative), where=luminance[:, None] > 0.0)
+    colors[rows] = np.concatenate([relative, luminance[:, None]], 1)
     return Brightness(emission, varies, colors if varies.any() else None)
 
 
