@@ -62,13 +62,17 @@ class Bake(NamedTuple):
         return [pieces_of(*each) for each in values]
 
 
+def lighting_instances(scene: Scene, chosen: np.ndarray) -> np.ndarray:
+    """(K,) int: instances that light surfaces, if any of their triangles has a material of `chosen` (M,) bool."""
+    if not chosen.any():
+        return np.zeros(0, int)
+    has_chosen = np.array([chosen[mesh.material_indices].any() for mesh in scene.meshes], bool)
+    return np.flatnonzero(has_chosen[scene.instances.mesh] & scene.instances.visible_diffuse)
+
+
 def instances_with_graphs(scene: Scene) -> np.ndarray:
     """(K,) int: instances that light surfaces, if the emission of any of their triangles is a graph."""
-    if not scene.has_emission_graphs:
-        return np.zeros(0, int)
-    has_graph = scene.materials.emission_graph >= 0
-    mesh_has_graph = np.array([has_graph[mesh.material_indices].any() for mesh in scene.meshes], bool)
-    return np.flatnonzero(mesh_has_graph[scene.instances.mesh] & scene.instances.visible_diffuse)
+    return lighting_instances(scene, scene.materials.emission_graph >= 0)
 
 
 def key_of(scene: Scene) -> tuple[object, ...]:

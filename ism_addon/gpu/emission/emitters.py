@@ -11,7 +11,7 @@ import numpy as np
 from ...color import luminance
 from ...scene import Instances, Lights, Mesh, Scene
 from ...scene.arrays import array_specs
-from .baked_emission import BakedEmission, key_of
+from .baked_emission import BakedEmission, key_of, lighting_instances
 from .emissive_lights import EmissiveLights
 from .light_bvh import median_leaves, normal_areas
 from .light_tables import Emitters, lights_of_emitters
@@ -59,11 +59,7 @@ def emits(scene: Scene) -> np.ndarray:
 
 def emissive_instances(scene: Scene) -> np.ndarray:
     """(K,) int: instances that light surfaces, if any of their triangles emits."""
-    emissive = emits(scene)
-    if not emissive.any():
-        return np.zeros(0, int)
-    mesh_emits = np.array([emissive[mesh.material_indices].any() for mesh in scene.meshes], bool)
-    return np.flatnonzero(mesh_emits[scene.instances.mesh] & scene.instances.visible_diffuse)
+    return lighting_instances(scene, emits(scene))
 
 
 def emissive_lights(scene: Scene, rows: np.ndarray, baked: BakedEmission | None) -> EmissiveLights | None:

@@ -13,13 +13,16 @@ vec3 direction_from_octahedron(vec2 p) {
     return normalize(d);
 }
 
+// Steps of a packed coordinate from 0 to 1.
+const float OCTAHEDRON_STEPS = 32767.0;
+
 // Such a point in 32 bits. Directions along the axes are exact.
 uint pack_octahedron(vec2 p) {
-    ivec2 steps = ivec2(floor(32767.0 * p + 0.5));
+    ivec2 steps = ivec2(floor(OCTAHEDRON_STEPS * p + 0.5));
     return uint(steps.x & 0xffff) | uint(steps.y << 16);
 }
 
-vec2 unpack_octahedron(uint bits) { return vec2(int(bits << 16u) >> 16, int(bits) >> 16) / 32767.0; }
+vec2 unpack_octahedron(uint bits) { return vec2(int(bits << 16u) >> 16, int(bits) >> 16) / OCTAHEDRON_STEPS; }
 
 // The upper hemisphere alone fills a square that is rotated by 45 degrees.
 vec2 square_from_hemisphere(vec3 d) {

@@ -15,7 +15,7 @@ ShadingPoint shading_point(int triangle, int instance_index, vec3 barycentric, v
     TriangleVertices corners = fetch_triangle(triangle);
     vec3 geometric_normal = normalize(cofactor * cross(corners.u, corners.v)), sum = vec3(0.0);
     for (int k = 0; k < 3; ++k) {
-        vec2 octahedra = vec2(texelFetch(corner_normal_buffer, 3 * triangle + k).xy) / 32767.0;
+        vec2 octahedra = vec2(texelFetch(corner_normal_buffer, 3 * triangle + k).xy) / OCTAHEDRON_STEPS;
         sum += barycentric[k] * direction_from_octahedron(octahedra);
     }
     vec3 normal = normalize(cofactor * sum);

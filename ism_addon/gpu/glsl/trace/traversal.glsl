@@ -2,7 +2,8 @@
 // triangles. Four boxes are tested together, as fetching them takes most of the time. There is no stack: four bits per
 // level say which boxes are still to be visited (Barringer & Akenine-Moller 2013, for complete trees). Boxes, meshes
 // and triangles have separate loops (Aila & Laine 2009), which processors that execute both branches of an "if" can
-// skip.
+// skip. A ray leaves them for each triangle that it hits: what passes through the triangle is then evaluated for all rays
+// that are executed together, and not while most of them wait.
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/light_linking.glsl"
 #include "textures/scene_records.glsl"

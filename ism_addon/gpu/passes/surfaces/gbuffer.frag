@@ -180,7 +180,7 @@ void main() {
     vec3 smooth_normal = vec3(0.0);
     vec3 corner_normals[3];
     for (int k = 0; k < 3; ++k) {
-        vec2 octahedra = vec2(texelFetch(corner_normal_buffer, 3 * triangle + k).xy) / 32767.0;
+        vec2 octahedra = vec2(texelFetch(corner_normal_buffer, 3 * triangle + k).xy) / OCTAHEDRON_STEPS;
         corner_normals[k] = direction_from_octahedron(octahedra);
         smooth_normal += b[k] * corner_normals[k];
     }
