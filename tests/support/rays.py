@@ -30,7 +30,7 @@ void main() {
 }
 """
 ANY_HIT = "1.0 - transmittance(from, to, int(owner.x), int(owner.y), -1).x"
-DISTANCE = "nearest_hit(from, to).distance"
+DISTANCE = "nearest_hit(from, to, -1, -1).distance"
 
 
 def occluded(device, scene, starts: np.ndarray, ends: np.ndarray, owners: np.ndarray | None = None) -> np.ndarray:

@@ -111,8 +111,8 @@ Part: TypeAlias = Record | Include
 
 
 def split_parts(parts: Iterable[Part]) -> tuple[tuple[Include, ...], tuple[Record, ...]]:
-    """The includes and the records among parts of a shader."""
-    parts = tuple(parts)
+    """The includes and the records among parts of a shader, each once."""
+    parts = tuple(dict.fromkeys(parts))
     includes = tuple(each for each in parts if isinstance(each, Include))
     return includes, tuple(each for each in parts if isinstance(each, Record))
 

@@ -18,10 +18,10 @@ from ..gl.shader_compiler import GENERATED, Include
 FILE = "surfaces/node_graph.glsl"
 #: Files of point_functions.
 POINT_FILES = {"transparency": "surfaces/transparency.glsl", "emission": "surfaces/surface_emission.glsl"}
-#: The type of their results, and these: of emission, the radiance, and the fraction of camera rays that pass.
+#: The type of their results, and these: of emission, the radiance, and the probability that camera rays pass.
 POINT_RESULTS = {
     "transparency": ("vec3", "closures.transparency"),
-    "emission": ("vec4", "vec4(closures.emission, sum_of(closures.transparency) / 3.0)"),
+    "emission": ("vec4", "vec4(closures.emission, pass_probability(closures.transparency))"),
 }
 GENERATED |= dict.fromkeys((FILE, *POINT_FILES.values()), lambda _constants: "")  # of shaders without a graph
 

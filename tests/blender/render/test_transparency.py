@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ism_addon.blender.sync import camera, scene_reader
+from ism_addon.gpu.passes.emission.filter_emission import FilterEmission
 from ism_addon.gpu.renderer import Profile, Renderer
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.pictures.opengl.test_ray_samplers import samplers_of
@@ -83,6 +84,9 @@ SURFACES = {
 }
 
 
+RED, BLUE = (0.9, 0.2, 0.05, 1.0), (0.1, 0.3, 0.8, 1.0)
+
+
 def glass(tree, color):
     """A transparent shader of a color."""
     return tree.add("ShaderNodeBsdfTransparent", {"Color": color})
@@ -98,19 +102,25 @@ def stained(tree):
     return glass(tree, tree.add("ShaderNodeTexImage", image=image, interpolation="Closest"))
 
 
+def shining(tree):
+    """Red glass that emits light."""
+    light = tree.add("ShaderNodeEmission", {"Color": (0.3, 0.5, 1.0, 1.0), "Strength": 2.0})
+    return tree.add("ShaderNodeMixShader", {0: 0.4, 1: light, 2: glass(tree, RED)})
+
+
 def half_covered(tree):
     """Red glass beside a shader of an alpha."""
     inputs = {0: 0.5, 1: principled(tree, 0.4), 2: glass(tree, (0.8, 0.1, 0.1, 1.0))}
     return tree.add("ShaderNodeMixShader", inputs)
 
 
-RED, BLUE = (0.9, 0.2, 0.05, 1.0), (0.1, 0.3, 0.8, 1.0)
 COLORED = {
     "glass": lambda tree: glass(tree, RED),
     "one channel": lambda tree: glass(tree, (1.0, 0.0, 0.0, 1.0)),
     "mixed": lambda tree: mixed(tree, 0.25, RED[:3]),
     "stained": stained,
     "half covered": half_covered,
+    "shining": shining,
 }
 
 
@@ -163,9 +173,9 @@ def ours(device, samples=SETTINGS.quality.samples):
     return picture, scene.warnings
 
 
-def error(device):
+def error(device, samples=SETTINGS.quality.samples):
     """RMSE over the mean of Cycles' picture."""
-    picture, warnings = ours(device)
+    picture, warnings = ours(device, samples)
     assert warnings == ()
     truth = direct_light(256, FILTER_WIDTH)
     return float(np.sqrt(np.mean((picture - truth)[..., :3] ** 2)) / truth[..., :3].mean())
@@ -223,6 +233,18 @@ def test_emission_is_tinted(device, pane):
         lamp.visible_camera = True
         bpy.context.scene.collection.objects.link(lamp)
     assert error(device) < 0.02
+
+
+@pytest.mark.parametrize("name", ["glass", "stained", "half covered", "shining", "alpha"])
+def test_edges_of_emission_behind_surfaces_are_filtered(device, monkeypatch, pane, name):
+    """Of a surface far brighter than all else, before which there is a pane."""
+    pane((COLORED | SURFACES)[name], 2)
+    bright = bpy.data.objects["pane"]
+    bright.data.materials[0] = made(lambda tree: tree.add("ShaderNodeEmission", {"Strength": 200.0}))
+    bright.scale = 0.5, 0.3, 1.0
+    filtered = error(device, 8)
+    monkeypatch.setattr(FilterEmission, "needed", lambda *_: False)
+    assert filtered < 0.45 * error(device, 8)
 
 
 @pytest.mark.parametrize("name", ["glass", "stained"])

@@ -40,6 +40,9 @@ void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {
     closures.transparency += max(color, 0.0);
 }
 
+// That a camera ray passes, for the fractions that do: what it sees then is multiplied by tints of 1 at most.
+float pass_probability(vec3 passes) { return max(passes.r, max(passes.g, passes.b)); }
+
 void closure_emission(inout Closures closures, ShadingPoint at, vec3 radiance) { closures.emission += radiance; }
 
 float sum_of(vec3 color) { return color.r + color.g + color.b; }

@@ -16,9 +16,11 @@ uniform usamplerBuffer materials;
 const float MAX_EMISSION = 1e30, MIN_OPACITY = 1e-3;
 #endif
 
-// Radiance of the lights that are nearer than a distance, m. The camera sees through them, as in Cycles. Those before
-// all surfaces that tint are not tinted.
-vec3 seen_radiance(Ray ray, float farthest, Tint tint) {
+const float FAR = 1e30; // beyond all surfaces, m
+
+// Radiance of the lights between two distances, m. The camera sees through them, as in Cycles. Those before all surfaces
+// that tint are not tinted.
+vec3 seen_radiance(Ray ray, float nearest, float farthest, Tint tint) {
     vec3 sum = vec3(0.0);
 #if SEEN_LIGHTS
     vec3 wi = normalize(ray.direction);
@@ -28,7 +30,7 @@ vec3 seen_radiance(Ray ray, float farthest, Tint tint) {
         if (emitted <= 0.0) continue;
         float distance = light_hit_distance(light, ray.origin, wi);
         vec3 point = ray.origin + distance * wi;
-        if (distance >= farthest) continue;
+        if (distance < nearest || distance >= farthest) continue;
         vec3 passes = distance > tint.depth * length(ray.direction) ? tint.color : vec3(1.0);
         sum += passes * emitted * light.emission * light_color(light, ray.origin, point, -1);
     }
@@ -53,7 +55,7 @@ vec3 surface_radiance(int triangle, int instance, vec3 p, vec3 incoming) {
 
 // Of the surface at a depth along the view's axis, and of the lights before it. Triangle -1: there is no surface.
 vec3 emission_along(Ray ray, float depth, int triangle, int instance, Tint tint) {
-    vec3 sum = seen_radiance(ray, triangle < 0 ? 1e30 : depth * length(ray.direction), tint);
+    vec3 sum = seen_radiance(ray, 0.0, triangle < 0 ? FAR : depth * length(ray.direction), tint);
 #if EMISSIVE
     vec3 p = ray.origin + depth * ray.direction;
     if (triangle >= 0) sum += tint.color * surface_radiance(triangle, instance, p, -normalize(ray.direction));

@@ -24,7 +24,4 @@ vec3 passing(int material) {
     vec3 incoming = direction_to_camera(position);
     return clamp(transparency(material, shading_point(triangle, instance, barycentric, position, incoming)), 0.0, 1.0);
 }
-
-// The probability that a camera ray passes: what it sees then is multiplied by tints of 1 at most.
-float pass_probability(vec3 passes) { return max(passes.r, max(passes.g, passes.b)); }
 #endif

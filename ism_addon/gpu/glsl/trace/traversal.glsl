@@ -169,8 +169,8 @@ vec3 transmittance(vec3 from, vec3 to, int triangle, int instance, int blockers)
     return traverse(from, to, triangle, instance, blockers, true, passed).triangle >= 0 ? vec3(0.0) : passed;
 }
 
-// The nearest intersection with what the camera sees.
-Intersection nearest_hit(vec3 from, vec3 to) {
+// The nearest intersection with what the camera sees. The triangle where the segment starts is ignored.
+Intersection nearest_hit(vec3 from, vec3 to, int triangle, int instance) {
     vec3 passed = vec3(1.0);
-    return traverse(from, to, -1, -1, -1, false, passed);
+    return traverse(from, to, triangle, instance, -1, false, passed);
 }

@@ -25,7 +25,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl.depth import depth_range
 from ...gl.shader_compiler import bind
 from ...gl.shader_records import CASTER
-from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE
+from ...materials.point_graphs import NO_POINT_GRAPHS
 from ...tiles import neighbourhood_max, tiles_where
 from .seen_emission import EMISSION, emission_constants, emission_parts, emission_uniforms
 
@@ -49,18 +49,16 @@ class FilterEmission(Pass):
 
     def needed(self, frame: Frame) -> bool:
         contrast = frame.get(EMISSION_EDGES)
-        if (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).camera is not OPAQUE:  # its camera rays pass no surface
-            return False
         return contrast is not None and bool(contrast.any())
 
     def execute(self, frame: Frame) -> None:
         tiles, width = self.tiles(frame), frame.view.filter_width
-        margin = filter_margin(width)
+        margin, surfaces = filter_margin(width), (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).camera
         frame.allocate(SUBSAMPLE_EMISSION, (frame.size[0] + 2 * margin, frame.size[1] + 2 * margin))
-        trace = self.tile_program(
-            CASTER, *emission_parts(frame), **emission_constants(frame), **OPAQUE.constants, border=margin
-        )
-        bind(trace, depths=self.depths(frame), **frame[TLAS] | emission_uniforms(frame))
+        constants = emission_constants(frame) | surfaces.constants
+        trace = self.tile_program(CASTER, *emission_parts(frame), *surfaces.parts, **constants, border=margin)
+        bind(trace, depths=self.depths(frame), transparent_hits=frame.scene.transparent_bounces)
+        bind(trace, **frame[TLAS] | emission_uniforms(frame) | surfaces.uniforms)
         add = self.tile_program(suffix="add", margin=margin)
         bind(add, subsample_emission=frame[SUBSAMPLE_EMISSION], filter_radius=width)
         sums = frame.framebuffer(FILTERED_EMISSION)
