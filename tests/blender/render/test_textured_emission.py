@@ -223,3 +223,23 @@ def test_a_mesh_out_of_view_lights_by_its_texture(device, room, empty_scene):
     bpy.data.objects.remove(light)
     assert not drawn(device, with_quality(SETTINGS, samples=1), renderer)[0].any()
     renderer.release()
+
+
+def test_a_distant_mesh_lights_itself_as_in_cycles(device, room):
+    """Its parts are no larger than pixels, so the irradiance changes within them."""
+    light = room(lambda tree: principled_emission(tree, 0.2))
+    light.location = 0.0, 0.0, -1000.0
+    bpy.ops.mesh.primitive_monkey_add(size=2.0, rotation=(-0.3, 0.0, 0.4))
+    bpy.context.object.data.materials.append(light.data.materials[0])
+    bpy.context.scene.camera.location = 0.0, -16.0, 0.0
+    bpy.context.scene.camera.rotation_euler = np.pi / 2, 0.0, 0.0
+    picture, *_ = drawn(device)
+    truth = direct_light(1024, FILTER_WIDTH)[..., :3]
+    lit = truth > 0.1
+    assert np.sqrt(np.mean((picture - truth)[lit] ** 2)) / truth[lit].mean() < 0.02
+
+
+def principled_emission(tree, strength):
+    """A white diffuse shader that emits, too."""
+    inputs = {"Base Color": (1.0, 1.0, 1.0, 1.0), "Emission Color": (1.0, 1.0, 1.0, 1.0), "Specular IOR Level": 0.0}
+    return tree.add("ShaderNodeBsdfPrincipled", inputs | {"Emission Strength": strength})

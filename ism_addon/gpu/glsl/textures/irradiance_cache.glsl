@@ -12,6 +12,10 @@ struct CachedIrradiance { float value; vec3 color; bool is_reliable; };
 // Of 1.04 to 2.5, it leaves the least error in the scene lanterns of `bench error`.
 const float MAX_RATIO_CHANGE = 1.1;
 
+// Irradiance by a radiance of 1 from which on a surface is so near the light that it changes within a pixel. Of .1 to all,
+// and without rays that correct it, the error of lanterns is .0193 to .0187; that of a mesh that lights itself a third.
+const float NEAR_LIGHT = 0.3;
+
 // `predicted`: the pixel that had this surface when visibility was predicted; negative if there is none.
 CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2 predicted) {
     vec3 color_sum = vec3(0.0);
@@ -30,7 +34,7 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
         smallest = min(smallest, weight > 0.0 ? ratio : 1e30);
         largest = max(largest, weight > 0.0 ? ratio : 0.0);
     }
-    bool similar = weights > 1e-3, is_reliable = similar && largest <= MAX_RATIO_CHANGE * smallest;
+    bool similar = weights > 1e-3, is_reliable = weights > 0.5 && largest <= MAX_RATIO_CHANGE * smallest;
     float ratio = similar ? sum / weights : 1.0;
     vec3 color = color_sum / max(sum, 1e-30);
 #if CACHED == FINE_CACHE // a light of few triangles, of which the fine part has the surroundings
@@ -60,5 +64,6 @@ CachedIrradiance cached_irradiance(Surface surface, Light light, ivec2 at, ivec2
 #else
     color = vec3(1.0);
 #endif
-    return CachedIrradiance(ratio * estimate.x, color, is_reliable);
+    float irradiance = ratio * estimate.x;
+    return CachedIrradiance(irradiance, color, is_reliable && irradiance < NEAR_LIGHT);
 }

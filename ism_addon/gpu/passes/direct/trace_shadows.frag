@@ -51,7 +51,7 @@ void main() {
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     vec3 color = light_mean_color(light, surface.position, surface.normal);
-    const bool is_reliable = true;
+    const bool is_reliable = TRACE == 0 || MESHES_WITH_BVH == 0;
 #endif
     bool exact = EXACT == 1 && is_reliable;
     vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance, color) : vec3(0.0);
@@ -70,7 +70,7 @@ void main() {
     float amount = luminance(all_unshadowed);
     bool uncertain = !exact || predicted.y > 0.0;
     direct_prediction = vec4(all_unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
-#if CACHED && TRACE
+#if MESHES_WITH_BVH && TRACE
     float most = brightest(light) * luminance(unshadowed_diffuse(surface, light, 1.0 / INVERSE_PI, color)); // all around
     if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif
