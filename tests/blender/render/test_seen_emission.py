@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tests.scenes.cycles import direct_light
+from tests.scenes.parts.node_tree import made
 
-from .test_transparency import SIDE, made, ours
+from .test_transparency import SIDE, ours
 
 FILTER_WIDTH = 1.5
 

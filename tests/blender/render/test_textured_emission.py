@@ -13,9 +13,10 @@ from ism_addon.gpu.renderer import Renderer
 from ism_addon.resources import BAKED_EMISSION
 from ism_addon.settings import Method, Shadow
 from tests.scenes.cycles import direct_light
+from tests.scenes.parts.node_tree import made
 from tests.support.small_scenes import with_quality
 
-from .test_transparency import FILTER_WIDTH, SETTINGS, SIDE, made
+from .test_transparency import FILTER_WIDTH, SETTINGS, SIDE
 
 
 def image_node(tree, colors):

@@ -12,33 +12,11 @@ from ism_addon.gpu.renderer import Profile, Renderer
 from ism_addon.settings import SSAO, Quality, Settings
 from tests.pictures.opengl.test_ray_samplers import samplers_of
 from tests.scenes.cycles import direct_light
+from tests.scenes.parts.node_tree import made
 
 SIDE = 48
 FILTER_WIDTH = 1.5
 SETTINGS = Settings(quality=Quality(samples=128, error_threshold=0.0), ssao=SSAO(enabled=False))
-
-
-class Tree:
-    """Adds nodes to a material's tree."""
-
-    def __init__(self, tree):
-        self.nodes, self.links = tree.nodes, tree.links
-
-    def add(self, node_type, inputs=None, **options):
-        """A node of a type, with options and inputs: values, nodes or outputs of nodes."""
-        node = self.nodes.new(node_type)
-        for name, value in options.items():
-            setattr(node, name, value)
-        for name, value in (inputs or {}).items():
-            if isinstance(value, bpy.types.Node | bpy.types.NodeSocket):
-                self.link(value, node.inputs[name])
-            else:
-                node.inputs[name].default_value = value
-        return node
-
-    def link(self, source, target):
-        """Link an output, or the first one of a node."""
-        self.links.new(source.outputs[0] if isinstance(source, bpy.types.Node) else source, target)
 
 
 def principled(tree, alpha):
@@ -122,15 +100,6 @@ COLORED = {
     "half covered": half_covered,
     "shining": shining,
 }
-
-
-def made(make) -> bpy.types.Material:
-    """A material whose surface is the node that `make` makes."""
-    material = bpy.data.materials.new("made")
-    material.use_nodes = True
-    tree = Tree(material.node_tree)
-    tree.link(make(tree), material.node_tree.nodes["Material Output"].inputs["Surface"])
-    return material
 
 
 @pytest.fixture

@@ -14,12 +14,16 @@ from . import triangulate
 from .attributes import Attribute, slots_of_corners
 from .attributes import read as read_attributes
 from .raw_meshes import Raw, joined, starts
+from .split_normals import split_normals
 
 #: Meshes with at most this many corners are triangulated together: numpy's overhead would dominate for each alone.
 MAX_SMALL_MESH_CORNERS = 1 << 12
 
 #: A face counts as planar if the cosine between its normal and those of its triangles is at least this.
 PLANAR_COSINE = 1.0 - 1e-6
+
+#: Since this release Cycles shades by normals of corners.
+SHADED_BY_CORNER = 5, 2
 
 #: Type of a triangle's material index.
 MATERIAL_INDEX = array_specs(Mesh)["materials"].dtype.type
@@ -52,20 +56,24 @@ def read(
     vertices, sides = len(source.vertices), triangulate.corners_of_every_face(source)
     slots = source.attributes.get("material_index") if len(materials) > 1 else None
     ready, domain = source.loop_triangles, source.normals_domain
-    normals, length = {
+    indices = triangulate.read(source.attributes[".corner_vert"].data, "value", corners, np.int32)
+    values, length = {
         "POINT": (source.vertex_normals, vertices),
         "FACE": (source.polygon_normals, count),
         "CORNER": (source.corner_normals, corners),
     }[domain]
+    normals = triangulate.read(values, "vector", (length, 3))
+    if domain == "CORNER" and bpy.app.version < SHADED_BY_CORNER:
+        normals = split_normals(source, normals, indices)
     return Raw(
         positions=triangulate.read(source.attributes["position"].data, "vector", (vertices, 3)),
-        vertices=triangulate.read(source.attributes[".corner_vert"].data, "value", corners, np.int32).view(np.uint32),
+        vertices=indices.view(np.uint32),
         faces=count,
         sides=sides,
         triangles=None if sides else triangulate.read(ready, "loops", (len(ready), 3), np.int32),
         triangle_face=None if sides else triangulate.read(source.loop_triangle_polygons, "value", len(ready), np.int32),
         domain=domain,
-        normals=triangulate.read(normals, "vector", (length, 3)),
+        normals=normals,
         flat=_flat(source, sides),
         slots=None if slots is None else triangulate.read(slots.data, "value", count, np.int32),
         uvs=_uvs(source, layers),
@@ -152,8 +160,8 @@ def _normals(raw: Raw, vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def _flat(source: bpy.types.Mesh, sides: int) -> np.ndarray | None:
     """(F,) bool: flat-shaded faces; None if flat faces are shaded by their face normal."""
-    if source.normals_domain == "CORNER" and bpy.app.version >= (5, 2):
-        return None  # since then Cycles shades by corner normals
+    if source.normals_domain == "CORNER" and bpy.app.version >= SHADED_BY_CORNER:
+        return None
     sharp = source.attributes.get("sharp_face")
     if sharp is None or source.normals_domain == "POINT" or source.has_custom_normals or sides == 3:
         return None
