@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu.gl.render_targets import size_of
+from ism_addon.gpu.passes.light_selection import probe_visibility
+from ism_addon.gpu.passes.light_selection.probe_rays import SHADER
 from ism_addon.resources import POSITION, PROBE, PROBES
+from ism_addon.scene import LightShape
 from tests.scenes.small import box_over_plane, pillar_field
 from tests.support import reference
 from tests.support.light_grids import irradiance_per_area
@@ -92,3 +95,18 @@ def test_only_the_first_sample_probes(device):
     assert drawn.profile.rows["ProbeVisibility"].drawn == 1
     unshadowed = replace(SETTINGS, shadow=replace(SETTINGS.shadow, enabled=False))
     assert draw(device, scene, view, unshadowed).profile.rows["ProbeVisibility"].drawn == 0
+
+
+def test_few_rays_are_traced_by_one_program_to_all_lights(device, monkeypatch):
+    """Many by one for each type: the same rays."""
+    plane, lights = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), [light(), light(LightShape.POINT, radius=0.2)]
+    scene, view = make_scene([plane], join_lights(*lights)), view_from_above(2.0, (32, 24))
+    results, counts = [], []
+    for most in (probe_visibility.MAX_MIXED_RAYS, 0):
+        monkeypatch.setattr(probe_visibility, "MAX_MIXED_RAYS", most)
+        device.forget_programs()
+        results.append(probes(draw(device, scene, view)))
+        counts.append(sum({SHADER, "glsl/tiles.vert"} <= set(source.sources) for source in device.programs))
+    assert counts == [1, 2]
+    for index, probed in results[0].items():
+        assert np.array_equal(probed, results[1][index])

@@ -76,9 +76,13 @@ def trace_tiles(
     blocks: BufferTexture,
     first: int,
     grid: ProbeGrid,
+    own_program: bool,
 ) -> None:
-    """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`."""
-    variant = mixed_variant(frame.scene.lights, [light])
+    """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`.
+
+    `own_program`: by a program for such lights, not for all of the scene.
+    """
+    variant = mixed_variant(frame.scene.lights, [light] if own_program else None)
     program = ray_program(frame, "glsl/tiles.vert", variant)
     bind(program, **uniforms(frame, blocks, first, grid))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
