@@ -118,3 +118,15 @@ def test_a_material_that_begins_to_emit_is_read_again(emitter, read_scene):
     assert not read_scene().materials.emission.any()
     strength.default_value = 1.0
     assert read_scene().materials.emission.any()
+
+
+@pytest.mark.parametrize("strength", [0.0, 3.0])
+def test_a_transparent_surface_has_a_graph_of_emission_only_if_it_emits(surface, read_scene, strength):
+    """Each surface with one is taken for a light, and baked."""
+    _, node = surface("ShaderNodeBsdfPrincipled")
+    node.inputs["Alpha"].default_value = 0.5
+    node.inputs["Emission Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    node.inputs["Emission Strength"].default_value = strength
+    scene = read_scene()
+    assert scene.has_transparency == (True, True)
+    assert scene.has_emission_graphs == (strength > 0.0)

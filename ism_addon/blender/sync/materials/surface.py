@@ -125,6 +125,8 @@ class Surface:
             findings.warn("Materials too bright to be drawn emit nothing", name)
             return Emission(np.zeros(3, np.float32))
         radiance = mean.astype(np.float32)
+        if total.equals(0.0):
+            return Emission(radiance)
         opaque = self._opaque()
         if opaque.equals(0.0) and radiance.any():
             findings.warn("Emission of surfaces that let all light pass lights others, but is not seen", name)
