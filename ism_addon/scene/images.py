@@ -29,6 +29,8 @@ class Image(Arrays):
     texels: np.ndarray = array("uint8|float16 H W 4")
     repeat: bool = True  # else texture coordinates are clamped
     encoding: Encoding = Encoding.SRGB
+    #: Whether colours count as much as their alpha where texels are averaged: they are not multiplied by it yet.
+    straight_alpha: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

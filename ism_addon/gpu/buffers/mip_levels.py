@@ -12,12 +12,16 @@ from ...scene import Encoding, Image
 #: Levels that are made of each band. The rest are made of all bands' last rows together.
 BAND_LEVELS = 6
 
+#: Weight of a transparent texel's colour relative to an opaque one's.
+MIN_WEIGHT = np.float32(1.0 / 4096.0)
+
 
 def mip_levels(image: Image) -> Iterator[tuple[int, int, np.ndarray]]:
     """Bands of an image and of its halved copies down to one texel.
 
     Yields the level, its first texel in this band, and the texels (N,4) in the image's encoding. Averages are taken in
-    linear light, of what interpolation gives between texels. If a side is odd, its last texel is an average of three.
+    linear light, of what interpolation gives between texels, and weighted by straight alpha. If a side is odd, its last
+    texel is an average of three.
     """
     height, width = image.texels.shape[:2]
     levels = min(BAND_LEVELS, height.bit_length() - 1)
@@ -26,20 +30,20 @@ def mip_levels(image: Image) -> Iterator[tuple[int, int, np.ndarray]]:
     for top, bottom in zip(tops, [*tops[1:], height], strict=True):
         band = image.texels[top:bottom]
         yield 0, top * width, band.reshape(-1, 4)
-        linear = decoded(band, image.encoding)
+        linear = decoded(band, image)
         for level in range(1, levels + 1):
             linear = halved(linear)
             if level == 1 and image.encoding is Encoding.SRGB:
-                darken(linear, band)
-            yield level, (top >> level) * linear.shape[1], encoded(linear, image.encoding).reshape(-1, 4)
+                darken(linear, band, image.straight_alpha)
+            yield level, (top >> level) * linear.shape[1], encoded(linear, image).reshape(-1, 4)
         ends.append(linear)
     linear, level = np.concatenate(ends), levels
     while linear.shape[0] > 1 or linear.shape[1] > 1:
         linear, level = halved(linear), level + 1
-        yield level, 0, encoded(linear, image.encoding).reshape(-1, 4)
+        yield level, 0, encoded(linear, image).reshape(-1, 4)
 
 
-def darken(linear: np.ndarray, texels: np.ndarray) -> None:
+def darken(linear: np.ndarray, texels: np.ndarray, straight_alpha: bool = False) -> None:
     """Make averages (H//2,W//2,4) of sRGB texels (H,W,4) those of what bilinear interpolation gives between the texels.
 
     As in Cycles, sRGB values are interpolated before they are decoded. The mean of the square of an interpolation is
@@ -48,15 +52,21 @@ def darken(linear: np.ndarray, texels: np.ndarray) -> None:
     height, width = (size // 2 * 2 for size in texels.shape[:2])
     if not height or not width:
         return
-    a, b, c, d = (texels[y:height:2, x:width:2, :3].astype(np.int16) for y in (0, 1) for x in (0, 1))
+    corners = [texels[y:height:2, x:width:2] for y in (0, 1) for x in (0, 1)]
+    a, b, c, d = (each[..., :3].astype(np.int16) for each in corners)
     top, bottom, left, right = b - a, d - c, c - a, d - b
+    if straight_alpha:  # colours that are interpolated with transparent ones stay the same
+        for difference, ends in zip((top, bottom, left, right), ((0, 1), (2, 3), (0, 2), (1, 3)), strict=True):
+            alpha = np.minimum(*(corners[k][..., 3:] for k in ends))
+            np.multiply(difference, alpha / np.float32(255.0), out=difference, casting="unsafe")
     loss = np.zeros(top.shape, np.float32)
     for difference in (top, bottom, left, right):
         loss += np.square(difference, dtype=np.float32)
     loss *= 3.0
     loss -= np.square(bottom - top, dtype=np.float32)
     loss *= curvature()[a + b + c + d >> 2]
-    linear[: len(loss), : loss.shape[1], :3] -= loss
+    averages = linear[: len(loss), : loss.shape[1]]
+    averages[..., :3] -= loss * weights(averages) if straight_alpha else loss
 
 
 @cache
@@ -67,22 +77,34 @@ def curvature() -> np.ndarray:
     return (second / 72.0 / 255.0**2).astype(np.float32)
 
 
-def decoded(texels: np.ndarray, encoding: Encoding) -> np.ndarray:
-    """(H,W,4) float32: linear values and alpha of texels."""
-    if encoding is Encoding.FLOAT:
+def weights(values: np.ndarray) -> np.ndarray:
+    """(…,1): what colours (…,4) of straight alpha are multiplied by. Transparent ones count where there is no other."""
+    return values[..., 3:] + MIN_WEIGHT
+
+
+def decoded(texels: np.ndarray, image: Image) -> np.ndarray:
+    """(H,W,4) float32: linear values and alpha of texels, colours weighted by straight alpha."""
+    if image.encoding is Encoding.FLOAT:
         return texels.astype(np.float32)
-    linear = linear_values(encoding)[texels]
+    linear = linear_values(image.encoding)[texels]
     linear[..., 3] = texels[..., 3] / np.float32(255.0)
+    if image.straight_alpha:
+        linear[..., :3] *= weights(linear)
     return linear
 
 
-def encoded(linear: np.ndarray, encoding: Encoding) -> np.ndarray:
-    """Texels of linear values (H,W,4). sRGB is encoded by a look-up table with 16-bit indices."""
-    if encoding is Encoding.FLOAT:
+def encoded(linear: np.ndarray, image: Image) -> np.ndarray:
+    """Texels of such values (H,W,4). sRGB is encoded by a look-up table with 16-bit indices."""
+    if image.encoding is Encoding.FLOAT:
         return linear.astype(np.float16)
+    color = linear[..., :3]
+    if image.straight_alpha:
+        color = np.minimum(color / weights(linear), np.float32(1.0))
     texels = np.rint(linear * 255.0).astype(np.uint8)
-    if encoding is Encoding.SRGB:
-        texels[..., :3] = srgb_bytes()[(linear[..., :3] * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
+    if image.encoding is Encoding.SRGB:
+        texels[..., :3] = srgb_bytes()[(color * np.float32(65535.0) + np.float32(0.5)).astype(np.uint16)]
+    else:
+        texels[..., :3] = np.rint(color * 255.0)
     return texels
 
 

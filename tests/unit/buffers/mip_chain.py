@@ -9,14 +9,14 @@ from ism_addon.scene import Encoding, Image
 
 def mip_chain(image: Image) -> list[np.ndarray]:
     """An image and its halved copies down to one texel, each as texels (H,W,4) of its encoding."""
-    chain, linear = [image.texels], decoded(image.texels, image.encoding)
+    chain, linear = [image.texels], decoded(image.texels, image)
     while linear.shape[0] > 1 or linear.shape[1] > 1:
         for axis in (0, 1):
             if linear.shape[axis] > 1:
                 linear = halved(linear, axis)
         if len(chain) == 1 and image.encoding is Encoding.SRGB:
-            darken(linear, image.texels)
-        chain.append(encoded(linear, image.encoding))
+            darken(linear, image.texels, image.straight_alpha)
+        chain.append(encoded(linear, image))
     return chain
 
 

@@ -12,15 +12,18 @@ from ism_addon.scene import Encoding, Image
 from tests.unit.buffers.mip_chain import mip_chain
 
 
-def noise(height: int, width: int, encoding: Encoding = Encoding.SRGB) -> Image:
+def noise(height: int, width: int, encoding: Encoding = Encoding.SRGB, straight_alpha: bool = False) -> Image:
     bytes_ = np.random.default_rng(3).integers(0, 256, (height, width, 4), np.uint8)
-    return Image((bytes_ / 85.0).astype(np.float16) if encoding is Encoding.FLOAT else bytes_, True, encoding)
+    return Image(
+        (bytes_ / 85.0).astype(np.float16) if encoding is Encoding.FLOAT else bytes_, True, encoding, straight_alpha
+    )
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 300), (300, 1), (2, 3), (63, 64), (64, 63), (191, 5), (257, 130)])
 @pytest.mark.parametrize("encoding", Encoding)
-def test_bands_make_the_levels_of_the_whole_image(encoding, size):
-    image = noise(*size, encoding)
+@pytest.mark.parametrize("straight_alpha", [False, True])
+def test_bands_make_the_levels_of_the_whole_image(encoding, size, straight_alpha):
+    image = noise(*size, encoding, straight_alpha)
     expected = [level.reshape(-1, 4) for level in mip_chain(image)]
     found: list[list[np.ndarray]] = [[] for _ in expected]
     for level, first, texels in mip_levels(image):
@@ -42,6 +45,22 @@ def test_the_first_halved_level_is_as_bright_as_what_is_interpolated(contrast):
     level = np.concatenate([part for level, _, part in mip_levels(Image(texels, True, Encoding.SRGB)) if level == 1])
     assert abs(linear_from_srgb(level[:, :3] / 255.0).mean() / expected - 1.0) < 0.01
     assert linear_from_srgb(texels[..., :3] / 255.0).mean() > 1.01 * expected
+
+
+@pytest.mark.parametrize("encoding", [Encoding.SRGB, Encoding.LINEAR])
+def test_colors_of_straight_alpha_are_weighted_by_it(encoding):
+    """A decal: where it is opaque it has the same colour at all levels, whatever is stored around it."""
+    texels = np.zeros((64, 64, 4), np.uint8)
+    texels[13:47, 9:31] = 200, 100, 50, 255
+    levels = [part for level, _, part in mip_levels(Image(texels, True, encoding, True)) if level]
+    covered = np.concatenate(levels)
+    covered = covered[covered[:, 3] > 8]
+    assert len(covered) > 30
+    assert np.abs(covered[:, :3].astype(int) - (200, 100, 50)).max() <= 2
+    transparent = np.full((8, 8, 4), 77, np.uint8)
+    transparent[..., 3] = 0
+    for _, _, part in mip_levels(Image(transparent, True, encoding, True)):
+        assert np.abs(part.astype(int) - (77, 77, 77, 0)).max() <= 1
 
 
 def test_bands_take_a_fraction_of_the_memory_of_the_image():

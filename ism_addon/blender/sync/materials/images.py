@@ -80,14 +80,15 @@ def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) ->
     with suppress(UnsupportedPng, OSError), _file(image) as file:
         png = LargePng(file)
         if png.width * png.height > TEXELS_AT_ONCE and (png.channels < 4 or image.alpha_mode in UNCHANGED):
-            return Image(_texels_of_bands(image, png, on_black), repeat, _encoding(image, is_float=False))
+            texels = _texels_of_bands(image, png, on_black)
+            return Image(texels, repeat, _encoding(image, is_float=False), _is_straight(image, texels, on_black))
     width, height = image.size
     if len(image.pixels) == 0 or width * height == 0:
         return None
     encoding = _encoding(image, image.is_float)
     texels = texel_files.empty((height, width, 4), encoding.dtype)
     _encode(image, _pixels(image), texels, on_black)
-    return Image(texels, repeat, encoding)
+    return Image(texels, repeat, encoding, _is_straight(image, texels, on_black))
 
 
 def _file(image: bpy.types.Image) -> BinaryIO:
@@ -213,3 +214,8 @@ def _has_straight_alpha(image: bpy.types.Image) -> bool:
     """Whether the colour is not yet multiplied by alpha; in floating point images it is."""
     is_data = image.colorspace_settings.is_data
     return not image.is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
+
+
+def _is_straight(image: bpy.types.Image, texels: np.ndarray, on_black: bool) -> bool:
+    """Whether texels (H,W,4) have colours that are not multiplied by an alpha below 1."""
+    return not on_black and _has_straight_alpha(image) and bool((texels[..., 3] < 255).any())
