@@ -91,6 +91,7 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         converted[f"{instances}color"] = np.zeros((0, 4), np.float32)
         converted[f"{instances}pass_index"] = np.zeros(0, np.int32)
         converted[f"{instances}random"] = np.zeros(0, np.float32)
+        converted[f"{instances}attributes"] = np.zeros((0, 0, 4), np.float32)
     if f"{materials}image" in arrays:
         count = len(np.atleast_1d(arrays[f"{materials}image"]))
         converted[f"{materials}emission"] = np.zeros((count, 3), np.float32)

@@ -210,6 +210,8 @@ def _check_indices(scene: Scene) -> None:
         for name in ("uvs", "attributes"):
             if len(getattr(mesh, name)) not in (0, len(mesh.triangles)):
                 raise SnapshotError(f"The snapshot's {path}/{name} has another length than its triangles.")
+    if len(scene.instances.attributes) not in (0, scene.instances.row_count):
+        raise SnapshotError("The snapshot's scene/instances/attributes has another length than its instances.")
     for path, record in _records(scene, "scene"):
         for name, spec in array_specs(type(record)).items():
             indices = getattr(record, name)
@@ -228,6 +230,14 @@ def _check_indices(scene: Scene) -> None:
 
 def _check_graphs(scene: Scene) -> None:
     """Raise if a material has no constants where its graph reads them, or a constant is no index of an image."""
+    read = [
+        each.parameter
+        for graph in scene.graphs
+        for each in graph.instructions
+        if each.operation == "instance_attribute"
+    ]
+    if not all(0 <= index < scene.instances.attributes.shape[1] for index in read):
+        raise SnapshotError("The snapshot's scene/graphs read attributes of instances that it has not.")
     table = scene.materials
     graphs, first_constants = table.graph, table.first_constant
     for name in ("transparency", "emission"):

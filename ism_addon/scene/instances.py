@@ -32,3 +32,5 @@ class Instances(Arrays):
     color: np.ndarray = optional_array("float32 O 4")
     pass_index: np.ndarray = optional_array("int32 O")
     random: np.ndarray = optional_array("float32 O")
+    #: Likewise what graphs read by the operation "instance_attribute", whose parameter is the second index.
+    attributes: np.ndarray = optional_array("float32 P A 4")

@@ -42,6 +42,7 @@ at_point("point_inputs", "float", "layer_weight_facing", operands="float vec3", 
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
 at_point("object", "vec4", "object_color")
 at_point("object", "float", "object_index", "object_random")
+at_point("instance_attributes", "vec4", "instance_attribute", parameter=True)  # the index in Instances.attributes
 at_point("point_inputs", "vec3", "coordinate_of_object", operands="vec4 vec4 vec4")  # rows of a matrix
 at_point("object", "vec3", *(f"object_from_world_{vector_type}" for vector_type in VECTOR_TYPES), operands="vec3")
 at_point("object", "vec3", "world_from_object_point", "world_from_object_vector", operands="vec3")

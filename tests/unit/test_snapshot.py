@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ism_addon import snapshot
-from ism_addon.scene import Image, Instances, LightImage, LightProfile, Lights, Mesh, Scene, View, World
+from ism_addon.scene import Image, Instances, LightImage, LightProfile, Lights, Mesh, NodeGraph, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
+from ism_addon.shading.node_graph import Instruction
 from tests.scenes.parts.tables import materials_of
 
 
@@ -131,6 +132,18 @@ def test_a_mesh_without_triangles_is_refused(tmp_path):
         snapshot.load(tmp_path / "empty.npz")
 
 
+def test_graphs_that_read_more_attributes_of_instances_than_there_are_are_refused(tmp_path):
+    graph, path = NodeGraph((Instruction("instance_attribute", (), 1),), ()), tmp_path / "attributes.npz"
+    for count in (2, 1):
+        attributes = np.zeros((a_scene().instances.row_count, count, 4), np.float32)
+        instances = replace(a_scene().instances, attributes=attributes)
+        snapshot.save(path, replace(a_scene(), instances=instances, graphs=(graph,)), VIEW, SETTINGS)
+        if count == 2:
+            snapshot.load(path)
+    with pytest.raises(snapshot.SnapshotError, match="read attributes of instances that it has not"):
+        snapshot.load(path)
+
+
 @given(st.floats(0.0, 16.0), st.integers(1, 65536))
 def test_numbers_of_settings_come_back_exactly(tmp_path_factory, bias, samples):
     settings = Settings(Shadow(bias=bias), quality=Quality(samples=samples))
@@ -179,6 +192,7 @@ def rewritten(path, arrays=None, values=None):
         ("scene/meshes/0/materials", np.full(2, 2, np.uint32), "leads outside 0 to 1"),
         ("scene/instances/mesh", np.array([0, 1, 2], np.int32), "leads outside 0 to 1"),
         ("scene/instances/mesh", np.array([0, 1, -1], np.int32), "leads outside 0 to 1"),
+        ("scene/instances/attributes", np.zeros((2, 1, 4), np.float32), "another length than its instances"),
         ("scene/materials/image", np.array([-2, 0], np.int32), "leads outside -1 to 0"),
         ("scene/lights/shape", np.array([0, 5], np.int32), "leads outside 0 to 4"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),

@@ -10,7 +10,7 @@ import bpy
 NOT_DRAWN = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
 
 #: Data that is read with its objects, which are updated too, or that is always read.
-READ_WITH_OBJECTS = (bpy.types.Mesh, bpy.types.Light, bpy.types.Camera, bpy.types.World, bpy.types.ShaderNodeTree)
+READ_WITH_OBJECTS = (bpy.types.Mesh, bpy.types.Light, bpy.types.Camera, bpy.types.ShaderNodeTree)
 
 
 class Updates(NamedTuple):
@@ -20,15 +20,16 @@ class Updates(NamedTuple):
     objects: tuple[bpy.types.Object, ...]
     materials: tuple[bpy.types.Material, ...]
     images: bool
+    world: bool
     changed_geometry: frozenset[int]  # session_uids of objects with changed geometry, also in their instances
 
 
-def read(depsgraph: bpy.types.Depsgraph, instancers: Collection[int]) -> Updates:
+def read(depsgraph: bpy.types.Depsgraph, instanced: Collection[int]) -> Updates:
     """The updates of a depsgraph. After an update of an unknown type, all instances are read.
 
-    `instancers`: session_uids of the objects that had instances when the depsgraph was last read.
+    `instanced`: session_uids of the objects that made instances, or had any, when the depsgraph was last read.
     """
-    all_instances = images = False
+    all_instances = images = world = False
     objects, materials, changed_geometry = [], [], set()
     for update in depsgraph.updates:
         changed = update.id
@@ -36,15 +37,17 @@ def read(depsgraph: bpy.types.Depsgraph, instancers: Collection[int]) -> Updates
             objects.append(changed)
             if update.is_updated_geometry:
                 changed_geometry.add(changed.original.session_uid)
-            all_instances |= changed.original.session_uid in instancers or _may_instance(update)
+            all_instances |= changed.original.session_uid in instanced or _may_instance(update)
             all_instances |= changed.type not in {"MESH", "LIGHT", *NOT_DRAWN}
         elif isinstance(changed, bpy.types.Material):
             materials.append(changed)
         elif isinstance(changed, bpy.types.Image):
             images = all_instances = True
+        elif isinstance(changed, bpy.types.World):
+            world = True
         elif not isinstance(changed, READ_WITH_OBJECTS):
             all_instances = True
-    return Updates(all_instances, tuple(objects), tuple(materials), images, frozenset(changed_geometry))
+    return Updates(all_instances, tuple(objects), tuple(materials), images, world, frozenset(changed_geometry))
 
 
 def _may_instance(update: bpy.types.DepsgraphUpdate) -> bool:

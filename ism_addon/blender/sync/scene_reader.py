@@ -48,7 +48,8 @@ class Reader:
         self._instances = InstanceReader(self._materials, links)
         self._lights = LightReader(links)
         self._others = Diagnostics()
-        self._instancers: set[int] = set()  # session_uids
+        #: session_uids of the objects that make instances, and of those whose instances they are.
+        self._instanced: set[int] = set()
         self._scene: Scene | None = None
 
     def read(
@@ -61,7 +62,7 @@ class Reader:
 
         `is_shown` is asked about objects, and about instancers for all of their instances.
         """
-        changed = depsgraph_updates.read(depsgraph, self._instancers)
+        changed = depsgraph_updates.read(depsgraph, self._instanced)
         self._instances.invalidate(changed.changed_geometry)
         has_new_working_space = self._scene is not None and self._scene.working_space != images.working_space()
         if changed.images or has_new_working_space:
@@ -70,6 +71,7 @@ class Reader:
             all_instances |= has_new_working_space
         for material in changed.materials:
             all_instances |= self._materials.update(material)  # meshes need other UV layers
+        all_instances |= changed.world and self._materials.reads_view_layer
         if all_instances or changed.all_instances or self._scene is None:
             self._walk(depsgraph, is_shown)
         else:
@@ -88,12 +90,12 @@ class Reader:
         view_layer = depsgraph.view_layer_eval
         self._others = Diagnostics()
         missing_libraries.warn_of_missing(depsgraph, self._others)
-        self._instancers.clear()
+        self._instanced.clear()
         for reader in (self._materials, self._instances, self._lights):
             reader.reset()
         for instance in depsgraph.object_instances:
             if instance.is_instance:
-                self._instancers.add(instance.parent.original.session_uid)
+                self._instanced |= {each.original.session_uid for each in (instance.parent, instance.object)}
             if not instance.show_self or not is_shown(instance.parent if instance.is_instance else instance.object):
                 continue
             type_ = instance.object.type

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -79,6 +80,8 @@ class InstanceBuffers:
         self.memberships = MEMBERSHIP.write(records, "link_groups", groups)
         self.object_info = object_info(mesh_buffers, instances, order if len(instances.color) else order[:0])
         self.info = OBJECT_INFO.upload(device, self.object_info) if len(instances.color) else None
+        #: Uniforms of nodes/instance_attributes.glsl.
+        self.attributes = attribute_uniforms(records, "instance_attributes", instances, order)
         self.bytes = self.transforms.nbytes + groups.nbytes
         self.mesh_buffers = mesh_buffers
         #: The mesh of each row, -1 if it is not resident.
@@ -163,6 +166,15 @@ def object_info(mesh_buffers: MeshBuffers, instances: Instances, rows: np.ndarra
     info["color"], info["index"] = instances.color[rows], instances.pass_index[rows]
     info["random"] = instances.random[rows]
     return info
+
+
+def attribute_uniforms(records: SceneRecords, table: str, instances: Instances, rows: np.ndarray) -> dict[str, Any]:
+    """Uniforms of nodes/instance_attributes.glsl for instances (N,), whose table is written; none without any."""
+    count = instances.attributes.shape[1]
+    if not count:
+        return {}
+    words = np.ascontiguousarray(instances.attributes[rows]).view(np.uint32).reshape(-1, 4)
+    return {"instance_attributes": records.write(table, words, 1), "instance_attribute_count": count}
 
 
 def anchor_from_quanta(

@@ -26,6 +26,7 @@ class MaterialShader(NamedTuple):
     reads_uvs: bool
     reads_attributes: bool
     reads_objects: bool
+    reads_instance_attributes: bool
 
 
 def has_several_graphs(materials: Materials, graphs: tuple[NodeGraph, ...]) -> bool:
@@ -57,4 +58,5 @@ def material_shader(
         reads_uvs=reads_images if own is None else own.uses("uv_map"),
         reads_attributes=own is not None and own.uses("mesh_attribute"),
         reads_objects=own is not None and own.reads_objects,
+        reads_instance_attributes=own is not None and own.uses("instance_attribute"),
     )

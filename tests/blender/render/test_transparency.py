@@ -248,12 +248,13 @@ def test_more_surfaces_than_bounces_are_opaque(device, pane, bounces):
 
 
 def everything(tree):
-    """Principled with all lobes, whose color and alpha are an image's."""
+    """Principled with all lobes, whose color and alpha are an image's, and the coat an attribute of the object."""
     image = bpy.data.images.new("noise", 8, 8, alpha=True)
     image.pixels.foreach_set(np.random.default_rng(1).random(8 * 8 * 4).astype(np.float32))
     image.pack()
     texture = tree.add("ShaderNodeTexImage", image=image)
-    lobes = {"Coat Weight": 0.5, "Sheen Weight": 0.5, "Anisotropic": 0.5, "Roughness": 0.3}
+    coat = tree.add("ShaderNodeAttribute", attribute_type="OBJECT", attribute_name="coat").outputs["Fac"]
+    lobes = {"Coat Weight": coat, "Sheen Weight": 0.5, "Anisotropic": 0.5, "Roughness": 0.3}
     outputs = {"Base Color": texture.outputs["Color"], "Alpha": texture.outputs["Alpha"]}
     return tree.add("ShaderNodeBsdfPrincipled", lobes | outputs)
 

@@ -99,13 +99,8 @@ def corners_of(source: bpy.types.Mesh, attribute: Attribute) -> np.ndarray:
 
 
 def at_corners(source: bpy.types.Mesh, stored: bpy.types.Attribute) -> np.ndarray:
-    """(L,4) float32: a stored attribute. Numbers are grey, and what is no color is opaque."""
-    property_name, size = PROPERTIES[stored.data_type]
-    shape = len(stored.data), size
-    values = triangulate.read(stored.data, property_name, shape, DTYPES.get(stored.data_type, np.float32))
-    four = np.zeros((len(values), 4), np.float32)
-    four[:, 3] = 1.0
-    four[:, : 3 if size == 1 else size] = values
+    """(L,4) float32: a stored attribute of one of PROPERTIES' types."""
+    four = four_numbers(stored)
     if stored.domain == "CORNER":
         return four
     if stored.domain == "FACE":
@@ -113,6 +108,17 @@ def at_corners(source: bpy.types.Mesh, stored: bpy.types.Attribute) -> np.ndarra
     if stored.domain == "EDGE":
         four = at_vertices(source, four, stored.data_type)
     return four[triangulate.read(source.attributes[".corner_vert"].data, "value", len(source.loops), np.int32)]
+
+
+def four_numbers(stored: bpy.types.Attribute) -> np.ndarray:
+    """(N,4) float32: an attribute of one of PROPERTIES' types. Numbers are grey, and what is no color is opaque."""
+    property_name, size = PROPERTIES[stored.data_type]
+    shape = len(stored.data), size
+    values = triangulate.read(stored.data, property_name, shape, DTYPES.get(stored.data_type, np.float32))
+    four = np.zeros((len(values), 4), np.float32)
+    four[:, 3] = 1.0
+    four[:, : 3 if size == 1 else size] = values
+    return four
 
 
 def at_vertices(source: bpy.types.Mesh, four: np.ndarray, data_type: str) -> np.ndarray:

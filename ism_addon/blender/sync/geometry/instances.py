@@ -14,8 +14,11 @@ from ....scene import Instances, Mesh
 from ....scene.limits import MAX_DISTANCE, is_invertible, is_within
 from ..diagnostics import Diagnostics
 from ..light_linking import LightLinks, warn_of_many_groups
-from ..materials.materials import MaterialReader, Needs
+from ..materials.materials import MaterialReader
 from . import meshes
+from .geometry_instances import warn_of_unknown
+from .instance_attributes import InstanceAttribute, InstanceAttributeReader, Numbers, attribute_table
+from .needs import Needs
 from .random_ids import random_number
 from .raw_meshes import Raw
 
@@ -54,6 +57,7 @@ class _Row(NamedTuple):
     receivers: int
     blockers: int
     info: tuple[tuple[float, ...], int, float] | None  # color, pass index, random number, if any graph reads them
+    attributes: dict[InstanceAttribute, Numbers]  # that graphs read
     linked_by: tuple[int, ...]  # session_uids of the object, and of its instancer
     name: str
     unsupported: Diagnostics  # of the object, shared with its other instances
@@ -65,6 +69,7 @@ class InstanceReader:
     def __init__(self, materials: MaterialReader, links: LightLinks) -> None:
         self._materials = materials
         self._links = links
+        self._attributes = InstanceAttributeReader()
         #: By the evaluated mesh's address, which Blender may reuse, and its materials with what they need.
         self._readings: dict[tuple, _Reading] = {}
         self._changed: frozenset[int] = frozenset()
@@ -91,6 +96,7 @@ class InstanceReader:
         self._rows.clear()
         self._object_rows.clear()
         self._unsupported.clear()
+        self._attributes.forget()
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance, view_layer: bpy.types.ViewLayer) -> None:
         """Add one object or instance with a mesh."""
@@ -98,8 +104,8 @@ class InstanceReader:
         owners = (source, instance.parent) if instance.is_instance else (source,)
         if not instance.is_instance:
             self._object_rows[source.original.session_uid] = len(self._rows)
-        random_id = instance.random_id if instance.is_instance else None
-        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer, random_id))
+        only_instance = instance if instance.is_instance else None
+        self._rows.append(self._row(source, instance.matrix_world, owners, view_layer, only_instance))
 
     def update(self, source: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
         """Read an object that is not an instance again; ignored if it was not added, so it is not visible."""
@@ -110,6 +116,7 @@ class InstanceReader:
 
     def tables(self, findings: Diagnostics) -> tuple[tuple[Mesh, ...], Instances]:
         """All meshes with instances, and the instances. Meshes without instances are released."""
+        self._attributes.forget()
         self._triangulate()
         self._release_unused()
         rows = [row for row in self._rows if row.reading.mesh is not None]
@@ -143,6 +150,7 @@ class InstanceReader:
             receivers=[row.receivers for row in valid_rows],
             blockers=[row.blockers for row in valid_rows],
             **object_info(valid_rows),
+            attributes=attribute_table([row.attributes for row in valid_rows], self._materials.instance_attributes),
         )
         return tuple(indices), instances
 
@@ -158,17 +166,20 @@ class InstanceReader:
         world_from_object: Matrix,
         owners: tuple[bpy.types.Object, ...],
         view_layer: bpy.types.ViewLayer,
-        random_id: int | None = None,
+        instance: bpy.types.DepsgraphObjectInstance | None = None,
     ) -> _Row:
-        uid = source.original.session_uid
+        uid, materials = source.original.session_uid, self._slots(source, view_layer)
+        needs = [self._materials.needs(index) for index in materials]
+        wanted = dict.fromkeys(each for need in needs for each in need.instance_attributes)
         if uid not in self._unsupported:
             self._unsupported[uid] = _unsupported_features(source, owners[-1], view_layer)
+            if instance is not None and any(each.type == "INSTANCER" for each in wanted):
+                warn_of_unknown(instance.parent, self._unsupported[uid])
         receivers, blockers = (self._links.of_light(owners, role) for role in ("receiver", "blocker"))
         if receivers is None or blockers is None:
             warn_of_many_groups(self._unsupported[uid], source.name)
-        materials = self._slots(source, view_layer)
-        info = None
-        if any(self._materials.needs(index).objects for index in materials):
+        info, random_id = None, None if instance is None else instance.random_id
+        if any(each.objects for each in needs):
             info = tuple(owners[-1].color), source.pass_index, random_number(random_id, source.name)
         return _Row(
             self._mesh(source, owners, materials),
@@ -179,6 +190,7 @@ class InstanceReader:
             -1 if receivers is None else receivers,
             -1 if blockers is None else blockers,
             info,
+            {each: self._attributes.read(each, source, view_layer, instance) for each in wanted},
             tuple(each.original.session_uid for each in owners),
             source.name,
             self._unsupported[uid],
@@ -238,7 +250,7 @@ def _raw(source: bpy.types.Object, materials: tuple[int, ...], needs: tuple[Need
     A mesh in edit mode has to be copied in any case.
     """
     try:
-        layers, attributes, _ = zip(*needs, strict=True)
+        layers, attributes, *_ = zip(*needs, strict=True)
         return meshes.read(source.to_mesh(), materials, layers, attributes)
     finally:
         source.to_mesh_clear()

@@ -9,7 +9,8 @@ import numpy as np
 from ....color import luminance
 from ....scene import MATERIAL_INPUTS, Image, Materials, NodeGraph
 from ..diagnostics import Diagnostics
-from ..geometry.attributes import Attribute
+from ..geometry.instance_attributes import InstanceAttribute
+from ..geometry.needs import NOTHING, Needs
 from ..node_graphs.converters import CONVERTERS
 from ..node_graphs.normal_nodes import displaced_normal
 from ..node_graphs.reader import GraphReader, Ray
@@ -35,16 +36,6 @@ DEFAULTS: dict[str, Any] = {
 #: Of materials that reflect nothing.
 BLACK: dict[str, Any] = {**DEFAULTS, COLOR: [0.0, 0.0, 0.0]}
 
-
-class Needs(NamedTuple):
-    """What a material needs of meshes."""
-
-    uv_layer: str | None = None  # "": the one that renders
-    attributes: tuple[Attribute, ...] = ()
-    objects: bool = False  # of instances: their color, index and random number
-
-
-NOTHING = Needs()
 NO_CONSTANTS = np.zeros((0, 4), np.float32)
 
 
@@ -84,6 +75,8 @@ class MaterialReader:
     def __init__(self, frees_buffers: bool = False) -> None:
         """With `frees_buffers`, images that Blender decodes for this reader are freed in Blender after it."""
         self._frees_buffers = frees_buffers
+        #: Attributes of instances that any material has ever read: their indices never change.
+        self.instance_attributes: dict[InstanceAttribute, int] = {}
         self._indices: dict[int, int] = {}
         self._rows: list[_Row | None] = []
         self._used: set[int] = set()
@@ -111,6 +104,11 @@ class MaterialReader:
     def needs(self, index: int) -> Needs:
         """What a material needs of meshes."""
         return (self._rows[index] or UNUSED_ROW).needs
+
+    @property
+    def reads_view_layer(self) -> bool:
+        """Whether any material has ever read attributes of the view layer, which may be those of the world."""
+        return any(each.type == "VIEW_LAYER" for each in self.instance_attributes)
 
     def update(self, material: bpy.types.Material) -> bool:
         """Read a changed material again, if it has been used. Whether it needs something else of meshes now."""
@@ -189,6 +187,7 @@ class MaterialReader:
         reader = GraphReader(
             CONVERTERS,
             material,
+            self.instance_attributes,
             lambda node: self._image(material, node, findings, used_images),
             luminance(images.working_space()),
             simplify,
@@ -214,7 +213,7 @@ class MaterialReader:
         needs = NOTHING
         if graphs:
             reads_objects = any(graph.reads_objects for graph in graphs)
-            needs = Needs(reader.uv_layer, tuple(reader.attributes), reads_objects)
+            needs = Needs(reader.uv_layer, tuple(reader.attributes), reads_objects, tuple(reader.instance_attributes))
         elif reflection.image >= 0:
             needs = Needs(reader.uv_layer)
         values = DEFAULTS | {COLOR: reflection.base_color, "emission": emission.radiance}

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from ....shading.builder import Value, constant
 from ..geometry.attributes import AttributeSource
+from ..geometry.instance_attributes import InstanceAttribute
 from .pattern_nodes import radial_tangent
 from .reader import Converter, NodeView
 
@@ -15,11 +16,12 @@ CAMERA_DATA = "View Vector", "View Z Depth", "View Distance"
 
 
 def attribute(view: NodeView) -> Mapping[str, Value]:
-    """Attribute of the mesh. Those of objects and of the view layer are not known."""
-    node = view.node
+    """Attribute of the mesh, of the object, of its instancer or of the view layer."""
+    node, outputs = view.node, {}
     if node.attribute_type != "GEOMETRY":
-        return {}
-    outputs = {}
+        numbers = view.reader.instance_attribute(InstanceAttribute(node.attribute_type, node.attribute_name))
+        outputs = color_and_alpha(view, numbers)
+        return {**outputs, "Vector": outputs["Color"], "Fac": view.call("average", outputs["Color"])}
     if view.is_used("Fac"):
         number = view.reader.attribute(AttributeSource.NUMBER, node.attribute_name)
         outputs["Fac"] = view.call("separate_x", view.call("color_of", number))

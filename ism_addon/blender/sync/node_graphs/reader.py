@@ -13,6 +13,7 @@ import numpy as np
 from ....scene import MATERIAL_INPUTS
 from ....shading.builder import Builder, Value, constant
 from ..geometry.attributes import Attribute, AttributeSource
+from ..geometry.instance_attributes import InstanceAttribute
 from ..materials.nodes import color
 from .links import Links, NodeKey, Path, Source
 
@@ -108,11 +109,15 @@ class GraphReader:
         self,
         converters: Mapping[str, Converter],
         material: bpy.types.Material,
+        known_attributes: dict[InstanceAttribute, int],
         image: Callable[[bpy.types.ShaderNodeTexImage], int],
         luminance: np.ndarray,
         simplify: bool,
     ):
-        """`image` gives the index of a node's image, or -1. `luminance` (3,): of the working space's primaries."""
+        """`known_attributes`: of instances, with their indices in all graphs; those that are read are added.
+
+        `image` gives the index of a node's image, or -1. `luminance` (3,): of the working space's primaries.
+        """
         self.builder = Builder(simplify)
         self.material = material
         #: The rays that find the surface, and whether anything that has been read depends on that.
@@ -121,9 +126,11 @@ class GraphReader:
         self.uv_layer: str | None = None
         #: What else it reads of meshes.
         self.attributes: list[Attribute] = []
+        #: What it reads of instances, in the order of reading.
+        self.instance_attributes: dict[InstanceAttribute, None] = {}
         #: The normal of the surface if displacement changes it.
         self.displaced_normal: Value | None = None
-        self._image = image
+        self._image, self._known_attributes = image, known_attributes
         self._converters, self._links = converters, Links()
         self._luminance = constant(luminance)
         self._contents: dict[tuple[NodeKey, str], Content] = {}
@@ -200,6 +207,12 @@ class GraphReader:
         if attribute not in self.attributes:
             self.attributes.append(attribute)
         return self.builder.call("mesh_attribute", parameter=self.attributes.index(attribute))
+
+    def instance_attribute(self, attribute: InstanceAttribute) -> Value:
+        """Four numbers of an attribute of instances."""
+        self.instance_attributes[attribute] = None
+        index = self._known_attributes.setdefault(attribute, len(self._known_attributes))
+        return self.builder.call("instance_attribute", parameter=index)
 
     def own_value(self, socket: bpy.types.NodeSocket) -> Value:
         """The value of a socket that is not linked."""

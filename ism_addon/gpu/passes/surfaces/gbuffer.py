@@ -98,6 +98,7 @@ class GBuffer(Pass):
             **frame[MESH_BUFFERS].samplers,
             **({"uvs": frame[UV_BUFFERS].texture} if shader.reads_uvs else {}),
             **({"object_info": frame[INSTANCE_BUFFERS].info} if shader.reads_objects else {}),
+            **(frame[INSTANCE_BUFFERS].attributes if shader.reads_instance_attributes else {}),
             **({"lobe_tables": self.lobe_tables} if shader.has_gloss else {}),
             **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
         )

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluates the emission of meshes whose materials have graphs of it, so that they light surfaces by their texture."""
 
+from collections.abc import Container
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from ....resources import BAKED_EMISSION, MESH_BUFFERS, POINT_GRAPHS
 from ....scene import Change
 from ....scene.limits import MAX_EMISSION
-from ...buffers.instance_buffers import anchor_from_quanta, instance_table, object_info
+from ...buffers.instance_buffers import anchor_from_quanta, attribute_uniforms, instance_table, object_info
 from ...drawing import evaluate_points
 from ...emission.baked_emission import Bake, BakedEmission, bakes_of, key_of
 from ...emission.pieces import Pieces, points_in_parts
@@ -37,7 +38,7 @@ class BakeEmission(Pass):
         rows = np.concatenate([bake.instances for bake in bakes])
         points = np.concatenate([points_of(frame, bake, rows) for bake in bakes])
         graphs, corners = frame[POINT_GRAPHS].emission, frame[MESH_BUFFERS].samplers["corners"]
-        uniforms = graphs.uniforms | tables(frame, rows, "object_info" in graphs.uniforms)
+        uniforms = graphs.uniforms | tables(frame, rows, graphs.uniforms)
         shader = self.full_screen_program(*graphs.parts, **graphs.constants)
         radiance = evaluate_points(frame, shader, points, 4, corners=corners, **uniforms)[:, :3]
         radiance = np.where(np.isnan(radiance), np.float32(0.0), radiance.clip(0.0, MAX_EMISSION))
@@ -68,12 +69,14 @@ def points_of(frame: Frame, bake: Bake, rows: np.ndarray) -> np.ndarray:
     return table.reshape(-1, 8)
 
 
-def tables(frame: Frame, rows: np.ndarray, reads_objects: bool) -> dict[str, Any]:
-    """Tables of these instances, which the camera may not see."""
+def tables(frame: Frame, rows: np.ndarray, read: Container[str]) -> dict[str, Any]:
+    """Those tables of these instances, which the camera may not see, that graphs read."""
     rows, meshes, instances, records = np.unique(rows), frame[MESH_BUFFERS], frame.scene.instances, frame.scene_records
     transforms = instance_table(*anchor_from_quanta(meshes, instances, rows, frame.anchor))
     uniforms = {"instances": INSTANCE.write(records, "emissive_instances", transforms)}
-    if reads_objects:
+    if "object_info" in read:
         info = object_info(meshes, instances, rows)
         uniforms["object_info"] = OBJECT_INFO.write(records, "emissive_object_info", info)
+    if "instance_attributes" in read:
+        uniforms |= attribute_uniforms(records, "emissive_instance_attributes", instances, rows)
     return uniforms

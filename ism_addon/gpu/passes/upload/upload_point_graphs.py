@@ -97,6 +97,8 @@ class UploadPointGraphs(Pass):
             rows_of_objects = frame[INSTANCE_BUFFERS].object_info
             info = OBJECT_INFO.write(frame.scene_records, "object_info", rows_of_objects)
             uniforms |= {"instances": transforms(frame), "object_info": info}
+        if any(graph.uses("instance_attribute") for graph in graphs):
+            uniforms |= frame[INSTANCE_BUFFERS].attributes
         return PointGraphs(constants, (*RECORDS, point_functions(graphs, member, table, fields)), uniforms)
 
 
