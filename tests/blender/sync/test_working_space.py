@@ -60,7 +60,7 @@ def test_texels_equal_those_of_cycles(add, read_scene, empty_scene, space, image
     assert scene.warnings == () and scene.working_space == space
     tree.links.new(node.outputs["Color"], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    ours = decoded(scene.images[0].texels, scene.images[0].encoding)[0, 0, :3]
+    ours = decoded(scene.images[0].texels, scene.images[0])[0, 0, :3]
     assert np.allclose(ours, cycles_color(empty_scene, add), atol=0.004)
 
 

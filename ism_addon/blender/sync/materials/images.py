@@ -80,15 +80,17 @@ def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) ->
     with suppress(UnsupportedPng, OSError), _file(image) as file:
         png = LargePng(file)
         if png.width * png.height > TEXELS_AT_ONCE and (png.channels < 4 or image.alpha_mode in UNCHANGED):
-            texels = _texels_of_bands(image, png, on_black)
-            return Image(texels, repeat, _encoding(image, is_float=False), _is_straight(image, texels, on_black))
+            texels, passes = _texels_of_bands(image, png, on_black)
+            is_straight = passes and not on_black and _has_straight_alpha(image, is_float=False)
+            return Image(texels, repeat, _encoding(image, is_float=False), is_straight)
     width, height = image.size
     if len(image.pixels) == 0 or width * height == 0:
         return None
     encoding = _encoding(image, image.is_float)
     texels = texel_files.empty((height, width, 4), encoding.dtype)
-    _encode(image, _pixels(image), texels, on_black)
-    return Image(texels, repeat, encoding, _is_straight(image, texels, on_black))
+    passes = _encode(image, _pixels(image), texels, on_black)
+    is_straight = passes and not on_black and _has_straight_alpha(image, image.is_float)
+    return Image(texels, repeat, encoding, is_straight)
 
 
 def _file(image: bpy.types.Image) -> BinaryIO:
@@ -102,10 +104,10 @@ def _file(image: bpy.types.Image) -> BinaryIO:
     return open(_path(image), "rb")
 
 
-def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> np.ndarray:
-    """The texels of a PNG that Blender decodes in bands, from the top. Raises UnsupportedPng."""
+def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> tuple[np.ndarray, bool]:
+    """The texels of a PNG that Blender decodes in bands, from the top, and as _encode. Raises UnsupportedPng."""
     texels = texel_files.empty((png.height, png.width, 4), np.dtype(np.uint8))
-    above, bottom = b"", png.height
+    above, bottom, passes = b"", png.height, False
     with bpy.data.temp_data() as data:
         while bottom > 0:
             top = max(bottom - BAND_TEXELS // png.width, 0)
@@ -117,10 +119,10 @@ def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> n
                 raise UnsupportedPng
             pixels = _pixels(band)
             above = np.rint(pixels[: png.width, : png.channels] * np.float32(255.0)).astype(np.uint8).tobytes()
-            _encode(band, pixels, texels[top:bottom], on_black)
+            passes |= _encode(band, pixels, texels[top:bottom], on_black)
             data.images.remove(band)
             bottom = top
-    return texels
+    return texels, passes
 
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:
@@ -131,13 +133,19 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     return pixels.reshape(width * height, -1)
 
 
-def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> None:
-    """Fill texels (H,W,4) from the first of the pixels (N,channels), which are overwritten."""
-    rows = texels.reshape(-1, 4)
+def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> bool:
+    """Fill texels (H,W,4) from the first of the pixels (N,channels), which are overwritten.
+
+    Returns whether alpha is below 1 anywhere.
+    """
+    rows, passes = texels.reshape(-1, 4), False
+    opaque = 1.0 if texels.dtype == np.float16 else 255
     for first in range(0, len(rows), TEXELS_AT_A_TIME):
         batch = slice(first, min(first + TEXELS_AT_A_TIME, len(rows)))
         rows[batch] = _encoded(image, _four_channels(pixels[batch]), on_black)
+        passes |= bool((rows[batch, 3] < opaque).any())
     texel_files.release_memory(texels)
+    return passes
 
 
 def read_frame(image: bpy.types.Image, path: str, repeat: bool, on_black: bool) -> Image | None:
@@ -179,7 +187,7 @@ def _encoding(image: bpy.types.Image, is_float: bool) -> Encoding:
 def _encoded(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
     """(N,4) texels from the values (N,4) of some of the image's pixels, which are overwritten."""
     color, alpha = pixels[:, :3], pixels[:, 3:]
-    if on_black and _has_straight_alpha(image) and (alpha < 1.0).any():
+    if on_black and _has_straight_alpha(image, image.is_float) and (alpha < 1.0).any():
         color *= alpha
     if image.is_float:
         alpha[:] = _clipped(alpha, 1.0)
@@ -210,12 +218,7 @@ def _four_channels(pixels: np.ndarray) -> np.ndarray:
     return four
 
 
-def _has_straight_alpha(image: bpy.types.Image) -> bool:
+def _has_straight_alpha(image: bpy.types.Image, is_float: bool) -> bool:
     """Whether the colour is not yet multiplied by alpha; in floating point images it is."""
     is_data = image.colorspace_settings.is_data
-    return not image.is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
-
-
-def _is_straight(image: bpy.types.Image, texels: np.ndarray, on_black: bool) -> bool:
-    """Whether texels (H,W,4) have colours that are not multiplied by an alpha below 1."""
-    return not on_black and _has_straight_alpha(image) and bool((texels[..., 3] < 255).any())
+    return not is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
