@@ -12,7 +12,7 @@ COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_beckmann", "closure_sheen", "closure_rough_diffuse"
 
 #: Operations that do not end with the normal.
-WITHOUT_NORMAL = "closure_transparent", "closure_emission"
+WITHOUT_NORMAL = "closure_transparent", "closure_pass_limit", "closure_emission"
 
 
 def closure(name: str, operands: str, *, file: str = "gloss", parameter: bool = False, cost: int = 1) -> None:
@@ -27,8 +27,9 @@ def below(name: str, operands: str, *, parameter: bool = False, cost: int) -> No
     )
 
 
-# What passes, with the parameter 1 if it may be colored, and what is emitted.
+# What passes, with the parameter 1 if it may be colored; the most that camera rays may pass; and what is emitted.
 closure("closure_transparent", "vec3", file="closures")
+closure("closure_pass_limit", "float", file="closures")
 closure("closure_emission", "vec3", file="closures")
 # The parameter of lobes of microfacets, and of rough diffuse ones: 1 if light is reflected between them more than once.
 

@@ -18,10 +18,12 @@ from ..gl.shader_compiler import GENERATED, Include
 FILE = "surfaces/node_graph.glsl"
 #: Files of point_functions.
 POINT_FILES = {"transparency": "surfaces/transparency.glsl", "emission": "surfaces/surface_emission.glsl"}
+#: What passes a surface, and the limit of the probability that camera rays do.
+PASSES = "vec4(clamp(closures.transparency, 0.0, 1.0), closures.pass_limit)"
 #: The type of their results, and these: of emission, the radiance, and the probability that camera rays pass.
 POINT_RESULTS = {
-    "transparency": ("vec3", "closures.transparency"),
-    "emission": ("vec4", "vec4(closures.emission, pass_probability(closures.transparency))"),
+    "transparency": ("vec4", PASSES),
+    "emission": ("vec4", f"vec4(closures.emission, pass_probability({PASSES}))"),
 }
 GENERATED |= dict.fromkeys((FILE, *POINT_FILES.values()), lambda _constants: "")  # of shaders without a graph
 

@@ -86,6 +86,11 @@ def shining(tree):
     return tree.add("ShaderNodeMixShader", {0: 0.4, 1: light, 2: glass(tree, RED)})
 
 
+def added(tree, shader, inputs):
+    """A shader that is added to a transparent one, which lets all light pass."""
+    return tree.add("ShaderNodeAddShader", {0: glass(tree, (1.0, 1.0, 1.0, 1.0)), 1: tree.add(shader, inputs)})
+
+
 def half_covered(tree):
     """Red glass beside a shader of an alpha."""
     inputs = {0: 0.5, 1: principled(tree, 0.4), 2: glass(tree, (0.8, 0.1, 0.1, 1.0))}
@@ -99,6 +104,8 @@ COLORED = {
     "stained": stained,
     "half covered": half_covered,
     "shining": shining,
+    "added light": lambda tree: added(tree, "ShaderNodeEmission", {"Color": RED, "Strength": 0.5}),
+    "added diffuse": lambda tree: added(tree, "ShaderNodeBsdfDiffuse", {"Color": (0.1, 0.2, 0.4, 1.0)}),
 }
 
 

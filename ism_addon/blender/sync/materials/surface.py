@@ -17,7 +17,7 @@ from ..diagnostics import Diagnostics
 from ..node_graphs.reader import UNKNOWN, Closure, GraphReader
 from .lobes import BLACK, ONE, ZERO, Lobe, Lobes
 from .nodes import color
-from .transparency import MAX_POINT_COST, Transparency, covered, passing, transparency
+from .transparency import ADDED_PASS_LIMIT, MAX_POINT_COST, Transparency, covered, passing, transparency
 
 #: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
 MAX_COST = 800
@@ -53,6 +53,7 @@ class Surface:
     def __init__(self, reader: GraphReader, closures: Sequence[Closure], mean_texel: MeanTexel):
         self._builder, self._material, self._normal = reader.builder, reader.material, reader.normal()
         self._closures, self._mean_texel = closures, mean_texel
+        self._pass_limit = ADDED_PASS_LIMIT if self._adds_to_more_than_one() else None
 
     def reflection(self, findings: Diagnostics) -> Reflection:
         """What the surface reflects, and sentences about what it is not drawn with."""
@@ -100,7 +101,7 @@ class Surface:
 
     def transparency(self, closures: Sequence[Closure], findings: Diagnostics) -> Transparency | None:
         """What passes through a surface of these closures; None if nothing does."""
-        return transparency(self._builder, closures, self._mean, self._material, findings)
+        return transparency(self._builder, closures, self._mean, self._pass_limit, self._material, findings)
 
     def emission(self, findings: Diagnostics) -> Emission:
         """The radiance of the surface."""
@@ -128,14 +129,14 @@ class Surface:
         if total.equals(0.0):
             return Emission(radiance)
         opaque = self._opaque()
-        if opaque.equals(0.0) and radiance.any():
-            findings.warn("Emission of surfaces that let all light pass lights others, but is not seen", name)
         if opaque.equals(1.0) and not builder.varies(total):
             return Emission(radiance)
         # What the camera sees is divided by the probability that it sees the surface.
         closures = [builder.call("closure_emission", total)]
         if not opaque.equals(1.0):
             closures.append(builder.call("closure_transparent", passing(builder, self._closures)))
+        if self._pass_limit is not None:
+            closures.append(builder.call("closure_pass_limit", self._pass_limit))
         graph, constants = builder.finish(closures)
         if graph.cost > MAX_POINT_COST:
             findings.warn("Materials with too many nodes for what they emit emit evenly", name)
@@ -145,7 +146,16 @@ class Surface:
     def _opaque(self) -> Value:
         """The probability that camera rays do not pass the surface: see surfaces/instance_fragment.glsl."""
         passes = self._builder.call("largest", passing(self._builder, self._closures))
+        if self._pass_limit is not None:
+            passes = self._builder.call("math_minimum", passes, self._pass_limit)
         return self._builder.call("math_subtract", ONE, passes)
+
+    def _adds_to_more_than_one(self) -> bool:
+        """Whether shaders are added to a transparent one instead of mixed with it, or its color is above 1."""
+        transparent = [each for each in self._closures if each.name == "transparent"]
+        brightest = max((float(np.max(self._mean(each.inputs["color"]))) for each in transparent), default=0.0)
+        weights = sum(float(np.mean(self._mean(each.weight))) for each in self._closures)
+        return bool(transparent) and weights * max(brightest, 1.0) > 1.001 and len(transparent) < len(self._closures)
 
     def _mean(self, value: Value) -> Constant:
         """About the mean of a value over the surface: with the means of images."""

@@ -23,6 +23,11 @@ MAX_POINT_COST = 300
 MAX_CHROMA = 0.002
 
 
+#: Limit of the probability that camera rays pass surfaces whose shaders add to more than the light that they get: the
+#: others are drawn, and what passes is as many times as bright.
+ADDED_PASS_LIMIT = constant(0.75)
+
+
 class Transparency(NamedTuple):
     """The graph of a surface's transparency, and its constants (R,4)."""
 
@@ -67,20 +72,26 @@ def transparency(
     builder: Builder,
     closures: Sequence[Closure],
     mean: Callable[[Value], Constant],
+    limit: Value | None,
     material: bpy.types.Material,
     findings: Diagnostics,
 ) -> Transparency | None:
-    """What passes through a surface of these closures; None if nothing does. `mean`: about that of a value."""
+    """What passes through a surface of these closures; None if nothing does. `mean`: about that of a value.
+
+    `limit`: of the probability that camera rays pass, if there is one.
+    """
     color = passing(builder, closures)
     if color.equals(0.0):
         return None
-    tints = any(each.name == "transparent" and is_colored(builder, each.inputs["color"]) for each in closures)
+    colored = (each.name == "transparent" and is_colored(builder, each.inputs["color"]) for each in closures)
+    tints = limit is not None or any(colored)
+    limits = [] if limit is None else [builder.call("closure_pass_limit", limit)]
     for note in builder.notes([color]):
         findings.warn(note, material.name)
-    graph, constants = builder.finish([builder.call("closure_transparent", color, parameter=int(tints))])
+    graph, constants = builder.finish([builder.call("closure_transparent", color, parameter=int(tints)), *limits])
     if graph.cost > MAX_POINT_COST:
         issue = "Materials with too many nodes for what passes through them are evenly transparent"
         findings.warn(issue, material.name)
         even = builder.call("closure_transparent", constant(mean(color)), parameter=int(tints))
-        graph, constants = builder.finish([even])
+        graph, constants = builder.finish([even, *limits])
     return Transparency(graph, constants)

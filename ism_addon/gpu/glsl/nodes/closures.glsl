@@ -15,6 +15,7 @@ struct GlossyClosures {
 
 struct Closures {
     vec3 transparency;
+    float pass_limit; // of pass_probability
     vec3 emission;
     vec3 diffuse;
     float diffuse_roughness; // weighted by what diffuse shaders reflect
@@ -33,15 +34,18 @@ struct Closures {
 Closures no_closures() {
     GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
     vec3 zero = vec3(0.0);
-    return Closures(zero, zero, zero, 0.0, 0.0, zero, none, 1.0, false, zero, none, zero, zero, vec2(0.0));
+    return Closures(zero, 1.0, zero, zero, 0.0, 0.0, zero, none, 1.0, false, zero, none, zero, zero, vec2(0.0));
 }
 
 void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {
     closures.transparency += max(color, 0.0);
 }
 
-// That a camera ray passes, for the fractions that do: what it sees then is multiplied by tints of 1 at most.
-float pass_probability(vec3 passes) { return max(passes.r, max(passes.g, passes.b)); }
+void closure_pass_limit(inout Closures closures, ShadingPoint at, float limit) { closures.pass_limit = limit; }
+
+// That a camera ray passes, for the fractions that do: what it sees then is multiplied by tints of 1 at most, if there is
+// no limit in alpha.
+float pass_probability(vec4 passes) { return min(max(passes.r, max(passes.g, passes.b)), passes.a); }
 
 void closure_emission(inout Closures closures, ShadingPoint at, vec3 radiance) { closures.emission += radiance; }
 

@@ -18,10 +18,10 @@ void write_depth() {
 #if TRANSPARENCY
 int material_of_triangle() { return fetch_triangle(int(triangle_and_instance.x) - 1).material; }
 
-// The fraction of light, between 0 and 1, that passes through a material to the camera.
-vec3 passing(int material) {
+// The fraction of light that passes through a material to the camera; in alpha the limit of pass_probability.
+vec4 passing(int material) {
     int triangle = int(triangle_and_instance.x) - 1, instance = int(triangle_and_instance.y);
     vec3 incoming = direction_to_camera(position);
-    return clamp(transparency(material, shading_point(triangle, instance, barycentric, position, incoming)), 0.0, 1.0);
+    return transparency(material, shading_point(triangle, instance, barycentric, position, incoming));
 }
 #endif

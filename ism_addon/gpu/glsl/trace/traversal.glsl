@@ -99,7 +99,7 @@ vec3 transparency_at(Intersection hit, mat3 blas_from_anchor, vec3 position, vec
     vec3 barycentric = vec3(1.0 - s - t, s, t);
     ShadingPoint at =
         ShadingPoint(position, barycentric, normal, normal, incoming, is_back, hit.triangle, hit.instance);
-    return clamp(transparency(corners.material, at), 0.0, 1.0);
+    return transparency(corners.material, at).rgb;
 }
 #endif
 

@@ -26,13 +26,14 @@ vec3 emission_through_surfaces(Ray ray) {
                                       triangle < 0 ? FAR : depth * length(ray.direction), NO_TINT);
         if (triangle < 0) break;
         int material = fetch_triangle(triangle).material;
-        vec3 p = point_at(ray, depth), passes = vec3(0.0);
+        vec3 p = point_at(ray, depth);
+        vec4 passes = vec4(0.0);
         if (has_transparency(material))
-            passes = clamp(transparency(material, shading_point(triangle, instance, p, incoming)), 0.0, 1.0);
+            passes = transparency(material, shading_point(triangle, instance, p, incoming));
 #if EMISSIVE
         sum += passed * (1.0 - pass_probability(passes)) * surface_radiance(triangle, instance, p, incoming);
 #endif
-        passed *= passes;
+        passed *= passes.rgb;
         start = depth;
     }
     return sum;

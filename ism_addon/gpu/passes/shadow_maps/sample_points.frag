@@ -12,5 +12,5 @@ void main() {
     passes = 0.0;
     if (!has_transparency(material)) return;
     ShadingPoint at = shading_point(triangle, int(other.w), uintBitsToFloat(one.xyz), uintBitsToFloat(other.xyz));
-    passes = dot(clamp(transparency(material, at), 0.0, 1.0), vec3(1.0 / 3.0));
+    passes = dot(transparency(material, at).rgb, vec3(1.0 / 3.0));
 }

@@ -3,8 +3,8 @@
 out vec4 transmitted_color;
 
 void main() {
-    vec3 passes = passing(material_of_triangle());
+    vec4 passes = passing(material_of_triangle());
     float view_z = (view_from_anchor * vec4(position, 1.0)).z;
-    transmitted_color = vec4(passes / max(pass_probability(passes), 1e-30), view_z);
+    transmitted_color = vec4(passes.rgb / max(pass_probability(passes), 1e-30), view_z);
     write_depth();
 }
