@@ -67,14 +67,14 @@ def first_property(name: str, *owners: Any) -> Numbers:
 def property_of(owner: Any, name: str) -> Numbers | None:
     """A custom property, or else what the RNA path leads to; None if that is no number, nor up to four of them."""
     if name in owner:
-        return four_numbers(owner[name])
+        return numbers_of(owner[name])
     try:
-        return None if INDEX.search(name) else four_numbers(owner.path_resolve(name))
+        return None if INDEX.search(name) else numbers_of(owner.path_resolve(name))
     except ValueError:
         return None
 
 
-def four_numbers(value: Any) -> Numbers | None:
+def numbers_of(value: Any) -> Numbers | None:
     """Single numbers are grey. None for other values than numbers, and for arrays of flags."""
     if isinstance(value, int | float):
         return value, value, value, 1.0

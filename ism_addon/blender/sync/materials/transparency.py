@@ -23,8 +23,8 @@ MAX_POINT_COST = 300
 MAX_CHROMA = 0.002
 
 
-#: Limit of the probability that camera rays pass surfaces whose shaders add to more than the light that they get: the
-#: others are drawn, and what passes is as many times as bright.
+#: Limit of the probability that camera rays pass surfaces on which shaders are added to a transparent one: without it,
+#: the others would never be drawn. What is seen behind is divided by the probability.
 ADDED_PASS_LIMIT = constant(0.75)
 
 
