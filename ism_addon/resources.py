@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .gpu.materials.point_graphs import ScenePointGraphs
     from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
     from .gpu.passes.light_selection.retests import Candidates, Retest
+    from .gpu.passes.light_selection.scene_portals import ScenePortals
     from .gpu.passes.shadow_maps.atlas import Batch
     from .gpu.passes.shadow_maps.select_points import MapPoints
     from .gpu.passes.surfaces.select_tiles import TileSelection
@@ -154,6 +155,7 @@ IRRADIANCE_CACHE: Resource[dict[int, CachedIrradiance]] = Resource(
 )
 PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
+PORTALS: Resource[ScenePortals | None] = Resource("portals", "Openings that the world's light comes through", _PICTURE)
 RETESTS: Resource[tuple[Retest, ...]] = Resource(
     "retests", "Rays of each sample since the last doubling to lights believed occluded", _PICTURE
 )
@@ -246,14 +248,12 @@ def _occlusion(name: str, about: str, label: str) -> Target:
 
 
 RAW_OCCLUSION = _occlusion(
-    "raw_occlusion", "Ambient occlusion before it is blurred: white is open", "Ambient Occlusion (Raw)"
+    "raw_occlusion", "Ambient occlusion before blurring: white is open", "Ambient Occlusion (Raw)"
 )
 HALF_BLURRED_OCCLUSION = _occlusion(
     "half_blurred_occlusion", "Ambient occlusion, blurred in rows only", "Ambient Occlusion (Blurred in X)"
 )
-AMBIENT_OCCLUSION = _occlusion(
-    "ambient_occlusion", "Ambient occlusion of the render: white is open", "Ambient Occlusion"
-)
+AMBIENT_OCCLUSION = _occlusion("ambient_occlusion", "Ambient occlusion: white is open", "Ambient Occlusion")
 
 # Emission that the camera sees, W/(sr m²).
 SAMPLE_EMISSION = Target("sample_emission", "Emission of surfaces and lights, as the camera sees it", label="Emission")

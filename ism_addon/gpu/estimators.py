@@ -20,6 +20,7 @@ from .passes.emission.find_emission_edges import FindEmissionEdges
 from .passes.emission.shade_emission import ShadeEmission
 from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
+from .passes.light_selection.find_portals import FindPortals
 from .passes.light_selection.probe_visibility import ProbeVisibility
 from .passes.light_selection.retest_occluded import RetestOccluded
 from .passes.shadow_maps.atlas import batches
@@ -51,7 +52,7 @@ class RayTracedDirect:
 
     traces_rays = adaptive = True
     pass_types: tuple[type[Pass], ...] = (
-        *(ProbeVisibility, RetestOccluded, PredictVisibility, MatchPredictions),
+        *(FindPortals, ProbeVisibility, RetestOccluded, PredictVisibility, MatchPredictions),
         *(SelectFaintLights, TraceShadows),
     )
 

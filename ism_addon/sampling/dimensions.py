@@ -42,6 +42,8 @@ class Dimension(Enum):
     # `probe`, of tiles and of retests are among the ten most even of 2,500 random pairs: over 3×3 to 8×8 neighbors and
     # half-occluded lights.
     PROBE_POINT = {"light": powers_of_root(1, -1, -1), "probe": (0.577895, 0.236398)}
+    # The direction of a ray that looks for openings to the world.
+    PORTAL_POINT = {"probe": (0.913037, 0.899906)}
     # Which lights believed occluded are probed again in which tiles, and at which point. RETEST is the better of two
     # candidates: it discovers lights behind a hole sooner, from four positions, see
     # tests/unit/light_selection/test_cull_lights.py.

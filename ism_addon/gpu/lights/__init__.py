@@ -271,8 +271,11 @@ def glsl(constants: shader_compiler.Constants) -> str:
     lines = [LIGHT_SAMPLE, LIGHT_TABLES]
     lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
     lines += [f"#define REFLECTED {gloss}"]
+    lines += [] if "portals" in constants else ["#define PORTALS 0"]
     if gloss:  # before the types' files, which include it for some of their variants only
         lines += ['#include "closed_forms/transformed_cap.glsl"']
+    if "portals" in constants:
+        lines += [f'#include "{AreaLight.glsl.as_posix()}"']
     lines += [f'#include "{light_type.glsl.as_posix()}"' for light_type in types]
     if gloss:
         lines += ['#include "lights/transformed_irradiance.glsl"']

@@ -23,6 +23,11 @@ def has_world(lights: Lights) -> bool:
     return bool((lights.shape == WORLD).any())
 
 
+def world_row(lights: Lights) -> int:
+    """The row of the world."""
+    return int(np.flatnonzero(lights.shape == WORLD)[0])
+
+
 def with_world(lights: Lights, world: World) -> Lights:
     """A table of lights, and after them the world."""
     row = {

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from ism_addon.gpu import lights
+from ism_addon.gpu.culling.portals import Portals, Rectangle
 from ism_addon.gpu.emission.emitters import EmissiveMeshes
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
 from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
-from ism_addon.gpu.lights.world import with_world
+from ism_addon.gpu.lights.world import WORLD, with_world
+from ism_addon.gpu.passes.light_selection.scene_portals import ScenePortals
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape, World
 from tests.scenes.small import sphere, subdivided_box
@@ -91,6 +93,20 @@ EXAMPLES: dict[str, list[Lights]] = {
     "world": [with_world(light().select(slice(0)), World.of(radiance=np.ones(3)))],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
+EXAMPLES["world through portals"] = EXAMPLES["world"]
+#: Windows above and beside the origin, and one behind it.
+PORTALS = Portals(
+    (
+        Rectangle(
+            np.array([0.3, -0.2, 1.0]), np.array([[1.5, 0.4, 0.0], [0.32, -1.2, 0.0]]), np.array([0.0, 0.0, -1.0])
+        ),
+        Rectangle(np.array([1.0, 0.5, 0.6]), np.array([[0.0, 1.5, 0.0], [0.0, 0.0, 1.5]]), np.array([-1.0, 0.0, 0.0])),
+        Rectangle(np.array([0.0, -1.0, 0.6]), np.array([[1.5, 0.0, 0.0], [0.0, 0.0, 1.5]]), np.array([0.0, -1.0, 0.0])),
+    ),
+    crossed=0.2,
+    arriving=0.5,
+    missed=0.1,
+)
 #: Normals of the receiver at the origin. All lights are above the horizon of the first.
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.8, 0.0, 0.6], [0.6, 0.7, -0.3872983]])
 CASES = [(name, index, k) for name, own in EXAMPLES.items() for index in range(len(own)) for k in range(len(NORMALS))]
@@ -104,18 +120,20 @@ def evaluate():
         device = open_device()
         with device.gl as gl:
             programs = []
-            for mesh_colors in (0, 1):
-                begin = head(LIGHT_RECORDS, {"side": SIDE, "mesh_colors": mesh_colors})
-                source = begin + expand(FOLDER / "glsl/lights/light.glsl", [], {}) + MAIN
+            for constants in ({"mesh_colors": 0}, {"mesh_colors": 1}, {"mesh_colors": 0, "portals": WORLD}):
+                begin = head(LIGHT_RECORDS, {"side": SIDE, **constants})
+                source = begin + expand(FOLDER / "glsl/lights/light.glsl", [], constants) + MAIN
                 vertex_shader = begin + (FOLDER / "glsl/full_screen.vert").read_text()
                 programs.append(gl.program(vertex_shader, fragment_shader=source))
             targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
             framebuffer = gl.framebuffer(targets)
 
-            def run(of: Lights, normal: np.ndarray) -> np.ndarray:
-                program = programs[lights.mixed_variant(of)["mesh_colors"]]
-                triangle = gl.vertex_array(program, [])
-                buffers = light_buffers(device.scene_records(), of, np.zeros(3))
+            def run(of: Lights, normal: np.ndarray, through_portals: bool = False) -> np.ndarray:
+                program = programs[2 if through_portals else lights.mixed_variant(of)["mesh_colors"]]
+                triangle, records = gl.vertex_array(program, []), device.scene_records()
+                buffers = light_buffers(records, of, np.zeros(3))
+                if through_portals:
+                    buffers = buffers | ScenePortals.upload(records, 0, PORTALS).uniforms
                 used = {name: table for name, table in buffers.items() if name in program}
                 gl.enable_only(moderngl.NOTHING)
                 framebuffer.use()
@@ -131,7 +149,7 @@ def evaluate():
 def evaluated(request, evaluate):
     """The values of one case by name, and whether all light comes from one direction."""
     name, index, k = request.param
-    columns = evaluate(EXAMPLES[name][index], NORMALS[k]).T
+    columns = evaluate(EXAMPLES[name][index], NORMALS[k], "portals" in name).T
     radiance, cosine, pdf, irradiance, own_pdf, own_emitted, any_pdf, any_emitted, uniform, any_cosine = columns
     estimated = has_light_bvh(EXAMPLES[name][index])[0]  # by few nodes of a light BVH: not compared
     return {

@@ -1,6 +1,7 @@
 // A sample of the light that a surface reflects, and what its lobes reflect of it.
 #include "maths/luminance.glsl"
 #include "surfaces/bsdf.glsl"
+#include "lights/portal_rays.glsl"
 #include "lights/resampled_light_sample.glsl"
 
 struct ReflectionSample {
@@ -59,14 +60,16 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
     float radiance = dot(n, wi) > 0.0 ? light_emitted(light, p, wi) : 0.0;
     if (radiance <= 0.0) return kept;
     value = evaluate_lobes(lobes, wi);
-    density = max(value.pdf + light_pdf(light, p, n, wi), 1e-37);
+    float other_pdf = light_pdf(light, p, n, wi);
+    density = max(value.pdf + other_pdf, 1e-37);
     vec3 point = emitting_point(light, p, wi);
     int triangle = light_triangle(light, p, wi);
     light_sum = light.emission * light_color(light, p, point, triangle) * (radiance / density);
     vec3 other_diffuse = light_sum * evaluate_diffuse(surface, wi), other_gloss = light_sum * value.reflected;
     if (prediction.even != EVERYWHERE) kept.correction += other_gloss;
     if (prediction.even > 0.0) kept.correction -= even / density * evaluate_prediction(prediction, lobes, wi);
-    float first = abs(luminance(diffuse + reflected)), second = abs(luminance(other_diffuse + other_gloss));
+    float first = abs(luminance(diffuse + reflected)) * ray_importance(light, n, by_light.wi, by_light.pdf);
+    float second = abs(luminance(other_diffuse + other_gloss)) * ray_importance(light, n, wi, other_pdf);
     float probability = second > 0.0 ? first / (first + second) : 1.0;
     if (lobe_uv.z >= probability) {
         kept.from = LightSample(point, wi, radiance, density, triangle);

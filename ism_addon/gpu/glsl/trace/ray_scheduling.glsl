@@ -25,11 +25,22 @@ struct ScheduledRays { float first; float count; }; // indices among the pixel's
 
 const float RAYLESS = 1048576.0; // the first index of samples that take no ray
 
+// Standard deviation of what a ray says of a visibility that is predicted to be this.
+float ray_doubt(float visibility, bool uncertain) {
+    if (!uncertain) return MIN_DOUBT;
+#if PORTALS
+    float second_moment = visibility * (portal_moments.x * visibility + portal_moments.y);
+    return sqrt(max(second_moment - visibility * visibility, MIN_DOUBT * MIN_DOUBT));
+#else
+    return sqrt(max(visibility * (1.0 - visibility), 0.05));
+#endif
+}
+
 // Number of rays a sample, on average, to a light of this predicted visibility and unshadowed luminance.
 float ray_rate(float unshadowed, float visibility, bool uncertain) {
-    float uncertainty = uncertain ? sqrt(max(visibility * (1.0 - visibility), 0.05)) : MIN_DOUBT;
+    float deviation = abs(unshadowed) * ray_doubt(visibility, uncertain);
     // Powers of two, so that neighbouring pixels trace in the same samples: processors execute several at once.
-    return clamp(exp2(floor(log2(abs(unshadowed) * uncertainty / ray_threshold))), MIN_PROBABILITY, float(MAX_RAYS));
+    return clamp(exp2(floor(log2(deviation / ray_threshold))), MIN_PROBABILITY, float(MAX_RAYS));
 }
 
 // A ray's index counts the traced rays of its pixel, so that even rare rays go to evenly distributed points.

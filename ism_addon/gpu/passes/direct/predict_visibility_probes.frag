@@ -34,6 +34,6 @@ void main() {
     }
     bool certain = total.x == 0.0 || total.x == total.y || !surface.exists;
     if (similar.y < 1e-3) similar = total;
-    prediction = certain ? vec2(total.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(similar.x / similar.y, 1.0);
+    prediction = certain ? vec2(total.x > 0.0 ? 1.0 : 0.0, 0.0) : vec2(min(similar.x / similar.y, 1.0), 1.0);
     if (total.y == 0.0 && surface.exists) prediction = vec2(0.5, 1.0); // no ray was traced: visibility is unknown
 }

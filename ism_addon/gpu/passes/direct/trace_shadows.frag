@@ -25,6 +25,23 @@ layout(location = 1) out vec4 direct_residual; // in alpha, unshadowed luminance
 layout(location = 2) out vec2 rays; // unoccluded, traced
 #endif
 
+#if TRACE
+// What a ray adds to `rays`. Samples through portals are not distributed as the light that the surface reflects is, of
+// luminance `unshadowed`: such a ray counts by what it estimates of it.
+vec2 counts_of(vec3 visible, bool is_lit_from, ReflectionSample chosen, float unshadowed) {
+#if PORTALS
+    vec3 estimate = chosen.diffuse;
+#if GLOSS
+    estimate += chosen.gloss;
+#endif
+    float weight = unshadowed != 0.0 ? clamp(luminance(estimate) / unshadowed, 0.0, MAX_RAY_WEIGHT) : 1.0;
+    return vec2(is_lit_from ? weight * mean(visible) : 0.0, 1.0);
+#else
+    return vec2(mean(visible), is_lit_from ? 1.0 : 0.0);
+#endif
+}
+#endif
+
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     direct_prediction = vec4(0.0);
@@ -64,7 +81,8 @@ void main() {
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
     LobePrediction prediction_of_lobes = predict_lobes(surface, lobes, light, irradiance, color);
     vec3 glossy = is_lit ? prediction_of_lobes.radiance : vec3(0.0);
-    bool corrects_gloss = is_lit && lobes.exist && !light_is_delta(light, surface.position);
+    bool exact_gloss = prediction_of_lobes.even == EVERYWHERE;
+    bool corrects_gloss = is_lit && lobes.exist && !exact_gloss && !light_is_delta(light, surface.position);
     all_unshadowed += glossy;
 #endif
     float amount = luminance(all_unshadowed);
@@ -134,15 +152,16 @@ void main() {
 #if TRACE
         LightSample from = chosen.from;
         bool is_lit_from = arrives(surface, from);
-        if (k >= count || (exact && !is_lit_from)) continue;
+        if (k >= count || (exact && PORTALS == 0 && !is_lit_from)) continue;
         vec3 visible = is_lit_from ? shadow_transmittance(surface, from.point, light) : vec3(0.0);
-        rays += vec2(mean(visible), is_lit_from ? 1.0 : 0.0);
+        rays += counts_of(visible, is_lit_from, chosen, amount);
         if (tests) continue;
         vec3 estimate = is_lit_from ? chosen.diffuse : vec3(0.0);
         vec3 correction = ray_correction(
             estimate, visible, unshadowed, predicted.x, light, surface.position, from.point, is_reliable);
 #if GLOSS
-        if (is_lit_from) correction += chosen.gloss * (visible - predicted.x);
+        vec3 gloss = is_lit_from ? chosen.gloss : vec3(0.0);
+        correction += gloss * visible - predicted.x * (PORTALS != 0 && exact_gloss ? glossy : gloss);
 #endif
         direct_residual.rgb += correction / rate;
 #endif

@@ -28,6 +28,7 @@ from ....resources import (
     LIGHTS_USED,
     MEAN_LUMINANCE,
     POINT_GRAPHS,
+    PORTALS,
     PREDICTED_PIXEL,
     PREDICTED_VISIBILITY,
     PREDICTION,
@@ -50,6 +51,7 @@ from ...lights.modulation import mean_points
 from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
 from ...surface_inputs import SURFACE, surface_samplers
+from ..light_selection.scene_portals import portals_of
 from .faint_lights import drawn_pairs
 from .ray_correction import (
     RECORDS,
@@ -75,7 +77,7 @@ class TraceShadows(Pass):
 
     inputs = (
         *(*SURFACE, *MATERIAL, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
-        *(POINT_GRAPHS, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
+        *(POINT_GRAPHS, PORTALS, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
     )
     outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
@@ -164,7 +166,9 @@ class TraceShadows(Pass):
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cache = (frame.get(IRRADIANCE_CACHE) or {}).get(light)
         cached = {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
-        return variant | cached | material_constants(frame)
+        portals = portals_of(frame, light)
+        through_portals = portals.constants | {"exact_but_for_falloff": 0} if portals else {}
+        return variant | cached | through_portals | material_constants(frame)
 
     @staticmethod
     def shared_uniforms(frame: Frame) -> dict[str, Any]:
@@ -180,11 +184,12 @@ class TraceShadows(Pass):
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
-        cache = frame.get(IRRADIANCE_CACHE) or {}
+        cache, portals = frame.get(IRRADIANCE_CACHE) or {}, portals_of(frame, light)
         return {
             "light_index": light,
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
             **(cache[light].uniforms if light in cache else {}),
+            **(portals.uniforms if portals else {}),
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:

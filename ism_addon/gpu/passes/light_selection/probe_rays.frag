@@ -1,6 +1,7 @@
 // Probe rays: each texel traces a ray from one pixel to a light. Texels lie in blocks; a block's rays go to one light.
 #include "surfaces/receiver_linking.glsl"
 #include "trace/shadow_ray.glsl"
+#include "lights/portal_rays.glsl"
 uniform usamplerBuffer probe_blocks;
 uniform int first_block;
 uniform int block_columns;  // blocks side by side
@@ -16,7 +17,10 @@ vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
     LightSample from = light_sample(light, surface.position, surface.normal, light_uv);
-    if (arrives(surface, from)) return vec2(mean(shadow_transmittance(surface, from.point, light)), 1.0);
+    if (arrives(surface, from)) {
+        float visible = mean(shadow_transmittance(surface, from.point, light));
+        return vec2(visible * ray_weight(light, surface.normal, from), 1.0);
+    }
     if (light.leaves > 0) return vec2(0.0);
     return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }

@@ -11,7 +11,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PROBE, TLAS
+from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PORTALS, PROBE, TLAS
 from ....sampling.dimensions import fixed_points
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
@@ -23,6 +23,7 @@ from ...lights import mixed_variant
 from ...materials.point_graphs import NO_POINT_GRAPHS
 from ...surface_inputs import surface_samplers
 from ...tiles import PROBES_PER_TILE_SIDE
+from .scene_portals import portals_of
 
 SHADER = "passes/light_selection/probe_rays.frag"
 RECORDS = *LIGHT_RECORDS, CASTER, MEMBERSHIP, PROBE_BLOCK
@@ -83,8 +84,9 @@ def trace_tiles(
     `own_program`: by a program for such lights, not for all of the scene.
     """
     variant = mixed_variant(frame.scene.lights, [light] if own_program else None)
-    program = ray_program(frame, "glsl/tiles.vert", variant)
-    bind(program, **uniforms(frame, blocks, first, grid))
+    portals = portals_of(frame, light) if own_program else frame.get(PORTALS)
+    program = ray_program(frame, "glsl/tiles.vert", variant | (portals.constants if portals else {}))
+    bind(program, **uniforms(frame, blocks, first, grid), **(portals.uniforms if portals else {}))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: a shadow ray from one pixel of every 2×2, in the tiles that CullLights selects."""
 
-from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, POINT_GRAPHS, PROBE, PROBE_SPACING, PROBES, TLAS
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, POINT_GRAPHS, PORTALS, PROBE, PROBE_SPACING, PROBES, TLAS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...frame import Frame, Pass, Schedule, outputs
@@ -10,6 +10,7 @@ from ...gl.shader_records import PROBE_BLOCK
 from ...surface_inputs import SURFACE
 from ...tiles import PROBES_PER_TILE_SIDE, tiles_where
 from .probe_rays import ProbeGrid, light_blocks, trace_tiles
+from .scene_portals import WEIGHTED_PROBE, portals_of
 
 #: Rays to all lights up to which one program traces them: to compile others would take longer than they save. A first
 #: picture of the kitchen of `bench error` takes 0.9 s less so, but rays in its street half as much time again.
@@ -20,7 +21,7 @@ class ProbeVisibility(Pass):
     """For each light that casts shadows, whether a ray from one pixel in 2×2 is unoccluded."""
 
     schedule = Schedule.FIRST
-    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, Change.VIEW, Change.LIGHTS
+    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, PORTALS, Change.VIEW, Change.LIGHTS
     outputs = outputs(PROBES)
 
     def needed(self, frame: Frame) -> bool:
@@ -30,7 +31,8 @@ class ProbeVisibility(Pass):
         gl, casts_shadow = self.device.gl, frame.scene.lights.casts_shadow
         influences = frame[LIGHT_INFLUENCE]
         lights = [light for light, influence in influences.items() if casts_shadow[light] and influence.to_probe.any()]
-        probes = {light: create(gl, PROBE, size_of(PROBE, *frame.size)) for light in lights}
+        size = size_of(PROBE, *frame.size)
+        probes = {light: create(gl, WEIGHTED_PROBE if portals_of(frame, light) else PROBE, size) for light in lights}
         self.device.overwrite()
         blocks = PROBE_BLOCK.upload(self.device, light_blocks(lights, draw(Dimension.PROBE_POINT, light=lights)))
         tiles = {light: tiles_where(influences[light].to_probe) for light in lights}

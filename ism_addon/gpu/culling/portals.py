@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Portals: openings through which most of the world's light reaches an interior, found by rays.
+
+Rays that leave the scene leave the box around what is visible. Where they cross its faces, rectangles are fitted to
+them. The world is then sampled through these, as through the portals that artists place (Bitterli, Novák & Jarosz
+2015).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Rectangles at most: the density of a sample takes time in proportion to their number.
+MAX_PORTALS = 4
+
+#: Unoccluded rays with fewer of which no openings are looked for. An opening has at least this many, too.
+MIN_RAYS = 16
+
+#: Where more of the rays are unoccluded, it is not indoors. Cells of that many along the longest side of the box.
+MAX_INDOORS_VISIBILITY = 0.4
+CELLS = 6
+
+#: The box's angle about z: so many are tried up to a right angle, then around the best one.
+ANGLES = 18
+
+#: Cells of a face along each side. A cell with rays is part of an opening if it has this fraction of such cells' mean.
+FACE_CELLS = 12
+MIN_DENSITY = 0.1
+
+#: How far in front of a face openings may be, relative to the box.
+OFFSETS = 0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0
+
+#: Occluded rays that measure a rectangle: all of them would take longer.
+MEASURING_RAYS = 4000
+
+#: Ratio of the variance of samples without portals to that with them, below which they do not pay.
+MIN_GAIN = 2.0
+
+#: Probability of a sample through a portal, at most: the others find light that portals miss.
+MAX_PROBABILITY = 0.9
+
+
+@dataclass(frozen=True)
+class Rays:
+    """N rays: origins and directions (N,3) in anchor space, and whether each (N,) is unoccluded."""
+
+    origins: np.ndarray
+    directions: np.ndarray
+    unoccluded: np.ndarray
+
+    def __getitem__(self, rows: np.ndarray | slice) -> "Rays":
+        return Rays(self.origins[rows], self.directions[rows], self.unoccluded[rows])
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle in anchor space, m."""
+
+    centre: np.ndarray  # (3,)
+    sides: np.ndarray  # (2,3): the vectors of both sides
+    normal: np.ndarray  # (3,) unit, into the interior
+
+    def crossed_by(self, rays: Rays) -> np.ndarray:
+        """(N,) bool: whether rays cross it from the interior."""
+        cosine = rays.directions @ self.normal
+        distance = (self.centre - rays.origins) @ self.normal / np.minimum(cosine, -1e-9)
+        offset = rays.origins + distance[:, None] * rays.directions - self.centre
+        inside = np.abs(offset @ self.sides.T) <= 0.5 * (self.sides * self.sides).sum(1)
+        return (cosine < -1e-9) & (distance > 0.0) & inside.all(1)
+
+
+@dataclass(frozen=True)
+class Portals:
+    """Rectangles, and how samples through them are distributed."""
+
+    rectangles: tuple[Rectangle, ...]
+    crossed: float  # fraction of cosine-distributed rays
+    arriving: float  # fraction of these that are unoccluded
+    missed: float  # fraction of the unoccluded rays that cross none
+
+    @classmethod
+    def of(cls, rectangles: tuple[Rectangle, ...], rays: Rays) -> "Portals":
+        """Measured by cosine-distributed rays."""
+        crossed = np.any([each.crossed_by(rays) for each in rectangles], axis=0)
+        found = int((crossed & rays.unoccluded).sum())
+        missed = 1.0 - found / (int(rays.unoccluded.sum()) + 2.0)  # not 0 if all rays cross any
+        return cls(rectangles, float(crossed.mean()), found / max(int(crossed.sum()), 1), missed)
+
+    @property
+    def relative_deviations(self) -> tuple[float, float]:
+        """Of light through them and beside them, if samples are cosine-distributed, relative to that of all light."""
+        return float(np.sqrt((1.0 - self.missed) * self.crossed)), float(np.sqrt(self.missed))
+
+    @property
+    def gain(self) -> float:
+        """Ratio of the variance of cosine-distributed samples to that of the probability below."""
+        return 1.0 / sum(self.relative_deviations) ** 2
+
+    @property
+    def probability(self) -> float:
+        """Of a sample through any: the one of which the second moment (1 - m) c / p + m / (1 - p) is the least."""
+        through, beside = self.relative_deviations
+        return min(through / (through + beside), MAX_PROBABILITY)
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Of a ray's visibility, the second moment: factors of the visibility's square, and of itself."""
+        return 1.0 / (max(self.arriving, 1e-3) * self.probability), self.missed / (1.0 - self.probability)
+
+
+def find_portals(rays: Rays) -> Portals | None:
+    """Portals from cosine-distributed rays; None if none pay."""
+    if rays.unoccluded.sum() < MIN_RAYS:
+        return None
+    axes = box_axes(rays.origins)
+    rays = rays[are_indoors(rays, axes)]
+    if rays.unoccluded.sum() < MIN_RAYS:
+        return None
+    low, high = box(rays.origins, axes)
+    unoccluded, occluded = rays[rays.unoccluded], rays[~rays.unoccluded]
+    sparse = occluded[:: max(len(occluded) // MEASURING_RAYS, 1)]
+    openings: list[tuple[int, Rectangle]] = []
+    face = faces_crossed(unoccluded, axes, low, high)
+    for index in range(6):
+        for opening in openings_of_face(unoccluded[face == index], index, axes, low, high):
+            openings.append((len(opening), smallest_rectangle(opening, sparse, index, axes, low, high)))
+    openings.sort(key=lambda each: -each[0])
+    best: Portals | None = None
+    for _, rectangle in openings:
+        portals = Portals.of((*best.rectangles, rectangle) if best else (rectangle,), rays)
+        if best is None or portals.gain > best.gain:
+            best = portals
+        if len(best.rectangles) == MAX_PORTALS:
+            break
+    return best if best and best.gain >= MIN_GAIN else None
+
+
+def box(origins: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (3,), along axes (3,3), of the box around almost all origins (N,3)."""
+    low, high = np.quantile(origins @ axes.T, (0.01, 0.99), axis=0)
+    return low, np.maximum(high, low + 1e-3 * (high - low).max() + 1e-9)
+
+
+def box_axes(origins: np.ndarray) -> np.ndarray:
+    """Rows (3,3): the axes, turned about z, along which the box around origins (N,3) has the least base."""
+    angle, step = 0.0, 0.5 * np.pi
+    for _ in range(2):
+        tried = [turned(angle + step * (k / ANGLES - 0.5)) for k in range(ANGLES)]
+        sizes = np.array([np.subtract(*box(origins, axes)[::-1]) for axes in tried])
+        best = int(np.argmin(sizes[:, 0] * sizes[:, 1]))
+        angle, step = angle + step * (best / ANGLES - 0.5), 2.0 * step / ANGLES
+    return turned(angle)
+
+
+def turned(angle: float) -> np.ndarray:
+    """Rows (3,3): axes turned about z by an angle, rad."""
+    sine, cosine = np.sin(angle), np.cos(angle)
+    return np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def are_indoors(rays: Rays, axes: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether few of the rays from the same cell are unoccluded."""
+    low, high = box(rays.origins, axes)
+    cells = np.floor((rays.origins @ axes.T - low) * (CELLS / (high - low).max())).astype(np.int64)
+    _, cell = np.unique(np.clip(cells, -1, CELLS), axis=0, return_inverse=True)
+    cell = cell.ravel()
+    visibility = np.bincount(cell, rays.unoccluded) / np.bincount(cell)
+    indoors: np.ndarray = visibility[cell] <= MAX_INDOORS_VISIBILITY
+    return indoors
+
+
+def faces_crossed(rays: Rays, axes: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(N,) index of the face of the box by which rays leave it: of the axes' low ends, then of their high ends."""
+    origins, directions = rays.origins @ axes.T, rays.directions @ axes.T
+    ahead = directions > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distances = (np.where(ahead, high, low) - origins) / directions
+    axis = np.nanargmin(np.where(directions == 0.0, np.inf, distances), axis=1)
+    face: np.ndarray = axis + 3 * ahead[np.arange(len(rays)), axis]
+    return face
+
+
+def crossings(rays: Rays, face: int, axes: np.ndarray, level: float) -> np.ndarray:
+    """(N,2): where rays cross the plane of a face at `level` along its axis, in coordinates of the other axes."""
+    axis, others = face % 3, [k for k in range(3) if k != face % 3]
+    origins, directions = rays.origins @ axes.T, rays.directions @ axes.T
+    along = directions[:, axis]
+    distances = (level - origins[:, axis]) / np.where(np.abs(along) > 1e-6, along, 1e-6)
+    points: np.ndarray = (origins + distances[:, None] * directions)[:, others]
+    return points
+
+
+def openings_of_face(rays: Rays, face: int, axes: np.ndarray, low: np.ndarray, high: np.ndarray) -> list[Rays]:
+    """The rays of each opening: of connected cells of a face that rays leave the box by."""
+    if len(rays) < MIN_RAYS:
+        return []
+    axis, others = face % 3, [k for k in range(3) if k != face % 3]
+    points = crossings(rays, face, axes, float((low, high)[face // 3][axis]))
+    cells = (points - low[others]) / (high - low)[others] * FACE_CELLS
+    cells = np.clip(cells.astype(np.int64), 0, FACE_CELLS - 1)
+    counts = np.zeros((FACE_CELLS, FACE_CELLS), np.int64)
+    np.add.at(counts, tuple(cells.T), 1)
+    dense = counts >= MIN_DENSITY * counts[counts > 0].mean()
+    labels = np.where(dense, np.arange(1, FACE_CELLS**2 + 1).reshape(counts.shape), 0)
+    for _ in range(FACE_CELLS**2):
+        spread = np.lib.stride_tricks.sliding_window_view(np.pad(labels, 1), (3, 3)).max((2, 3)) * dense
+        if (spread == labels).all():
+            break
+        labels = spread
+    label = labels[tuple(cells.T)]
+    openings = [rays[label == each] for each in np.unique(label[label > 0])]
+    return [each for each in openings if len(each) >= MIN_RAYS]
+
+
+def smallest_rectangle(
+    rays: Rays, occluded: Rays, face: int, axes: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> Rectangle:
+    """The rectangle that all rays of an opening cross and the fewest occluded ones, at any of OFFSETS from a face."""
+    axis, others = face % 3, [k for k in range(3) if k != face % 3]
+    outwards = 1.0 if face >= 3 else -1.0
+    best = None
+    for offset in OFFSETS:
+        level = float((low, high)[face // 3][axis] + outwards * offset * (high - low)[axis])
+        points = crossings(rays, face, axes, level)
+        first, last = points.min(0), points.max(0)
+        margin = (last - first) / len(rays)
+        first, last = first - margin, last + margin
+        centre = np.zeros(3)
+        centre[axis], centre[others] = level, 0.5 * (first + last)
+        sides = (last - first)[:, None] * axes[others]
+        rectangle = Rectangle(centre @ axes, sides, -outwards * axes[axis])
+        count = int(rectangle.crossed_by(occluded).sum())
+        if best is None or count < best[0]:
+            best = count, rectangle
+    assert best is not None
+    return best[1]

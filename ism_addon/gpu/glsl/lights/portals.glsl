@@ -1,0 +1,39 @@
+// Samples of the world's directions through portals, see culling/portals.py. A portal is a rectangle like an area light.
+#include "maths/orthonormal_basis.glsl"
+#include "sampling/cosine_hemisphere.glsl"
+#include "sampling/discrete.glsl"
+uniform int portals;              // rows of LIGHT
+uniform int portal_count;         // at most MAX_EXACT_TRIANGLES
+uniform float portal_probability; // of a sample through one of them, where any is above the horizon
+uniform vec2 portal_moments;      // of a ray's visibility, the second: factors of the visibility's square, and of itself
+
+Light fetch_portal(int k) { return fetch_Light(scene_records, portals + k); }
+
+struct PortalWeights { float irradiance[MAX_EXACT_TRIANGLES]; float sum; };
+
+PortalWeights portal_weights(vec3 p, vec3 n) {
+    PortalWeights weights;
+    weights.sum = 0.0;
+    for (int k = 0; k < portal_count; ++k) {
+        weights.irradiance[k] = max(area_irradiance_without_spread(fetch_portal(k), p, n), 0.0);
+        weights.sum += weights.irradiance[k];
+    }
+    return weights;
+}
+
+float portals_pdf(PortalWeights weights, vec3 p, vec3 n, vec3 wi) {
+    float cosine_pdf = cosine_hemisphere_pdf(max(dot(n, wi), 0.0));
+    if (weights.sum <= 0.0) return cosine_pdf;
+    float pdf = 0.0;
+    for (int k = 0; k < portal_count; ++k)
+        if (weights.irradiance[k] > 0.0) pdf += weights.irradiance[k] / weights.sum * area_pdf(fetch_portal(k), p, n, wi);
+    return mix(cosine_pdf, pdf, portal_probability);
+}
+
+vec3 sample_portals(PortalWeights weights, vec3 p, vec3 n, vec2 uv) {
+    float through = weights.sum > 0.0 ? portal_probability : 0.0;
+    if (uv.x >= through) return basis(n) * cosine_hemisphere(vec2((uv.x - through) / (1.0 - through), uv.y));
+    uv.x /= through;
+    int chosen = sample_discrete(weights.irradiance, portal_count, uv.x).index;
+    return area_sample(fetch_portal(chosen), p, n, uv).wi;
+}

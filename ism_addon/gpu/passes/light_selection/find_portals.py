@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Openings that the world's light comes through, if it reaches little of what is visible: see culling/portals.py."""
+
+import math
+from functools import cached_property
+
+import moderngl
+
+from ....resource_types import Target
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, PORTALS, POSITION, TLAS
+from ....sampling.dimensions import Dimension, draw, fixed_increments
+from ....scene import Change
+from ...culling.portals import MAX_INDOORS_VISIBILITY, Rays, find_portals
+from ...drawing import draw_pixels
+from ...frame import Frame, Pass, Schedule, outputs
+from ...gl.render_targets import create, pixels
+from ...gl.shader_compiler import bind
+from ...lights.world import has_world, world_row
+from ...surface_inputs import SURFACE
+from .probe_rays import ProbeGrid, light_blocks, trace_blocks
+from .scene_portals import ScenePortals
+
+#: Rays that look for openings.
+PORTAL_RAYS = 10_000
+
+RAY_ORIGIN = Target("ray_origin", "Where rays to the world start; in alpha, whether there is one", divisor=0)
+RAY_DIRECTION = Target("ray_direction", "Their directions; in alpha, whether they were unoccluded", divisor=0)
+
+
+class FindPortals(Pass):
+    """Portals of the world, if rays through them have less variance."""
+
+    schedule = Schedule.FIRST
+    inputs = *SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, Change.LIGHTS, Change.VIEW, "shortcuts"
+    outputs = outputs(PORTALS)
+
+    @cached_property
+    def rays(self) -> moderngl.VertexArray:
+        return self.full_screen_program()
+
+    def needed(self, frame: Frame) -> bool:
+        return frame.settings.shortcuts and frame.casts_shadows and has_world(frame.scene.lights)
+
+    def execute(self, frame: Frame) -> None:
+        world, found = world_row(frame.scene.lights), None
+        influence = frame[LIGHT_INFLUENCE].get(world)
+        if influence is not None and influence.coarse_visibility[influence.contributes].mean() < MAX_INDOORS_VISIBILITY:
+            found = find_portals(self.trace(frame, world))
+        frame[PORTALS] = None if found is None else ScenePortals.upload(frame.scene_records, world, found)
+
+    def trace(self, frame: Frame, world: int) -> Rays:
+        """Rays to the world from pixels evenly distributed over the picture."""
+        gl, spacing = self.device.gl, max(math.isqrt(math.prod(frame.size) // PORTAL_RAYS), 1)
+        columns, rows = (-(-side // spacing) for side in frame.size)
+        block = light_blocks([world], draw(Dimension.PORTAL_POINT, probe=[0]))
+        steps = fixed_increments(Dimension.PORTAL_POINT, "probe")
+        grid = ProbeGrid((columns, rows), spacing, (spacing // 2, spacing // 2), steps)
+        traced = trace_blocks(frame, block, grid)
+        targets = [create(gl, target, (columns, rows)) for target in (RAY_ORIGIN, RAY_DIRECTION)]
+        bind(
+            self.rays.program,
+            position=frame[POSITION],
+            normal=frame[NORMAL],
+            rays=traced,
+            light_uv=tuple(block["light_uv"][0].tolist()),
+            spacing=spacing,
+            pixel_steps=steps,
+        )
+        self.device.overwrite()
+        draw_pixels(frame, gl.framebuffer(targets), self.rays)
+        self.device.wait()
+        origins, directions = (pixels(target)[:rows, :columns].reshape(-1, 4) for target in targets)
+        exist = origins[:, 3] > 0.0
+        return Rays(origins[exist, :3], directions[exist, :3], directions[exist, 3] > 0.5)
