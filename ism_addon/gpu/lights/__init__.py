@@ -201,8 +201,8 @@ class Variants:
 
     names: tuple[str, ...]
     values: np.ndarray
-    #: Results of shader_variant by light.
-    by_light: dict[int, dict[str, int]] = field(default_factory=dict)
+    #: Results of shader_variant by light, and by whether its irradiance is cached.
+    by_light: dict[tuple[int, bool], dict[str, int]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, lights: Lights) -> "Variants":
@@ -233,24 +233,24 @@ def mixed_variant(lights: Lights, rows: Sequence[int] | None = None) -> dict[str
     return dict(zip(variants.names, values.max(0).tolist(), strict=True))
 
 
-def shader_variant(lights: Lights, light: int) -> dict[str, int]:
-    """Constants of a shader for one light: those of mixed_variant, and how exact its predictions are; found once."""
+def shader_variant(lights: Lights, light: int, is_cached: bool = False) -> dict[str, int]:
+    """Constants of a shader for one light: those of mixed_variant, and how exact its predictions are; found once.
+
+    `is_cached`: whether the shader has the irradiance from the irradiance cache, where it is reliable.
+    """
     by_light, light_type = variants_of(lights).by_light, type_of(lights, light)
-    if light not in by_light:
-        variant = mixed_variant(lights, [light])
-        by_light[light] = variant | {
-            "exact": int(is_exact(lights, light)),
-            "exact_but_for_falloff": int(light_type.is_exact(lights, light)),
+    if (light, is_cached) not in by_light:
+        variant, has_falloff = mixed_variant(lights, [light]), modulation.has_falloff(lights)[light]
+        exact_but_for_falloff = is_cached or light_type.is_exact(lights, light)
+        # Of a light with a size, the factor of falloff is that of its middle.
+        exact = exact_but_for_falloff and (light_type.is_hard(lights, light) or not has_falloff)
+        by_light[light, is_cached] = variant | {
+            "exact": int(exact),
+            "exact_but_for_falloff": int(exact_but_for_falloff),
             "max_rays": light_type.max_rays,
             "lobe_candidates": int(not variant["meshes_with_bvh"]),
         }
-    return by_light[light]
-
-
-def is_exact(lights: Lights, light: int) -> bool:
-    """See LightType.is_exact. Of a light with a size, the factor of falloff is that of its middle."""
-    light_type, has_falloff = type_of(lights, light), modulation.has_falloff(lights)[light]
-    return (light_type.is_hard(lights, light) or not has_falloff) and light_type.is_exact(lights, light)
+    return by_light[light, is_cached]
 
 
 def switch(result: str, function: str, parameters: str, types: Sequence[LightType]) -> str:

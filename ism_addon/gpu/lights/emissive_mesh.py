@@ -81,6 +81,9 @@ class EmissiveMesh(PointLight):
     def is_narrow(self, lights: Any) -> np.ndarray:
         return lights.leaves > 0  # a sample may lead to no triangle that emits towards the receiver
 
+    def is_exact(self, lights: Any, row: int) -> bool:
+        return bool(lights.leaves[row] == 0)  # otherwise it is an estimate, unless the irradiance cache has it
+
     def is_round(self, lights: Any, row: int) -> bool:
         return False
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.profile import Profile
+from ism_addon.gpu.renderer import Renderer
 from ism_addon.resources import IRRADIANCE_CACHE
 from ism_addon.scene import Lights, LightShape, Scene
 from ism_addon.settings import Method, Shadow
@@ -197,6 +199,23 @@ def test_light_on_what_is_smaller_than_a_pixel_is_that_of_a_finer_picture(device
         settings = with_quality(SETTINGS[Method.RAY_TRACED], samples=samples)
         means[side] = draw(device, scene, view, settings).color[..., :3].mean()
     assert np.isclose(means[1], means[8], rtol=0.005)
+
+
+def test_rays_correct_the_estimate_of_a_light_bvh_that_is_not_in_the_irradiance_cache(device):
+    """Of a panel close above the floor, where nothing occludes it."""
+    scenes = [
+        lit_by(replace(panel(cells), positions=panel(cells).positions * (1, 1, 0.06)), visible=[True, False])
+        for cells in (2, 12)
+    ]
+    truth, settings = picture(device, scenes[0], samples=1), with_quality(SETTINGS[Method.RAY_TRACED], samples=32)
+    renderer, errors = Renderer(device), []
+    for sample in range(settings.quality.samples):
+        for name in renderer.sample(scenes[1], VIEW, settings, sample, Profile()):
+            if name == "CacheIrradiance":
+                renderer.graph[IRRADIANCE_CACHE].clear()
+        errors.append(np.abs(renderer.picture()[..., :3] - truth).mean() / truth.mean())
+    assert errors[0] > 0.1
+    assert errors[-1] < 0.02
 
 
 def counts(device, scene: Scene, samples: int = 1):

@@ -108,7 +108,7 @@ def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel
     has_rays = np.zeros((64 * count, len(tiles)), int)
     for sample, in_sample in enumerate(has_rays):
         tiles["sample_index"] = sample
-        traced, _ = TilesOfLights(frame).of_light(0)
+        traced, _ = TilesOfLights(frame).of_light(0, exact=True)
         in_sample += (tiles["tile"][:, None] == traced["tile"]).all(2).any(1)
     has_rays = has_rays.reshape(64, count, len(tiles))
     assert count == 16

@@ -177,7 +177,7 @@ def test_samples_are_unbiased(evaluated):
     assert (evaluated["irradiance"] > 0.0) == evaluated["arrives"].any()
     assert estimates.mean() == pytest.approx(
         evaluated["irradiance"],
-        rel=0.03 if evaluated["without a point"] else 5e-3 if evaluated["exact"] else 0.03,
+        rel=5e-3 if evaluated["exact"] else 0.03,
         abs=evaluated["slack"],
     )
 

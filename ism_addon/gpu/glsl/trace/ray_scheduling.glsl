@@ -9,8 +9,8 @@ flat in float sample_index;
 
 // Upper bound of the increase of a pixel's luminance if the predicted visibility of a light is wrong. `unshadowed`: the
 // light's unshadowed luminance, which can be negative. There is no bound if it is not exact.
-float headroom(float unshadowed, float visibility) {
-    return EXACT == 1 ? max(unshadowed * (1.0 - visibility), -unshadowed * visibility) : 1e30;
+float headroom(float unshadowed, float visibility, bool exact) {
+    return exact ? max(unshadowed * (1.0 - visibility), -unshadowed * visibility) : 1e30;
 }
 
 const uint EARLY_RAYS = 64u;

@@ -8,7 +8,6 @@ import numpy as np
 from ....resources import LIGHT_INFLUENCE, TILE_VISIBILITY, TILES
 from ....sampling.dimensions import Dimension, draw
 from ...frame import Frame
-from ...lights import shader_variant
 
 # How these were chosen: `dev.py bench constants`, see docs/benchmarks.md.
 
@@ -35,8 +34,11 @@ class TilesOfLights:
         turns: np.ndarray = draw(Dimension.TEST_TURN, tile=self.index, round=rounds)[:, 0]
         return turns
 
-    def of_light(self, light: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0."""
+    def of_light(self, light: int, exact: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0.
+
+        `exact`: whether its unshadowed irradiance is exact. Otherwise no prediction is certain.
+        """
         frame, influence = self.frame, self.frame[LIGHT_INFLUENCE][light]
         has_shadow = casts_shadow(frame, light)
         if has_shadow and light not in frame[TILE_VISIBILITY]:
@@ -50,9 +52,7 @@ class TilesOfLights:
             return self.tiles[:0], self.tiles[predicted[any_visible]]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean.ravel()[index]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
-        uncertain = np.ones(len(index), bool)
-        if shader_variant(frame.scene.lights, light)["exact"]:
-            uncertain = any_visible & any_occluded
+        uncertain = any_visible & any_occluded if exact else np.ones(len(index), bool)
         turn = self.turns[predicted] + draw(Dimension.TEST_TURN, light=light)[0]
         turn += (self.tiles["sample_index"][predicted] + 1.0) * probability
         tested = ~uncertain & (np.mod(turn, 1.0) < probability)

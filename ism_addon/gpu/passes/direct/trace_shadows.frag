@@ -64,13 +64,13 @@ void main() {
     CachedIrradiance cached = cached_irradiance(surface, light, at, pixel.similar ? pixel.at : ivec2(-1));
     float irradiance = cached.value;
     vec3 color = cached.color;
-    bool is_reliable = TRACE == 0 || cached.is_reliable; // without rays, nothing better corrects it
+    bool is_reliable = cached.is_reliable;
 #else
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     vec3 color = light_mean_color(light, surface.position, surface.normal);
-    const bool is_reliable = TRACE == 0 || MESHES_WITH_BVH == 0;
+    const bool is_reliable = true;
 #endif
-    bool exact = EXACT == 1 && is_reliable;
+    bool exact = TRACE == 0 || (EXACT == 1 && is_reliable); // without rays, nothing better corrects it
     vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance, color) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
 #if TRACE
@@ -87,10 +87,10 @@ void main() {
 #endif
     float amount = luminance(all_unshadowed);
     bool uncertain = !exact || predicted.y > 0.0;
-    direct_prediction = vec4(all_unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x) : 0.0);
+    direct_prediction = vec4(all_unshadowed * predicted.x, uncertain ? headroom(amount, predicted.x, exact) : 0.0);
 #if MESHES_WITH_BVH && TRACE
     float most = brightest(light) * luminance(unshadowed_diffuse(surface, light, 1.0 / INVERSE_PI, color)); // all around
-    if (!is_reliable) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
+    if (!exact) direct_prediction.a = max(most, 0.0) - amount * predicted.x;
 #endif
 #if HARD
     bool decides = uncertain && amount != 0.0; // one ray decides: nothing is left to correct
@@ -170,7 +170,7 @@ void main() {
     if (!uncertain) { // what contradicts a certain prediction is uncertain
         float change = luminance(direct_residual.rgb);
         direct_residual.a = max(direct_residual.a, abs(change));
-        direct_prediction.a = max(direct_prediction.a, clamp(change, 0.0, headroom(amount, predicted.x)));
+        direct_prediction.a = max(direct_prediction.a, clamp(change, 0.0, headroom(amount, predicted.x, exact)));
     }
 #endif
 #if GLOSS

@@ -127,11 +127,12 @@ class TraceShadows(Pass):
 
         # All draws to one framebuffer come first, as changing it takes time.
         for light in frame[CONTRIBUTING_LIGHTS]:
-            traced, untraced = tiles.of_light(light)
+            variant = self.variant(frame, light)
+            traced, untraced = tiles.of_light(light, variant["exact"] == 1)
             if not len(traced) + len(untraced):
                 continue
             used.add(light)
-            variant, uniforms = self.variant(frame, light), self.uniforms(frame, light)
+            uniforms = self.uniforms(frame, light)
             is_round = type_of(frame.scene.lights, light).is_round(frame.scene.lights, light)
             sequences = {"light_uv_shift": light_shift(light), **ray_sequence(is_round)}
             if frame.scene.has_gloss:
@@ -162,9 +163,9 @@ class TraceShadows(Pass):
     def variant(frame: Frame, light: int) -> dict[str, Any]:
         """Constants of a light's shader."""
         lights = frame.scene.lights
-        light_type, variant = type_of(lights, light), shader_variant(lights, light)
-        hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cache = (frame.get(IRRADIANCE_CACHE) or {}).get(light)
+        light_type, variant = type_of(lights, light), shader_variant(lights, light, cache is not None)
+        hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cached = {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
         portals = portals_of(frame, light)
         through_portals = portals.constants | {"exact_but_for_falloff": 0} if portals else {}

@@ -10,7 +10,6 @@ flat in float tile_visibility;
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // see trace_shadows.frag
 layout(location = 1) out vec4 direct_residual;
-const bool RELIABLE = MESHES_WITH_BVH == 0; // the unshadowed light
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -20,6 +19,7 @@ void main() {
     Light light = fetch_Light(scene_records, lights + tile_light);
     if (!is_lit_by(surface, light)) return;
     float visibility = tile_visibility;
+    const bool exact = TRACE == 0 || EXACT == 1; // without rays, nothing better corrects it
     float irradiance = light_irradiance(light, surface.position, surface.normal);
     vec3 color = light_mean_color(light, surface.position, surface.normal);
     vec3 unshadowed = unshadowed_diffuse(surface, light, irradiance, color) / tile_probability;
@@ -35,19 +35,16 @@ void main() {
 #endif
     float amount = luminance(all_unshadowed); // always uncertain: the prediction is from few rays
     bool casts_shadow = light.casts_shadow != 0;
-    direct_prediction = vec4(all_unshadowed * visibility, casts_shadow ? headroom(amount, visibility) : 0.0);
-#if MESHES_WITH_BVH && TRACE
-    if (casts_shadow) direct_prediction.a = 1e30;
-#endif
+    direct_prediction = vec4(all_unshadowed * visibility, casts_shadow ? headroom(amount, visibility, exact) : 0.0);
 #if TRACE || CORRECT
-    if (!corrects_gloss && (!casts_shadow || (EXACT == 1 && RELIABLE && all_unshadowed == vec3(0.0)))) return;
+    if (!corrects_gloss && (!casts_shadow || (exact && all_unshadowed == vec3(0.0)))) return;
     uvec3 start = uint(tile_light + 1) * light_steps;
     float rate = 1.0;
     ScheduledRays scheduled = ScheduledRays(0.0, 0.0);
 #if TRACE
     if (casts_shadow) {
         direct_residual.a = abs(amount);
-        rate = ray_rate(amount, visibility, EXACT == 0 || !RELIABLE || visibility < 1.0);
+        rate = ray_rate(amount, visibility, !exact || visibility < 1.0);
         // So there are as many rays on average as if all samples drew the light.
         rate = max(min(rate, 1.0), MIN_PROBABILITY / tile_probability);
         scheduled = schedule_rays(at, start.z, rate);
@@ -71,11 +68,11 @@ void main() {
 #if TRACE
     LightSample from = chosen.from;
     bool is_lit_from = arrives(surface, from);
-    if (!has_ray || (EXACT == 1 && RELIABLE && !is_lit_from)) return;
+    if (!has_ray || (exact && !is_lit_from)) return;
     vec3 visible = is_lit_from ? shadow_transmittance(surface, from.point, light) : vec3(0.0);
     vec3 estimate = is_lit_from ? chosen.diffuse / tile_probability : vec3(0.0);
     vec3 correction =
-        ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point, RELIABLE);
+        ray_correction(estimate, visible, unshadowed, visibility, light, surface.position, from.point, true);
 #if GLOSS
     if (is_lit_from) correction += chosen.gloss * ((visible - visibility) / tile_probability);
 #endif
