@@ -89,7 +89,12 @@ def test_a_wrong_prediction_that_is_certain_is_detected(device, make, visibility
 
 
 @pytest.mark.parametrize(("probability", "rays"), [(1 / 16, 1), (1 / 8, 2), (10.0, MAX_CERTAIN_PROBABILITY * 16)])
-def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel_offset(device, probability, rays):
+@pytest.mark.parametrize(
+    ("visible", "exact"), [(True, True), (False, True), (False, False)], ids=["lit", "dark", "dark and not exact"]
+)
+def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel_offset(
+    device, probability, rays, visible, exact
+):
     """In `rays` of each 16 samples, which share a grid."""
     renderer, settings = Renderer(device), with_quality(SMALL_SETTINGS, samples=16)
     scene, view = box_over_plane(24, 16)
@@ -97,7 +102,7 @@ def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel
         list(renderer.sample(scene, replace(view, filter_width=1.5), settings, sample, Profile()))
     frame, _ = renderer.last
     tiles, count = frame[TILES], len(frame.grid.subpixel_offsets)
-    frame[TILE_VISIBILITY][0][:] = True, False
+    frame[TILE_VISIBILITY][0][:] = visible, not visible
     influence = frame[LIGHT_INFLUENCE][0]
     for array, value in (
         (influence.contributes, True),
@@ -108,7 +113,7 @@ def test_a_certain_tile_traces_rays_by_its_light_and_over_time_at_every_subpixel
     has_rays = np.zeros((64 * count, len(tiles)), int)
     for sample, in_sample in enumerate(has_rays):
         tiles["sample_index"] = sample
-        traced, _ = TilesOfLights(frame).of_light(0, exact=True)
+        traced, _ = TilesOfLights(frame).of_light(0, exact)
         in_sample += (tiles["tile"][:, None] == traced["tile"]).all(2).any(1)
     has_rays = has_rays.reshape(64, count, len(tiles))
     assert count == 16

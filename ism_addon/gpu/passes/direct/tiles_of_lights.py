@@ -37,7 +37,7 @@ class TilesOfLights:
     def of_light(self, light: int, exact: bool) -> tuple[np.ndarray, np.ndarray]:
         """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0.
 
-        `exact`: whether its unshadowed irradiance is exact. Otherwise no prediction is certain.
+        `exact`: whether its unshadowed irradiance is exact. Otherwise only darkness is certain.
         """
         frame, influence = self.frame, self.frame[LIGHT_INFLUENCE][light]
         has_shadow = casts_shadow(frame, light)
@@ -52,7 +52,7 @@ class TilesOfLights:
             return self.tiles[:0], self.tiles[predicted[any_visible]]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean.ravel()[index]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
-        uncertain = any_visible & any_occluded if exact else np.ones(len(index), bool)
+        uncertain = any_visible & any_occluded if exact else any_visible
         turn = self.turns[predicted] + draw(Dimension.TEST_TURN, light=light)[0]
         turn += (self.tiles["sample_index"][predicted] + 1.0) * probability
         tested = ~uncertain & (np.mod(turn, 1.0) < probability)

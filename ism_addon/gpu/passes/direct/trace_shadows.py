@@ -6,7 +6,7 @@ the visibility v, 0 or 1, and estimates U by x. The residual x (v - p) corrects 
 variate: the sum is unbiased, and the residual is 0 where v = p. This is the ratio estimator of Heitz, Hill & McGuire
 2018 in a form whose samples can be summed. The number of rays in a sample, often a probability, is proportional to how
 much a ray can change the picture, and its inverse is their weight. Where the prediction is certain, a few rays only
-test it. Where U is not exact, the residual is x v - p U, and no prediction is certain. Where only falloff makes it so,
+test it. Where U is not exact, the residual is x v - p U, and only darkness is certain. Where only falloff makes it so,
 the residual is that of one distance, see trace/ray_correction.glsl. Faint lights have one prediction per tile, see
 faint_lights.py.
 """
