@@ -37,8 +37,7 @@ from ...tiles import from_strips, neighbourhood_max, tiles_where
 UNIFORM_SAMPLES = 2
 
 #: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
-#: `dev.py bench constants` in docs/benchmarks.md. With twice that fraction, 16 samples of the benchmark's kitchen,
-#: tree, products and lanterns take 1.3, 1.5, 1.2 and 1.1 times as long, for 1.0, 0.8, 1.0 and 1.0 of the error.
+#: `dev.py bench constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.05
 
