@@ -30,11 +30,8 @@ class Convergence:
         expected = np.subtract(1.0 / self.half_counts, 1.0 / self.counts, where=has_new_samples, out=one)
         self.variance = np.where(has_new_samples, difference / expected, self.variance)
 
-    def stop_below(self, threshold: float | np.ndarray) -> None:
-        """Mark tiles as converged whose error and mean error of their neighbourhood are below `threshold`.
-
-        It may be an array (rows,columns).
-        """
+    def stop_below(self, threshold: float) -> None:
+        """Mark tiles as converged whose error and mean error of their neighbourhood are below `threshold`."""
         squares = self._squares
         self.converged = self.converged | (np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2)
 

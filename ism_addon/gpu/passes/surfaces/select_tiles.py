@@ -39,7 +39,7 @@ UNIFORM_SAMPLES = 2
 #: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
 #: `dev.py bench constants` in docs/benchmarks.md.
 MIN_TILE_PROBABILITY = 0.06
-ALWAYS_SAMPLED_FRACTION = 0.05
+ALWAYS_SAMPLED_FRACTION = 0.1
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
 #: falls with a power of their number, so that a sample's time hardly grows. The minimum is inversely proportional to
