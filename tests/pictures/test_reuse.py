@@ -32,7 +32,8 @@ COMMON_PASSES = (
     - BVH_PASSES
     - {*("UploadUVs", "UploadAttributes", "UploadPointGraphs", "TransmittedColor", "FindGraphs", "CacheIrradiance")}
 )
-NOT_IN_FIRST_SAMPLE = {"RetestOccluded", "MatchPredictions"}  # nothing to retest, and predictions are its own
+#: There is nothing to retest, predictions are its own, and no world that may need portals.
+NOT_IN_FIRST_SAMPLE = {"RetestOccluded", "MatchPredictions", "FindPortals"}
 DIRECT_LIGHT_PASSES = {pass_type.__name__ for pass_type in RayTracedDirect.pass_types} - NOT_IN_FIRST_SAMPLE
 RAY_PASSES = BVH_PASSES | DIRECT_LIGHT_PASSES
 ATLAS_PASSES = {pass_type.__name__ for pass_type in ShadowMappedDirect.FOR_EACH_ATLAS}
