@@ -145,6 +145,9 @@ class TraceShadows(Pass):
                 draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
+                if portals := portals_of(frame, light):
+                    variant = variant | portals.constants | {"exact_but_for_falloff": 0}
+                    uniforms = uniforms | portals.uniforms
                 traced_draws.append((light, variant, uniforms | sequences, traced))
         threshold = ray_threshold(frame) if traced_draws else 0.0
         for light, variant, uniforms, traced in traced_draws:
@@ -167,9 +170,7 @@ class TraceShadows(Pass):
         light_type, variant = type_of(lights, light), shader_variant(lights, light, cache is not None)
         hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
         cached = {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
-        portals = portals_of(frame, light)
-        through_portals = portals.constants | {"exact_but_for_falloff": 0} if portals else {}
-        return variant | cached | through_portals | material_constants(frame)
+        return variant | cached | material_constants(frame)
 
     @staticmethod
     def shared_uniforms(frame: Frame) -> dict[str, Any]:
@@ -185,12 +186,11 @@ class TraceShadows(Pass):
 
     def uniforms(self, frame: Frame, light: int) -> dict[str, Any]:
         """Uniforms of a light's prediction."""
-        cache, portals = frame.get(IRRADIANCE_CACHE) or {}, portals_of(frame, light)
+        cache = frame.get(IRRADIANCE_CACHE) or {}
         return {
             "light_index": light,
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
             **(cache[light].uniforms if light in cache else {}),
-            **(portals.uniforms if portals else {}),
         }
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:

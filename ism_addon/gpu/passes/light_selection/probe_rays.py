@@ -11,7 +11,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PORTALS, PROBE, TLAS
+from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PROBE, TLAS
 from ....sampling.dimensions import fixed_points
 from ...drawing import draw_pixels, draw_tiles
 from ...frame import Frame
@@ -81,10 +81,10 @@ def trace_tiles(
 ) -> None:
     """Trace the rays of a light in rows of TILE into its PROBE texture. Its block is row `first` of `blocks`.
 
-    `own_program`: by a program for such lights, not for all of the scene.
+    `own_program`: by a program for such lights, not for all of the scene. A light with portals has its own.
     """
-    variant = mixed_variant(frame.scene.lights, [light] if own_program else None)
-    portals = portals_of(frame, light) if own_program else frame.get(PORTALS)
+    portals = portals_of(frame, light)
+    variant = mixed_variant(frame.scene.lights, [light] if own_program or portals else None)
     program = ray_program(frame, "glsl/tiles.vert", variant | (portals.constants if portals else {}))
     bind(program, **uniforms(frame, blocks, first, grid), **(portals.uniforms if portals else {}))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
