@@ -20,7 +20,7 @@ class Convergence:
         self.half_counts = self.counts
         #: Variance of one sample; infinite before the first estimate.
         self.variance = np.full(shape, np.inf, np.float32)
-        #: Whether a tile needs no has_new_samples samples.
+        #: Whether a tile needs no more samples.
         self.converged = np.zeros(shape, bool)
 
     def update(self, difference: np.ndarray) -> None:
@@ -30,8 +30,11 @@ class Convergence:
         expected = np.subtract(1.0 / self.half_counts, 1.0 / self.counts, where=has_new_samples, out=one)
         self.variance = np.where(has_new_samples, difference / expected, self.variance)
 
-    def stop_below(self, threshold: float) -> None:
-        """Mark tiles as converged whose error and mean error of their neighbourhood are below `threshold`."""
+    def stop_below(self, threshold: float | np.ndarray) -> None:
+        """Mark tiles as converged whose error and mean error of their neighbourhood are below `threshold`.
+
+        It may be an array (rows,columns).
+        """
         squares = self._squares
         self.converged = self.converged | (np.maximum(squares, neighbourhood_mean(squares)) <= threshold**2)
 

@@ -8,8 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.gpu.convergence import Convergence
 from ism_addon.gpu.jobs.job import Job, Request
-from ism_addon.gpu.jobs.refinement import ERROR_EXPONENT, MAX_REFINEMENT, MIN_SUFFICIENT_ERROR, sufficient_error
+from ism_addon.gpu.jobs.refinement import (
+    ERROR_EXPONENT,
+    MAX_REFINEMENT,
+    MIN_SUFFICIENT_ERROR,
+    error_per_sample,
+    sufficient_error,
+    sufficient_errors,
+)
 from ism_addon.gpu.jobs.render_loop import draw_job
 from ism_addon.gpu.passes.film.estimate_error import MIN_SAMPLES_TO_STOP
 from ism_addon.gpu.profile import table
@@ -81,23 +89,33 @@ def test_a_picture_that_is_noisy_after_its_samples_has_more(drawn):
 def test_tiles_with_little_noise_have_no_more(drawn):
     refined, _ = drawn(samples=64, size=(96, 64))
     requested, _ = drawn(samples=refined.samples_done, size=(96, 64))
-    assert 64 < refined.samples_done == requested.samples_done
+    assert 64 < refined.samples_done <= requested.samples_done
     assert refined.statistics["pixels_drawn"] < 0.95 * requested.statistics["pixels_drawn"]
     assert refined.statistics["error"] <= MIN_SUFFICIENT_ERROR
 
 
 def test_the_sufficient_error_has_the_least_sum_with_the_time():
-    """With any time of a sample, if both are weighed so that they have it with one. Time is error over a fixed rate."""
-    samples, errors = np.geomspace(1.0, 1e6, 20_000), []
-    for time in (1.0, 4.0, 100.0):
-        error = samples**-ERROR_EXPONENT
-        errors.append(error[np.argmin(error + 1e-3 * time * samples)])
     quality = with_quality(SMALL_SETTINGS, samples=16, error_threshold=0.0).quality
-    for lights, error in zip((4.0, 100.0), errors[1:], strict=True):
-        ratio = sufficient_error(quality, 10_000, lights) / sufficient_error(quality, 10_000, 1.0)
-        assert ratio == pytest.approx(error / errors[0], rel=2e-3)
-    assert sufficient_error(quality, 40_000, 1.0) == sufficient_error(quality, 10_000, 4.0)
-    assert sufficient_error(quality, 1, 1.0) == MIN_SUFFICIENT_ERROR
+    samples = np.geomspace(1.0, 1e6, 20_000)
+    for tiles, lights, first in ((10_000, 1.0, 1.0), (10_000, 4.0, 1.0), (40_000, 2.0, 3.0)):
+        error = first * samples**-ERROR_EXPONENT
+        best = int(np.argmin(error + error_per_sample(tiles, lights) * samples))
+        assert sufficient_error(quality, tiles, lights, samples[best]) == pytest.approx(error[best], rel=2e-3)
+    assert sufficient_error(quality, 1, 1.0, 16) == MIN_SUFFICIENT_ERROR
+
+
+def test_tiles_that_dominate_the_error_go_on_and_even_ones_as_their_picture():
+    quality = with_quality(SMALL_SETTINGS, samples=16, error_threshold=0.0).quality
+    error = Convergence((100, 100))
+    error.counts[:] = 16.0
+    error.variance = np.full(error.counts.shape, 16.0, np.float32)
+    even = sufficient_error(quality, error.counts.size, 1.0, 16)
+    error.variance *= even**2
+    assert sufficient_errors(quality, error, 1.0) == pytest.approx(even)
+    error.variance[:10] *= 100.0
+    sufficient = sufficient_errors(quality, error, 1.0)
+    tile_errors = np.sqrt(error.variance / error.counts)
+    assert (tile_errors[:10] > sufficient[:10]).all() and (tile_errors[10:] < sufficient[10:]).all()
 
 
 @pytest.mark.parametrize(

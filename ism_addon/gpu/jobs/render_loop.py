@@ -17,7 +17,7 @@ from ..profile import Profile
 from ..renderer import Renderer
 from .compile_graphs import compile_graphs
 from .job import Job, Picture
-from .refinement import sample_limit, sufficient_error
+from .refinement import sample_limit, sufficient_errors
 
 log = logging.getLogger(__name__)
 
@@ -141,10 +141,9 @@ def draw_job(renderer: Renderer, preview_renderer: Renderer, job: Job) -> Genera
             first_sample_images = renderer.images([each for each in request.passes if not each.filtered])
         job.samples_done += 1
         if renderer.is_adaptive:
-            sufficient = sufficient_error(quality, renderer.error.counts.size, renderer.excess_lights)
-            job.samples = sample_limit(quality, job.samples_done, renderer.error, sufficient)
+            job.samples = sample_limit(quality, job.samples_done, renderer.error, renderer.excess_lights)
             if quality.samples <= job.samples_done < job.samples:
-                renderer.error.stop_below(sufficient)
+                renderer.error.stop_below(sufficient_errors(quality, renderer.error, renderer.excess_lights))
         job.progress = max(job.progress, job.samples_done / job.samples)
         stopped_by = stop_reason(job, now - start, renderer.error)
         if stopped_by:

@@ -36,10 +36,16 @@ from ...tiles import from_strips, neighbourhood_max, tiles_where
 #: Samples in which every tile takes part. See `dev.py bench constants` in docs/benchmarks.md.
 UNIFORM_SAMPLES = 2
 
-#: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1. See
-#: `dev.py bench constants` in docs/benchmarks.md.
+#: After the uniform samples: the minimum probability of a tile, and the fraction of tiles that have probability 1, if
+#: there are many. See `dev.py bench constants` in docs/benchmarks.md. With twice that fraction, 16 samples of the
+#: benchmark's kitchen, tree, products and lanterns take 1.3, 1.5, 1.2 and 1.1 times as long, for 1.0, 0.8, 1.0 and 1.0
+#: of the error.
 MIN_TILE_PROBABILITY = 0.06
-ALWAYS_SAMPLED_FRACTION = 0.1
+ALWAYS_SAMPLED_FRACTION = 0.05
+
+#: What a sample costs whatever tiles take part, in draws of tiles: of one core 30 to 100, and of several as many times
+#: more, as tiles are drawn by all. Where it is much of the time, in small pictures, more tiles are always drawn.
+TILES_PER_SAMPLE = 500.0
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
 #: falls with a power of their number, so that a sample's time hardly grows. The minimum is inversely proportional to
@@ -159,7 +165,7 @@ def lights_per_tile(frame: Frame) -> float:
 
 def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarray, excess_lights: float) -> np.ndarray:
     """Probabilities (rows,columns) of tiles from their deviations; minimal in converged neighbourhoods."""
-    always = ALWAYS_SAMPLED_FRACTION / excess_lights**FEWER_TILES_EXPONENT
+    always = always_sampled_fraction(deviation.size) / excess_lights**FEWER_TILES_EXPONENT
     minimum = MIN_TILE_PROBABILITY / excess_lights
     rounding = SUM_ROUNDING * mean_luminance / minimum ** (1.0 / ALLOCATION_EXPONENT)
     quantile = float(np.quantile(deviation[unconverged], 1.0 - always))
@@ -167,3 +173,8 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarr
     probability = np.where(unconverged, deviation / reference_deviation, 0.0) ** ALLOCATION_EXPONENT
     probability = np.maximum(probability, MIN_NEIGHBOUR_RATIO * neighbourhood_max(probability))
     return np.clip(probability, minimum, 1.0).astype(np.float32)
+
+
+def always_sampled_fraction(tiles: int) -> float:
+    """The fraction of this number of tiles that have probability 1 under few lights."""
+    return min(ALWAYS_SAMPLED_FRACTION * (1.0 + TILES_PER_SAMPLE / tiles), 1.0)
