@@ -201,8 +201,9 @@ def test_light_on_what_is_smaller_than_a_pixel_is_that_of_a_finer_picture(device
     assert np.isclose(means[1], means[8], rtol=0.005)
 
 
-def test_rays_correct_the_estimate_of_a_light_bvh_that_is_not_in_the_irradiance_cache(device):
-    """Of a panel close above the floor, where nothing occludes it."""
+@pytest.mark.parametrize("cached", [True, False])
+def test_rays_correct_the_irradiance_close_to_a_light_of_many_triangles(device, cached):
+    """Of a panel above the floor, where nothing occludes it, interpolated in the cache or estimated by a light BVH."""
     scenes = [
         lit_by(replace(panel(cells), positions=panel(cells).positions * (1, 1, 0.06)), visible=[True, False])
         for cells in (2, 12)
@@ -211,7 +212,7 @@ def test_rays_correct_the_estimate_of_a_light_bvh_that_is_not_in_the_irradiance_
     renderer, errors = Renderer(device), []
     for sample in range(settings.quality.samples):
         for name in renderer.sample(scenes[1], VIEW, settings, sample, Profile()):
-            if name == "CacheIrradiance":
+            if name == "CacheIrradiance" and not cached:
                 renderer.graph[IRRADIANCE_CACHE].clear()
         errors.append(np.abs(renderer.picture()[..., :3] - truth).mean() / truth.mean())
     assert errors[0] > 0.1

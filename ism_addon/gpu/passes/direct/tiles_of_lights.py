@@ -34,10 +34,11 @@ class TilesOfLights:
         turns: np.ndarray = draw(Dimension.TEST_TURN, tile=self.index, round=rounds)[:, 0]
         return turns
 
-    def of_light(self, light: int, exact: bool) -> tuple[np.ndarray, np.ndarray]:
+    def of_light(self, light: int, exact: bool | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rows of TILE where rays are traced to a light, and where only its prediction is drawn, unless that is 0.
 
-        `exact`: whether its unshadowed irradiance is exact. Otherwise only darkness is certain.
+        `exact`: whether its unshadowed irradiance is exact, everywhere or as (rows,columns) bool. Where it is not, only
+        darkness is certain.
         """
         frame, influence = self.frame, self.frame[LIGHT_INFLUENCE][light]
         has_shadow = casts_shadow(frame, light)
@@ -52,7 +53,8 @@ class TilesOfLights:
             return self.tiles[:0], self.tiles[predicted[any_visible]]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean.ravel()[index]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)
-        uncertain = any_visible & any_occluded if exact else any_visible
+        is_exact = np.broadcast_to(exact, frame.tiles[::-1]).ravel()[index]
+        uncertain = any_visible & (any_occluded | ~is_exact)
         turn = self.turns[predicted] + draw(Dimension.TEST_TURN, light=light)[0]
         turn += (self.tiles["sample_index"][predicted] + 1.0) * probability
         tested = ~uncertain & (np.mod(turn, 1.0) < probability)

@@ -118,7 +118,7 @@ class TraceShadows(Pass):
         targets = (DIRECT_PREDICTION, DIRECT_RESIDUAL) if correct else (DIRECT_PREDICTION,)
         predicted, traced_draws, used = frame.framebuffer(*targets), [], set()
         surfaces, programs, tiles = self.surfaces(frame), set[moderngl.Program](), TilesOfLights(frame)
-        shared = self.shared_uniforms(frame)
+        shared, caches = self.shared_uniforms(frame), frame.get(IRRADIANCE_CACHE) or {}
 
         def bind_light(program: moderngl.Program, occluders: PointGraphs, **uniforms: Any) -> None:
             """Bind the uniforms of a light, and once those that all lights share."""
@@ -128,7 +128,8 @@ class TraceShadows(Pass):
         # All draws to one framebuffer come first, as changing it takes time.
         for light in frame[CONTRIBUTING_LIGHTS]:
             variant = self.variant(frame, light)
-            traced, untraced = tiles.of_light(light, variant["exact"] == 1)
+            exact = variant["exact"] == 1
+            traced, untraced = tiles.of_light(light, exact & caches[light].exact if light in caches else exact)
             if not len(traced) + len(untraced):
                 continue
             used.add(light)

@@ -3,7 +3,8 @@
 
 At each pixel it is estimated from one node. The cache has the ratio of the irradiance to this estimate at one pixel of
 every CACHE_SPACING × CACHE_SPACING: it is near 1 and varies little, so interpolating it adds almost no error. Near the
-light it varies much. There the cache has it at each pixel, where rays are traced, which correct what is left.
+light it varies much. There the cache has it at each pixel if the light has few triangles. If it has many, rays are
+traced there that correct what is interpolated.
 """
 
 from dataclasses import dataclass, replace
@@ -64,7 +65,12 @@ class CachedIrradiance:
 
     texture: moderngl.Texture  # IRRADIANCE_RATIO: a part with a texel for each pixel, and beside it the coarse one
     fine_width: int  # of the former; 0: there is none
-    near: np.ndarray  # rows of TILE: the fine part's tiles
+    near: np.ndarray  # (rows,columns) bool: tiles near the light; those of the fine part, if there is one
+
+    @property
+    def exact(self) -> np.ndarray:
+        """(rows,columns) bool: tiles whose irradiance is right without rays."""
+        return ~self.near | (self.fine_width > 0)
 
     @property
     def variant(self) -> int:
@@ -99,18 +105,18 @@ class CacheIrradiance(Pass):
             tiles = influence.contributes & ~influence.is_faint
             visible = tiles & (influence.coarse_visibility > 0.0)
             if light not in caches and has_bvh[light] and visible.any():
-                near = tiles & near_light(frame, light)
-                caches[light] = self.coarse(frame, light, tiles, tiles_where(near))
-            if light in caches and len(caches[light].near) and draws_fine:
+                caches[light] = self.coarse(frame, light, tiles, tiles & near_light(frame, light))
+            if light in caches and caches[light].fine_width and draws_fine:
                 self.draw_fine(frame, light, caches[light])
         frame[IRRADIANCE_CACHE] = caches
 
     def coarse(self, frame: Frame, light: int, tiles: np.ndarray, near: np.ndarray) -> CachedIrradiance:
-        """A light's cache with its coarse part, in tiles (rows,columns) bool."""
+        """A light's cache with its coarse part, in tiles (rows,columns) bool, of which some are near the light."""
         gl, columns_and_rows = self.device.gl, np.array(frame.tiles)
         width, height = (texels + 1 for texels in size_of(IRRADIANCE_RATIO, *frame.size))  # to interpolate to the end
-        fine_width, fine_height = (TILE_SIZE * columns_and_rows * (len(near) > 0)).tolist()
-        varies = cast(EmissiveLights, frame.scene.lights).varies[light]
+        lights = cast(EmissiveLights, frame.scene.lights)  # others have no light BVH
+        varies, has_fine = lights.varies[light], near.any() and has_few_triangles(lights, light)
+        fine_width, fine_height = (TILE_SIZE * columns_and_rows * has_fine).tolist()
         target = replace(IRRADIANCE_RATIO, format="rgba16f") if varies else IRRADIANCE_RATIO  # and the mean color
         texture = create(gl, target, (fine_width + width, max(fine_height, height)))
         shader = self.full_screen_program(
@@ -128,7 +134,8 @@ class CacheIrradiance(Pass):
         """The ratio at each pixel of tiles near the light, of the surfaces in this sample."""
         program = self.tile_program(*LIGHT_RECORDS, fine=1, max_ratio=MAX_FINE_RATIO, **constants(frame, light))
         bind(program, **uniforms(frame, light))
-        draw_tiles(frame, self.device.gl.framebuffer([cache.texture]), program, cache.near, rays=RAYS_PER_TEXEL)
+        target = self.device.gl.framebuffer([cache.texture])
+        draw_tiles(frame, target, program, tiles_where(cache.near), rays=RAYS_PER_TEXEL)
 
 
 def constants(frame: Frame, light: int) -> dict[str, Any]:
@@ -142,19 +149,22 @@ def uniforms(frame: Frame, light: int) -> dict[str, Any]:
     return {**surfaces, **frame[LIGHT_BUFFERS], "light_index": light}
 
 
+def has_few_triangles(lights: EmissiveLights, light: int) -> bool:
+    """Whether the cache has each pixel near a light."""
+    return bool(lights.triangle_count[light] <= (LIGHT_PIECES if lights.varies[light] else MAX_NEAR_TRIANGLES))
+
+
 def near_light(frame: Frame, light: int) -> np.ndarray:
-    """(rows,columns) bool: tiles near a light with a light BVH of few triangles, to which rays are traced.
+    """(rows,columns) bool: tiles near a light with a light BVH, to which rays are traced.
 
     All tiles, if nothing is known of their surfaces.
     """
-    lights = cast(EmissiveLights, frame.scene.lights)  # others have no light BVH
-    most = LIGHT_PIECES if lights.varies[light] else MAX_NEAR_TRIANGLES
-    if lights.triangle_count[light] > most or not frame.traces_shadows:
+    if not frame.traces_shadows:
         return np.zeros(frame.tiles[::-1], bool)
     state = frame.get(CULLING_STATE)
     if state is None:
         return np.ones(frame.tiles[::-1], bool)
-    near = near_nodes(state.surfaces, lights, light, frame.anchor)
+    near = near_nodes(state.surfaces, cast(EmissiveLights, frame.scene.lights), light, frame.anchor)
     return near.reshape(-1, *frame.tiles[::-1]).any(0)  # near and far surfaces
 
 
@@ -162,15 +172,20 @@ def near_nodes(surfaces: SurfaceBounds, lights: EmissiveLights, light: int, anch
     """(N,) bool: surfaces near any of a light's nodes of one depth."""
     count = min(int(lights.leaves[light]), MAX_NEAR_NODES)
     nodes = slice(lights.first_node[light] + count, lights.first_node[light] + 2 * count)
+    emits = lights.node_area[nodes] > 0.0
+    centres = (lights.node_centre[nodes] - anchor)[emits]
+    distances = (1.0 + NEAR_RADII) * lights.node_radius[nodes][emits]
     half = (surfaces.high - surfaces.low) / 2.0
     middle, radius = surfaces.low + half, np.linalg.norm(half, axis=0)
+    # Most surfaces are not even near a sphere around all nodes.
+    light_centre = centres.mean(0)
+    light_distance = (np.linalg.norm(centres - light_centre, axis=1) + distances).max()
+    around = np.linalg.norm(middle - light_centre[:, None], axis=0) < light_distance + radius
+    rows = np.flatnonzero(surfaces.exists & around)
     near = np.zeros(len(surfaces.exists), bool)
-    for centre, node_radius, area in zip(
-        lights.node_centre[nodes] - anchor, lights.node_radius[nodes], lights.node_area[nodes], strict=True
-    ):
-        distance = np.linalg.norm(middle - centre[:, None], axis=0)
-        near |= (distance < (1.0 + NEAR_RADII) * node_radius + radius) & (area > 0.0)
-    return near & surfaces.exists
+    for centre, distance in zip(centres, distances, strict=True):
+        near[rows] |= np.linalg.norm(middle[:, rows] - centre[:, None], axis=0) < distance + radius[rows]
+    return near
 
 
 def with_next_tiles(tiles: np.ndarray) -> np.ndarray:
