@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which pixels trace rays that correct a prediction, and to which points of a light."""
 
+import math
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -11,10 +12,12 @@ from ....resources import MEAN_LUMINANCE
 from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_point
 from ...frame import Frame
 from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP
+from ...tiles import relative_cost
 
-#: A pixel traces a ray in each sample if the ray can change the pixel by this fraction of the picture's mean luminance.
-#: If it can change it by more, as many more are traced, up to the MAX_RAYS of the light's type.
-RAY_THRESHOLD = 0.1
+#: In large pictures, a pixel traces a ray in each sample if the ray can change the pixel by this fraction of the
+#: picture's mean luminance. If it can change it by more, as many more are traced, up to the MAX_RAYS of the light's
+#: type. In small pictures a ray is a smaller part of a sample's time, so that more rays pay.
+RAY_THRESHOLD = 0.2
 
 #: Uncertainty of a prediction if all rays of a neighbourhood agree. For both see `dev.py bench constants` in
 #: docs/benchmarks.md.
@@ -82,4 +85,7 @@ def light_steps() -> tuple[int, ...]:
 
 def ray_threshold(frame: Frame) -> float:
     """Change of a pixel's luminance from which on a ray is traced in each sample."""
-    return RAY_THRESHOLD * frame[MEAN_LUMINANCE] if frame.settings.shortcuts else float(np.finfo(np.float32).tiny)
+    if not frame.settings.shortcuts:
+        return float(np.finfo(np.float32).tiny)
+    # The least product of squared error and time is with a number of rays as the root of the time of all else.
+    return RAY_THRESHOLD * frame[MEAN_LUMINANCE] / math.sqrt(relative_cost(math.prod(frame.tiles)))

@@ -31,7 +31,7 @@ from ....sampling.dimensions import Dimension, draw
 from ....scene import Change
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, has_doubled, outputs
-from ...tiles import from_strips, neighbourhood_max, tiles_where
+from ...tiles import from_strips, neighbourhood_max, relative_cost, tiles_where
 
 #: Samples in which every tile takes part. See `dev.py bench constants` in docs/benchmarks.md.
 UNIFORM_SAMPLES = 2
@@ -42,10 +42,6 @@ UNIFORM_SAMPLES = 2
 #: of the error.
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.05
-
-#: What a sample costs whatever tiles take part, in draws of tiles: of one core 30 to 100, and of several as many times
-#: more, as tiles are drawn by all. Where it is much of the time, in small pictures, more tiles are always drawn.
-TILES_PER_SAMPLE = 500.0
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
 #: falls with a power of their number, so that a sample's time hardly grows. The minimum is inversely proportional to
@@ -176,5 +172,5 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarr
 
 
 def always_sampled_fraction(tiles: int) -> float:
-    """The fraction of this number of tiles that have probability 1 under few lights."""
-    return min(ALWAYS_SAMPLED_FRACTION * (1.0 + TILES_PER_SAMPLE / tiles), 1.0)
+    """The fraction of this number of tiles that have probability 1 under few lights: the larger, the fewer."""
+    return min(ALWAYS_SAMPLED_FRACTION * relative_cost(tiles), 1.0)
