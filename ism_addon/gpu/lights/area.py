@@ -76,11 +76,12 @@ class AreaLightBounds:
         centre, size = surfaces.low + half, np.abs(surfaces.low) + np.abs(surfaces.high)
         to = self.position - centre[:, None]
         distance = np.sqrt(dot(to, to)) + np.float32(1e-20)
-        radius = np.sqrt(dot(half, half)) + POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
+        rounding = POSITION_ROUNDING * (size.sum(0) + np.abs(self.position).sum(0))
+        radius = np.sqrt(dot(half, half)) + rounding
         slack = radius + self.radius
         along = -dot(to, self.normal)
         upright = np.clip(dot(to, surfaces.axis[:, None]) / distance, -1.0, 1.0)
-        max_ahead, near = along + radius, distance - slack
+        max_ahead, near = along + dot(np.abs(self.normal), half[:, None]) + rounding, distance - slack
         above = surfaces.max_cosine(upright) * distance + slack
         across = np.sqrt(np.maximum(distance * distance - along * along, 0.0))
         lit = surfaces.exists & (max_ahead > 0.0) & (above > 0.0) & ~self.is_outside_cone(along, across, slack)
