@@ -52,17 +52,40 @@ class CullingState:
         return max(float(self.irradiance[self.exists].mean()) if self.exists.any() else 0.0, FLOAT32_TINY)
 
     @cached_property
+    def tile_irradiance(self) -> np.ndarray:
+        """(rows,columns): the tile's irradiance or the picture's mean, if that is more."""
+        return np.maximum(self.irradiance, self.mean)
+
+    @cached_property
     def hidden_bound(self) -> np.ndarray:
-        """(rows,columns): bounds of all hidden lights together, or the tile's irradiance or the mean, if that is more.
+        """(rows,columns): bounds of all hidden lights together, or `tile_irradiance`, if that is more.
 
         Of many lights that are hidden, one is a small part: together they are probed and retested as if they were one.
         """
+        return np.maximum(self.hidden_sum(np.inf), self.tile_irradiance)
+
+    @cached_property
+    def limited_hidden_bound(self) -> np.ndarray:
+        """(rows,columns): the same if no light that is bounded in the tile counts more than `tile_irradiance`."""
+        return np.maximum(self.hidden_sum(self.tile_irradiance), self.tile_irradiance)
+
+    def hidden_sum(self, limit: np.ndarray | float) -> np.ndarray:
+        """(rows,columns): sum of the bounds of all hidden lights; in each tile up to a limit each, if bounded there."""
         rows, columns = self.irradiance.shape
-        bound = repeated(self.hidden.bounds.sum(0), COARSE_SIDE, (columns, rows))
-        for light, light_bound in zip(self.lights.tolist(), self.bounds, strict=True):
+        total = repeated(self.hidden.bounds.sum(0), COARSE_SIDE, (columns, rows))
+        for light, bound in zip(self.lights.tolist(), self.bounds, strict=True):
             if light in self.coarse_visibility:
-                bound = bound + light_bound * (self.coarse_visibility[light] == 0.0)
-        return np.maximum(bound, np.maximum(self.irradiance, self.mean))
+                total = total + np.minimum(bound, limit) * (self.coarse_visibility[light] == 0.0)
+        return total
+
+    def relative_bound(self, bound: np.ndarray) -> np.ndarray:
+        """(rows,columns): a hidden light's bound in each tile over those of all hidden lights, up to 1.
+
+        A single light close by, which may be covered, does not make all others small: the ratio is the larger one of
+        all bounds and of limited ones.
+        """
+        limited = np.minimum(bound, self.tile_irradiance) / self.limited_hidden_bound
+        return np.maximum(np.minimum(bound / self.hidden_bound, 1.0), limited)
 
     def relative_bounds(self, function: np.ufunc) -> np.ndarray:
         """(H,R,C): bounds of hidden lights over those of all, reduced over each coarse tile."""
@@ -77,8 +100,8 @@ def light_influences(state: CullingState, has_gloss: bool) -> dict[int, LightInf
     """
     influences, mean, culled = {}, state.mean, np.zeros_like(state.irradiance)
     local = np.maximum(state.irradiance, MIN_RELATIVE_IRRADIANCE * mean)
-    bounds, tile_irradiance = with_edges(state.bounds, state.exists), np.maximum(state.irradiance, mean)
-    for row in np.argsort(np.tensordot(bounds, 1.0 / tile_irradiance)):  # faintest first
+    bounds = with_edges(state.bounds, state.exists)
+    for row in np.argsort(np.tensordot(bounds, 1.0 / state.tile_irradiance)):  # faintest first
         light, bound = int(state.lights[row]), bounds[row]
         culled += bound
         contributes = (bound > 0.0) & (has_gloss | (culled > MAX_CULLED_FRACTION * local))
@@ -87,8 +110,8 @@ def light_influences(state: CullingState, has_gloss: bool) -> dict[int, LightInf
             influences[light] = LightInfluence(
                 contributes=contributes,
                 bound_over_faint=np.minimum(bound / np.maximum(FAINT_FRACTION * local, FLOAT32_TINY), 1.0),
-                relative_bound=np.minimum(
-                    bound / np.where(visibility == 0.0, state.hidden_bound, tile_irradiance), 1.0
+                relative_bound=np.where(
+                    visibility == 0.0, state.relative_bound(bound), np.minimum(bound / state.tile_irradiance, 1.0)
                 ),
                 bound_over_mean=np.minimum(bound, MAX_BOUND_OVER_MEAN * mean) / mean,
                 coarse_visibility=visibility,

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon.gpu.culling import culling_state
-from ism_addon.gpu.culling.hidden_lights import COARSE_SIDE
+from ism_addon.gpu.culling.culling_state import CullingState, light_influences
+from ism_addon.gpu.culling.hidden_lights import COARSE_SIDE, HiddenLights
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.area import AreaLightBounds
 from ism_addon.gpu.passes.light_selection import cull_lights
@@ -118,6 +119,27 @@ def test_many_lights_that_no_ray_reaches_are_bounded_in_coarse_tiles_only(device
     assert len(hidden) > 30 and not set(influences) & set(hidden)
     assert 0.0 < relative_bounds.sum(0).max() <= COARSE_SIDE**2 * (1.0 + ROUNDING), "together they count as one light"
     assert drawn.profile.counts["retests"] > 0
+
+
+def hidden_influences(*relative_bounds: float):
+    """The influences, in a picture of one tile, of lights that no ray reaches: their bounds over the irradiance."""
+    floor = bounds_of(np.zeros((1, 3)), np.array([[0, 0, 1.0]]))
+    surfaces, bounds = floor.select([0, 0]), np.array(relative_bounds, np.float32)[:, None, None]
+    dark = {light: np.zeros((1, 1), np.float32) for light in range(len(bounds))}
+    state = CullingState(surfaces, np.arange(len(bounds)), bounds, HiddenLights.none((1, 1)), dark, np.ones((1, 1)))
+    return light_influences(state, has_gloss=False)
+
+
+def test_a_hidden_light_close_by_hides_no_other():
+    lamp, window = hidden_influences(1000.0, 0.5).values()
+    assert lamp.to_probe.all() and window.to_probe.all()
+
+
+@pytest.mark.parametrize("bound", [0.5, 1.0, 100.0])
+def test_many_hidden_lights_are_as_one(bound):
+    influences = hidden_influences(*[bound] * 40).values()
+    assert sum(each.relative_bound.item() for each in influences) == pytest.approx(1.0)
+    assert not any(each.to_probe.any() for each in influences)
 
 
 def test_faint_lights_contribute_if_nothing_is_negligible(device, monkeypatch):
