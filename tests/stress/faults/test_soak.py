@@ -26,8 +26,8 @@ from tests.tools.new_file import open_empty_file, open_factory_file
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as on Linux")
 
 MEGABYTE = 1e6
-#: Repetitions until caches are full, such as the allocator's arenas.
-WARM_UP = 30
+#: Repetitions until caches are full, such as the allocator's arenas, and programs for lights that are seldom faint.
+WARM_UP = 100
 #: Types of OpenGL objects that are counted, and the end of the range of their names (integers) that is tried.
 OBJECT_TYPES, NAME_LIMIT = ("Texture", "Buffer", "Framebuffer", "VertexArray", "Program", "Shader"), 5000
 
