@@ -29,7 +29,7 @@ TILE_LAYOUT = (
 
 #: What a sample costs whatever tiles take part, in draws of tiles: of one core 30 to 100, and of several as many times
 #: more, as tiles are drawn by all.
-TILES_PER_SAMPLE = 240.0
+TILES_PER_SAMPLE = 300.0
 
 
 def relative_cost(tiles: int) -> float:
