@@ -172,5 +172,5 @@ def allocate(deviation: np.ndarray, mean_luminance: float, unconverged: np.ndarr
 
 
 def always_sampled_fraction(tiles: int) -> float:
-    """The fraction of this number of tiles that have probability 1 under few lights: the larger, the fewer."""
+    """The fraction of a picture's tiles that have probability 1 under few lights: larger in small pictures."""
     return min(ALWAYS_SAMPLED_FRACTION * relative_cost(tiles), 1.0)
