@@ -6,6 +6,7 @@ them. The world is then sampled through these, as through the portals that artis
 2015).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,6 +110,12 @@ class Portals:
     def moments(self) -> tuple[float, float]:
         """Of a ray's visibility, the second moment: factors of the visibility's square, and of itself."""
         return 1.0 / (max(self.arriving, 1e-3) * self.probability), self.missed / (1.0 - self.probability)
+
+    @property
+    def importance_beside(self) -> float:
+        """Of a ray that crosses none over that of one that does: the root of how much more seldom it is unoccluded."""
+        through, beside = (1.0 - self.missed) / self.crossed, self.missed / (1.0 - self.crossed)
+        return min(math.sqrt(beside / through), 1.0)
 
 
 def find_portals(rays: Rays) -> Portals | None:

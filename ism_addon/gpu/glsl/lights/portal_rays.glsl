@@ -9,11 +9,11 @@ float ray_weight(Light light, vec3 n, LightSample from) {
     return 1.0;
 }
 
-// How probably a ray is unoccluded, by the density of the light's samples in its direction: beside portals few are.
+// How important a ray is, by the density of the light's samples in its direction: few are unoccluded beside portals.
 float ray_importance(Light light, vec3 n, vec3 wi, float pdf) {
 #if PORTALS
     float beside = (1.0 - portal_probability) * cosine_hemisphere_pdf(max(dot(n, wi), 0.0));
-    if (light.shape == PORTALS && pdf <= 1.0001 * beside) return 1.0 - portal_probability;
+    if (light.shape == PORTALS && pdf <= 1.0001 * beside) return importance_beside;
 #endif
     return 1.0;
 }

@@ -43,6 +43,7 @@ class ScenePortals:
             "portal_count": len(self.portals.rectangles),
             "portal_probability": self.portals.probability,
             "portal_moments": self.portals.moments,
+            "importance_beside": self.portals.importance_beside,
         }
 
 
