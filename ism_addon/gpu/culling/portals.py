@@ -114,8 +114,8 @@ class Portals:
     @property
     def importance_beside(self) -> float:
         """Of a ray that crosses none over that of one that does: the root of how much more seldom it is unoccluded."""
-        through, beside = (1.0 - self.missed) / self.crossed, self.missed / (1.0 - self.crossed)
-        return min(math.sqrt(beside / through), 1.0)
+        through, beside = (1.0 - self.missed) * (1.0 - self.crossed), self.missed * self.crossed
+        return min(math.sqrt(beside / max(through, beside)), 1.0)
 
 
 def find_portals(rays: Rays) -> Portals | None:

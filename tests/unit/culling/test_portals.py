@@ -84,3 +84,18 @@ def test_the_probability_has_the_least_variance(crossed, missed):
     assert portals.probability == pytest.approx(min(best, 0.9), abs=0.01)
     if best < 0.9:
         assert 1.0 / portals.gain == pytest.approx(second_moments.min(), rel=0.01)
+
+
+@pytest.mark.parametrize(("crossed", "missed"), [(0.02, 0.01), (0.1, 0.1), (0.3, 0.02)])
+def test_the_importance_beside_portals_has_the_least_variance(crossed, missed):
+    """Of two directions with equal estimates, one through a portal, one ray goes to one that is chosen by importance."""
+    unoccluded_through, unoccluded_beside = (1.0 - missed) / crossed, missed / (1.0 - crossed)  # relative
+    importances = np.linspace(1e-3, 1.0, 1000)
+    second_moments = (unoccluded_through + unoccluded_beside / importances) * (1.0 + importances)
+    best = importances[second_moments.argmin()]
+    assert Portals((), crossed, 0.5, missed).importance_beside == pytest.approx(best, abs=2e-3)
+
+
+@pytest.mark.parametrize(("crossed", "missed"), [(0.0, 0.5), (1.0, 0.1)])
+def test_that_importance_is_a_number_at_the_limits(crossed, missed):
+    assert 0.0 <= Portals((), crossed, 0.5, missed).importance_beside <= 1.0

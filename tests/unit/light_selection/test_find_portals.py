@@ -11,6 +11,7 @@ from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.passes.light_selection import find_portals
 from ism_addon.resources import PORTALS, RAY_COUNTS
 from ism_addon.settings import Shadow
+from ism_addon.shading.builder import Builder, constant
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, quad, with_quality
 
 SETTINGS = replace(SMALL_SETTINGS, shadow=Shadow(world=True))
@@ -52,6 +53,24 @@ def test_the_world_is_sampled_through_a_window(device, room, monkeypatch):
     assert picture.mean() == pytest.approx(reference.mean(), rel=0.01)
     assert errors[portals.MIN_GAIN] < errors[np.inf] / 3.0
     assert rays[portals.MIN_GAIN] < rays[np.inf]
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.7])
+def test_faint_gloss_adds_little_noise(device, room, roughness):
+    """Most rays still go through the window, not to where the lobe reflects walls."""
+    builder = Builder()
+    normal, white = builder.call("geometry_normal"), constant((1.0, 1.0, 1.0))
+    gloss = builder.call("closure_glossy", constant((0.04,) * 3), white, constant(roughness), normal, parameter=0)
+    graph, constants = builder.finish([builder.call("closure_diffuse", constant((0.56,) * 3), normal), gloss])
+    materials = replace(
+        room.materials, graph=np.zeros(1, np.int32), first_constant=np.zeros(1, np.int32), constants=constants
+    )
+    errors = []
+    for scene in (room, replace(room, materials=materials, graphs=(graph,))):
+        reference = draw(device, scene, VIEW, with_quality(SETTINGS, samples=512)).color[..., :3]
+        picture = draw(device, scene, VIEW, with_quality(SETTINGS, samples=16)).color[..., :3]
+        errors.append(np.sqrt(np.mean((picture - reference) ** 2)) / reference.mean())
+    assert errors[1] < 1.3 * errors[0]
 
 
 def test_the_first_sample_is_near_the_limit(device, room):
