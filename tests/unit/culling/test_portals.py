@@ -88,7 +88,7 @@ def test_the_probability_has_the_least_variance(crossed, missed):
 
 @pytest.mark.parametrize(("crossed", "missed"), [(0.02, 0.01), (0.1, 0.1), (0.3, 0.02)])
 def test_the_importance_beside_portals_has_the_least_variance(crossed, missed):
-    """Of two directions with equal estimates, one through a portal, one ray goes to one that is chosen by importance."""
+    """Of two directions with equal estimates, one of them through a portal, one is chosen by importance."""
     unoccluded_through, unoccluded_beside = (1.0 - missed) / crossed, missed / (1.0 - crossed)  # relative
     importances = np.linspace(1e-3, 1.0, 1000)
     second_moments = (unoccluded_through + unoccluded_beside / importances) * (1.0 + importances)
