@@ -113,7 +113,7 @@ class Portals:
 
     @property
     def importance_beside(self) -> float:
-        """Of a ray that crosses none over that of one that does: the root of how much more seldom it is unoccluded."""
+        """Of a ray that crosses none, relative to one that does: the root of the ratio of their visibilities."""
         through, beside = (1.0 - self.missed) * (1.0 - self.crossed), self.missed * self.crossed
         return min(math.sqrt(beside / max(through, beside)), 1.0)
 

@@ -20,7 +20,7 @@ from tests.support.small_scenes import (
     view_from_above,
     with_quality,
 )
-from tests.tables import ggx
+from tests.tables import ggx, lookup
 from tests.unit.shading import glsl_functions
 
 COUNT = 500
@@ -224,3 +224,12 @@ def test_a_roof_is_between_a_metal_and_what_is_infinitely_far_away(device, sourc
     lit = draw(device, replace(scene, world=covered.world), view, settings).color[..., :3]
     assert lit.mean() > 0.05
     assert abs(shaded.mean()) < 0.03 * lit.mean()
+
+
+def test_the_shape_of_sheen_is_stored_precisely(device):
+    """In all of Cycles' table: the peak of a narrow lobe is inversely proportional to the square of its values."""
+    shapes = lookup.tables()["sheen"][..., :2].reshape(-1, 2).astype(np.float64)
+    lobes = "RareLobes(vec3(0.5), a0, 1.0, 0.0, 0.0, 0.0, false)"
+    stored = f"unpack_rare_lobes(pack_rare_lobes({lobes})).sheen_shape"
+    result = glsl_functions.evaluate(device, "materials/gloss_packing.glsl", stored, [shapes])[:, :2]
+    assert np.abs(result - shapes).max() < 2e-5

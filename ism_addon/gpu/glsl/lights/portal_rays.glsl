@@ -9,7 +9,7 @@ float ray_weight(Light light, vec3 n, LightSample from) {
     return 1.0;
 }
 
-// How important a ray is, by the density of the light's samples in its direction: few are unoccluded beside portals.
+// The importance of a ray, by the density of the light's samples in its direction: few beside portals are unoccluded.
 float ray_importance(Light light, vec3 n, vec3 wi, float pdf) {
 #if PORTALS
     float beside = (1.0 - portal_probability) * cosine_hemisphere_pdf(max(dot(n, wi), 0.0));

@@ -6,7 +6,7 @@ uniform int portals;              // rows of LIGHT
 uniform int portal_count;         // at most MAX_EXACT_TRIANGLES
 uniform float portal_probability; // of a sample through one of them, where any is above the horizon
 uniform vec2 portal_moments;      // of a ray's visibility, the second: factors of the visibility's square, and of itself
-uniform float importance_beside;  // of rays that cross none, over that of those that do
+uniform float importance_beside;  // of rays that cross none, relative to those that do
 
 Light fetch_portal(int k) { return fetch_Light(scene_records, portals + k); }
 

@@ -16,8 +16,8 @@ struct ReflectionSample {
 #if GLOSS
 // The sample is one of two candidates, so that one shadow ray serves both lobes (Talbot, Cline & Egbert 2005): a point of
 // the light, and the direction that a visible microfacet reflects. Their weights are those of the balance heuristic (Veach
-// & Guibas 1995). The second counts as much as the lobes reflect of what the surface does: the faint gloss of a wall
-// would otherwise choose as many rays as its diffuse reflection.
+// & Guibas 1995). There the density of the second is multiplied by the fraction of the reflected light that microfacets
+// reflect: otherwise the faint gloss of a wall would direct as many rays as its diffuse reflection.
 uniform uvec3 lobe_pixel_steps; // of the sequence of a microfacet's normal, and of the choice between the candidates
 uniform uvec3 lobe_ray_steps;
 uniform uvec3 lobe_light_steps;
@@ -27,12 +27,9 @@ vec3 lobe_sequence(ivec2 at, uvec3 shift, uint index) {
     return vec3(fixed_point >> 8u) / 16777216.0;
 }
 
-// The lobes' part of what the surface reflects, as a weight of samples: not 0.
-float share_of_lobes(Surface surface, Lobes lobes) {
-    float gloss = luminance(reflected_fraction(lobes.gloss));
-#if COAT
-    gloss += luminance(reflected_fraction(lobes.coat));
-#endif
+// The fraction of the reflected light that microfacets reflect. Not 0, as it weights densities.
+float share_of_microfacets(Surface surface, Lobes lobes) {
+    float gloss = luminance(reflected_fraction(lobes));
     return clamp(gloss / max(gloss + luminance(surface.base_color), 1e-37), 1e-3, 1.0);
 }
 
@@ -57,7 +54,7 @@ ReflectionSample reflection_sample(Surface surface, Lobes lobes, LobePrediction 
 #else
     const bool has_other = false; // the light's density in any direction takes too long
 #endif
-    float share = share_of_lobes(surface, lobes), density = by_light.pdf + (has_other ? share * value.pdf : 0.0);
+    float share = share_of_microfacets(surface, lobes), density = by_light.pdf + (has_other ? share * value.pdf : 0.0);
     vec3 light_sum = light.emission * light_color(light, p, by_light.point, by_light.triangle) * (by_light.radiance / density);
     vec3 diffuse = light_sum * evaluate_diffuse(surface, by_light.wi), reflected = light_sum * value.reflected;
     ReflectionSample kept = ReflectionSample(by_light, diffuse, reflected, reflected);

@@ -29,7 +29,7 @@ struct RareLobes {
 
 bool is_glossy(Gloss gloss) { return gloss.f0 + gloss.schlick + gloss.dielectric != vec3(0.0); }
 
-const float MAX_REFLECTANCE = 4.0, MAX_SHEEN_SHAPE = 1.0;
+const float MAX_REFLECTANCE = 4.0, MAX_SHEEN_SHAPE = 1.0; // of all that are stored
 
 uvec4 pack_halves(vec4 low, vec4 high) {
     return uvec4(packUnorm2x16(low.xy), packUnorm2x16(low.zw), packUnorm2x16(high.xy), packUnorm2x16(high.zw));

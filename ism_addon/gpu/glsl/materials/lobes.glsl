@@ -35,6 +35,15 @@ vec3 reflected_fraction(Gloss gloss) {
     return gloss.reflected * (gloss.f0 + gloss.mean_rise * (gloss.schlick + gloss.dielectric));
 }
 
+// The same of all microfacets.
+vec3 reflected_fraction(Lobes lobes) {
+    vec3 reflected = reflected_fraction(lobes.gloss);
+#if COAT
+    reflected += reflected_fraction(lobes.coat);
+#endif
+    return reflected;
+}
+
 Lobes lobes_at(ivec2 at, Surface surface, vec3 wo) {
     Lobes lobes;
     lobes.normal = surface.normal;

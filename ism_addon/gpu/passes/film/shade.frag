@@ -50,10 +50,7 @@ void main() {
     vec3 albedo = surface.base_color;
 #if GLOSS
     Lobes lobes = lobes_at(at, surface, direction_to_camera(surface.position));
-    albedo += reflected_fraction(lobes.gloss);
-#if COAT
-    albedo += reflected_fraction(lobes.coat);
-#endif
+    albedo += reflected_fraction(lobes);
 #if RARE_LOBES
     albedo += lobes.rare.sheen;
 #endif
