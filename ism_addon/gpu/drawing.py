@@ -26,16 +26,17 @@ def draw_tiles(
     side: int = TILE_SIZE,
     rays: float = 1.0,
     border: int = 0,
+    counts: tuple[int, int] | None = None,
 ) -> None:
     """Draw `tiles`, rows of TILE, or all tiles that take part in this sample, with `margin` px around each.
 
     In this target, a tile has `side`×`side` pixels, and around the picture are `border` px, at most a tile. A pixel
-    takes the time of `rays` rays, see draw_limit.
+    takes the time of `rays` rays, see draw_limit. `counts`: columns and rows, if they are not those of the picture.
     """
     tiles = frame[TILES] if tiles is None else tiles
     if not len(tiles):
         return
-    columns, rows = frame.tiles
+    columns, rows = counts or frame.tiles
     corner = 0
     if border:  # a viewport with one more tile on each side: drivers may clip points to it
         columns, rows, corner, tiles = columns + 2, rows + 2, border - side, tiles.copy()

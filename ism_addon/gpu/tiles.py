@@ -17,7 +17,7 @@ TILE = np.dtype(
         ("sample_index", "f4"),  # among the samples of this tile
         ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has a different one
         ("light", "i4"),  # index
-        ("visibility", "f4"),  # predicted, of all of its pixels
+        ("visibility", "f4"),  # predicted, of all of its pixels; below 0: each pixel has a different one
     ]
 )
 

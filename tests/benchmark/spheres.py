@@ -2,12 +2,13 @@
 """Error of each shader that reflects light, by roughness and type of light, beside Cycles: `dev.py bench spheres`.
 
 A picture for each light, with a column of spheres for each shader and a row for each roughness. Their errors are those
-of means of blocks of 8×8 pixels.
+of means of blocks of 8×8 pixels. Those that the noise of Cycles' picture limits are measured again, in smaller pictures
+of more samples.
 """
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import bpy
@@ -18,7 +19,7 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.jobs.png import display_from_linear, write_png
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
-from tests.docs.sphere_table import rows
+from tests.docs.sphere_table import is_doubtful, rows
 from tests.scenes.cycles import direct_light
 from tests.scenes.materials import spheres
 from tests.tables.furnace import Shader, shader
@@ -30,6 +31,8 @@ from .files import FILTER_WIDTH, our_render
 SIDE, BLOCK = 24, 8
 #: Blocks that reflect less than this fraction of what the brightest one of their sphere does are left out.
 MIN_LEVEL = 0.05
+#: By which references are refined.
+MORE_SAMPLES = 10
 ROUGHNESS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
 
 COLOR, TINT = (0.8, 0.4, 0.2), (0.5, 0.7, 0.9)
@@ -71,7 +74,8 @@ def main() -> int:
     parser.add_argument("--output", type=Path, required=True, help="folder of the record and the pictures")
     parser.add_argument("--lights", nargs="+", choices=spheres.LIGHTS, default=list(spheres.LIGHTS), help="only these")
     parser.add_argument("--samples", type=int, default=1024, help="of our pictures (%(default)s)")
-    parser.add_argument("--truth", type=int, default=1024, help="samples of each of two references (%(default)s)")
+    parser.add_argument("--truth", type=int, default=400, help="samples of each of two references (%(default)s)")
+    parser.add_argument("--finest", type=int, default=40000, help="samples where their noise matters (%(default)s)")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     addon.register()
@@ -80,28 +84,43 @@ def main() -> int:
     finally:
         addon.unregister()
     print(rows(measured))
-    measured = {"samples": options.samples, "truth": options.truth, "cases": measured}
-    print(record.write(options.output, "spheres", open_device().name, measured))
+    print(record.write(options.output, "spheres", open_device().name, {"samples": options.samples, "cases": measured}))
     return 0
 
 
 def measure(light: str, options: argparse.Namespace) -> dict[str, dict[str, dict[str, float]]]:
-    """Errors under a light, by shader and roughness. Pictures of both engines and of the difference are written."""
-    shaders = [make(roughness) for roughness in ROUGHNESS for make in SHADERS.values()]
+    """Errors under a light, by shader and roughness.
+
+    References have more samples where their noise may be what is measured.
+    """
+    errors: dict[tuple[str, float], dict[str, float]] = {}
+    cases, truth = [(name, roughness) for roughness in ROUGHNESS for name in SHADERS], options.truth
+    while cases and truth <= options.finest:
+        errors |= dict(zip(cases, compare_all(light, cases, truth, options), strict=True))
+        cases = [case for case in cases if is_doubtful(errors[case])]
+        truth *= MORE_SAMPLES
+    return {name: {str(roughness): errors[name, roughness] for roughness in ROUGHNESS} for name in SHADERS}
+
+
+def compare_all(
+    light: str, cases: list[tuple[str, float]], truth: int, options: argparse.Namespace
+) -> Iterator[dict[str, float]]:
+    """Errors of spheres of shaders and roughnesses, with references of `truth` samples.
+
+    Pictures of both engines and of the difference are written.
+    """
     with quiet_stdout():
-        spheres.build(shaders, len(SHADERS), SIDE)
+        spheres.build([SHADERS[name](roughness) for name, roughness in cases], len(SHADERS), SIDE)
         spheres.LIGHTS[light]()
         bpy.context.scene.render.filter_size = FILTER_WIDTH
         ours, _ = our_render(options.samples)
-        halves = [direct_light(options.truth, FILTER_WIDTH, seed=seed)[..., :3] for seed in SEEDS]
+        halves = [direct_light(truth, FILTER_WIDTH, seed=seed)[..., :3] for seed in SEEDS]
     theirs = np.mean(halves, 0)
     beside = np.concatenate([ours, theirs, np.clip(0.2 + 4.0 * (ours - theirs), 0.0, 1.0)])
     opaque = np.concatenate([beside, np.ones_like(beside[..., :1])], axis=2)
-    write_png(options.output / f"spheres-{light}.png", display_from_linear(opaque))
-    cases = zip(*(spheres.squares(picture, SIDE) for picture in (ours, *halves)), strict=True)
-    errors = [compare(*case) for case in cases]
-    columns = {name: errors[column :: len(SHADERS)] for column, name in enumerate(SHADERS)}
-    return {name: dict(zip(map(str, ROUGHNESS), column, strict=True)) for name, column in columns.items()}
+    write_png(options.output / f"spheres-{light}-{truth}.png", display_from_linear(opaque))
+    squares = [spheres.squares(picture, SIDE)[: len(cases)] for picture in (ours, *halves)]
+    return ({**compare(*case), "truth": truth} for case in zip(*squares, strict=True))
 
 
 def compare(ours: np.ndarray, *halves: np.ndarray) -> dict[str, float]:

@@ -8,7 +8,7 @@ from tests.benchmark.error.report import table
 
 from . import record
 
-#: By light, shader and roughness: "error" and "noise" of blocks' means, and "rmse".
+#: By light, shader and roughness: "error" and "noise" of blocks' means, "rmse", and each reference's samples, "truth".
 Cases = Mapping[str, Mapping[str, Mapping[str, Mapping[str, float]]]]
 
 #: The largest error that is not listed, and what is aimed at.
@@ -35,13 +35,19 @@ def large_errors(cases: Cases) -> Iterator[tuple[str, str, str, Mapping[str, flo
                     yield light, shader, roughness, errors
 
 
+def is_doubtful(errors: Mapping[str, float]) -> bool:
+    """Whether an error is outside of the bound, or not a number, and the reference's noise may be why."""
+    return not (errors["error"] <= BOUND or NOISY * errors["noise"] <= BOUND)
+
+
 def outside(cases: Cases) -> str:
     """A row for each case outside of the bound."""
-    lines = [["shader", "roughness", "light", "error, %", "noise of Cycles, %", "RMSE / mean"]]
+    lines = [["shader", "roughness", "light", "error, %", "noise of Cycles, %", "its samples", "RMSE / mean"]]
     for light, shader, roughness, errors in large_errors(cases):
         numbers = f"{100.0 * errors['error']:.2f}", f"{100.0 * errors['noise']:.2f}", f"{errors['rmse']:.3f}"
         limited = " (limits)" if errors["error"] < NOISY * errors["noise"] else ""
-        lines.append([shader, roughness, light, numbers[0], f"{numbers[1]}{limited}", numbers[2]])
+        noise = f"{numbers[1]}{limited}"
+        lines.append([shader, roughness, light, numbers[0], noise, f"{2 * errors['truth']:,}", numbers[2]])
     return table(lines)
 
 

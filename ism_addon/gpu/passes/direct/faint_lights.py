@@ -6,6 +6,9 @@ import numpy as np
 #: A light that is faint in a tile: its predicted visibility, and the probability and phase with which samples draw it.
 FAINT_LIGHT = np.dtype([("tile", "i8"), ("light", "i8"), ("visibility", "f4"), ("probability", "f4"), ("phase", "f4")])
 
+#: Nodes of a light BVH that estimate a faint light's irradiance: the irradiance cache does not have it.
+ESTIMATE_NODES = 4
+
 
 def drawn_pairs(pairs: np.ndarray, tiles: np.ndarray, columns: int, rows: int, sample: int) -> np.ndarray:
     """Rows of TILE: the pairs that a sample draws in these tiles. The first sample draws all pairs.

@@ -21,7 +21,8 @@ class TilesOfLights:
     """The tiles of one sample by light. What does not depend on the light is computed once."""
 
     def __init__(self, frame: Frame):
-        self.frame, self.tiles = frame, frame[TILES]
+        self.frame, self.tiles = frame, frame[TILES].copy()
+        self.tiles["visibility"] = -1.0
         self.index = self.tiles["tile"].astype(np.int64) @ (1, frame.tiles[0])
 
     @cached_property
@@ -41,6 +42,7 @@ class TilesOfLights:
         darkness is certain.
         """
         frame, influence = self.frame, self.frame[LIGHT_INFLUENCE][light]
+        self.tiles["light"] = light
         has_shadow = casts_shadow(frame, light)
         if has_shadow and light not in frame[TILE_VISIBILITY]:
             return self.tiles[:0], self.tiles[:0]

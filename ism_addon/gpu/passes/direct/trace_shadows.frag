@@ -9,13 +9,14 @@
 #if CACHED
 #include "textures/irradiance_cache.glsl"
 #endif
-uniform int light_index;
 uniform sampler2D prediction;         // visibility, whether it is uncertain
 uniform sampler2D predicted_pixels;   // see match_predictions.frag
 uniform uvec3 light_uv_shift;         // of points on the light, of samples that trace rays
 #if GLOSS
 uniform uvec3 lobe_shift;             // of the sequence of candidates
 #endif
+flat in int tile_light;
+flat in float tile_visibility;
 flat in float tile_probability;
 layout(location = 0) out vec4 direct_prediction; // in alpha, upper bound of its luminance's increase
 #if TRACE || CORRECT
@@ -53,7 +54,7 @@ void main() {
 #endif
     Surface surface = surface_at(at);
     if (!surface.exists) return;
-    Light light = fetch_Light(scene_records, lights + light_index);
+    Light light = fetch_Light(scene_records, lights + tile_light);
     bool is_lit = is_lit_by(surface, light);
 #if TRACE || CACHED
     PredictedPixel pixel = predicted_pixel(predicted_pixels, at);
@@ -73,6 +74,7 @@ void main() {
     bool exact = TRACE == 0 || (EXACT == 1 && is_reliable); // without rays, nothing better corrects it
     vec3 unshadowed = is_lit ? unshadowed_diffuse(surface, light, irradiance, color) : vec3(0.0);
     vec2 predicted = fetch(prediction, min(pixel.at, textureSize(prediction, 0) - 1)).xy;
+    if (tile_visibility >= 0.0) predicted = vec2(tile_visibility, float(light.casts_shadow));
 #if TRACE
     if (!pixel.similar) predicted.y = 1.0;
 #endif

@@ -52,7 +52,7 @@ from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
 from ...surface_inputs import SURFACE, surface_samplers
 from ..light_selection.scene_portals import portals_of
-from .faint_lights import drawn_pairs
+from .faint_lights import ESTIMATE_NODES, drawn_pairs
 from .ray_correction import (
     RECORDS,
     light_shift,
@@ -139,9 +139,8 @@ class TraceShadows(Pass):
             if frame.scene.has_gloss:
                 sequences |= {"lobe_shift": lobe_shift(light), **lobe_sequence()}
             if len(untraced):
-                constants = shader_constants(variant, 0, correct, 1, MIN_RAY_PROBABILITY)
                 occluders = surfaces if variant["hard"] else OPAQUE
-                program = self.tile_program(*RECORDS, *occluders.parts, **constants, **occluders.constants)
+                program = self.prediction_program(variant, correct, occluders)
                 bind_light(program, occluders, **uniforms, **(sequences if correct else {}))
                 draw_tiles(frame, predicted, program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
@@ -158,18 +157,25 @@ class TraceShadows(Pass):
             draw_tiles(frame, self.framebuffer(frame, light), program, traced, rays=variant["max_rays"])
         return used
 
+    def prediction_program(self, variant: dict[str, Any], correct: int, occluders: PointGraphs) -> moderngl.Program:
+        """The program that draws predictions without rays."""
+        constants = shader_constants(variant, 0, correct, 1, MIN_RAY_PROBABILITY)
+        return self.tile_program(*RECORDS, *occluders.parts, **constants, **occluders.constants)
+
     @staticmethod
     def surfaces(frame: Frame) -> PointGraphs:
         """What shadow rays pass."""
         return (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).shadow
 
     @staticmethod
-    def variant(frame: Frame, light: int) -> dict[str, Any]:
-        """Constants of a light's shader."""
+    def variant(frame: Frame, light: int, is_faint: bool = False) -> dict[str, Any]:
+        """Constants of a light's shader. Faint ones are not in the irradiance cache, and have predictions if hard."""
         lights = frame.scene.lights
-        cache = (frame.get(IRRADIANCE_CACHE) or {}).get(light)
+        cache = None if is_faint else (frame.get(IRRADIANCE_CACHE) or {}).get(light)
         light_type, variant = type_of(lights, light), shader_variant(lights, light, cache is not None)
-        hard = casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
+        hard = not is_faint and casts_shadow(frame, light) and variant["exact"] and light_type.is_hard(lights, light)
+        if is_faint and variant["meshes_with_bvh"]:
+            variant = variant | {"estimate_nodes": ESTIMATE_NODES}
         cached = {"hard": int(hard), "cached": cache.variant if cache else 0} | CACHE_CONSTANTS
         return variant | cached | material_constants(frame)
 
@@ -189,7 +195,6 @@ class TraceShadows(Pass):
         """Uniforms of a light's prediction."""
         cache = frame.get(IRRADIANCE_CACHE) or {}
         return {
-            "light_index": light,
             "prediction": frame[PREDICTED_VISIBILITY][light] if casts_shadow(frame, light) else self.all_visible,
             **(cache[light].uniforms if light in cache else {}),
         }
@@ -206,34 +211,39 @@ class TraceShadows(Pass):
 
     def draw_faint_lights(self, frame: Frame) -> set[int]:
         """Draw faint lights, with one draw for each shader variant. Returns those that were drawn in any tile."""
-        rays, tiles = int(frame.casts_shadows and frame.sample > 0), self.faint_tiles(frame)
-        correct = int(frame.scene.has_gloss and frame.sample > 0)
-        frame.counts["pairs_traced"] += rays * len(tiles) * TILE_SIZE**2
-        lights = np.unique(tiles["light"]).astype(int)
-        variants = {int(light): shader_variant(frame.scene.lights, light) for light in lights}
-        target, surfaces = (
-            frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL),
-            self.surfaces(frame) if rays else OPAQUE,
-        )
+        tiles = self.faint_tiles(frame)
+        lights: list[int] = np.unique(tiles["light"]).tolist()
+        variants = {light: self.variant(frame, light, is_faint=True) for light in lights}
         for variant in {tuple(each.items()): each for each in variants.values()}.values():
-            offsets = len(frame.grid.subpixel_offsets)
-            constants = shader_constants(variant, rays, correct, offsets, MIN_FAINT_RAY_PROBABILITY)
-            constants |= material_constants(frame) | surfaces.constants
-            program = self.tile_program(*RECORDS, *surfaces.parts, suffix="faint", **constants)
-            bind(
-                program,
-                **surface_samplers(frame) | material_samplers(frame),
-                **frame[LIGHT_BUFFERS],
-                **mean_points(frame.sample),
-                light_steps=light_steps(),
-                **ray_sequence(),
-                **(lobe_sequence() if correct else {}),
-                ray_threshold=ray_threshold(frame) if rays else 0.0,
-                **(frame[TLAS] | surfaces.uniforms if rays else {}),
-            )
-            variant_lights = [light for light, each in variants.items() if each == variant]
-            draw_tiles(frame, target, program, tiles[np.isin(tiles["light"], variant_lights)])
-        return set(variants)
+            variant_tiles = tiles[np.isin(tiles["light"], [light for light in lights if variants[light] == variant])]
+            if frame.sample == 0:  # by the programs of other lights, as a first picture waits for all programs
+                program, target = self.prediction_program(variant, 0, OPAQUE), frame.framebuffer(DIRECT_PREDICTION)
+                bind(program, **self.shared_uniforms(frame), prediction=self.all_visible)
+            else:
+                target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
+                program = self.faint_program(frame, variant)
+                frame.counts["pairs_traced"] += frame.casts_shadows * len(variant_tiles) * TILE_SIZE**2
+            draw_tiles(frame, target, program, variant_tiles)
+        return set(lights)
+
+    def faint_program(self, frame: Frame, variant: dict[str, Any]) -> moderngl.Program:
+        """The program that draws faint lights of a variant in samples after the first, with its uniforms."""
+        rays, correct = int(frame.casts_shadows), int(frame.scene.has_gloss)
+        surfaces, offsets = self.surfaces(frame) if rays else OPAQUE, len(frame.grid.subpixel_offsets)
+        constants = shader_constants(variant, rays, correct, offsets, MIN_FAINT_RAY_PROBABILITY)
+        program = self.tile_program(*RECORDS, *surfaces.parts, suffix="faint", **constants, **surfaces.constants)
+        bind(
+            program,
+            **surface_samplers(frame) | material_samplers(frame),
+            **frame[LIGHT_BUFFERS],
+            **mean_points(frame.sample),
+            light_steps=light_steps(),
+            **ray_sequence(),
+            **(lobe_sequence() if correct else {}),
+            ray_threshold=ray_threshold(frame) if rays else 0.0,
+            **(frame[TLAS] | surfaces.uniforms if rays else {}),
+        )
+        return program
 
     def faint_tiles(self, frame: Frame) -> np.ndarray:
         """Rows of TILE: pairs of a tile and a faint light that this sample draws."""

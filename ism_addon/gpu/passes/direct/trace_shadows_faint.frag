@@ -1,5 +1,4 @@
 // A faint light: one predicted visibility for all pixels of a tile.
-#define ESTIMATE_NODES 4 // of a light BVH: faint lights are not in the irradiance cache
 #include "surfaces/receiver_linking.glsl"
 #include "trace/ray_scheduling.glsl"
 #include "lights/reflection_sample.glsl"

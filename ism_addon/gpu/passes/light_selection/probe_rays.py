@@ -11,9 +11,9 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PROBE, TLAS
+from ....resources import LIGHT_BUFFERS, POINT_GRAPHS, PROBE, TILE_SIZE, TLAS
 from ....sampling.dimensions import fixed_points
-from ...drawing import draw_pixels, draw_tiles
+from ...drawing import draw_tiles
 from ...frame import Frame
 from ...gl.buffer_texture import BufferTexture
 from ...gl.render_targets import create
@@ -22,7 +22,7 @@ from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP, PROBE_BLOCK
 from ...lights import mixed_variant
 from ...materials.point_graphs import NO_POINT_GRAPHS
 from ...surface_inputs import surface_samplers
-from ...tiles import PROBES_PER_TILE_SIDE
+from ...tiles import PROBES_PER_TILE_SIDE, tiles_where
 from .scene_portals import portals_of
 
 SHADER = "passes/light_selection/probe_rays.frag"
@@ -58,14 +58,15 @@ def trace_blocks(frame: Frame, rows: np.ndarray, grid: ProbeGrid) -> moderngl.Te
     table["light"] = NO_LIGHT
     table[: len(rows)] = rows
     lights = frame.scene.lights
-    program = ray_program(frame, "glsl/full_screen.vert", mixed_variant(lights))
     size = grid.block_columns * grid.block_size[0], lines * grid.block_size[1]
     texture = create(device.gl, PROBE, size)
     target = device.gl.framebuffer([texture])
-    target.viewport = 0, 0, *size
     device.overwrite()
+    # In tiles, though all are drawn, so that the program is that of trace_tiles.
+    counts = -(-size[0] // TILE_SIZE), -(-size[1] // TILE_SIZE)
+    program = ray_program(frame, mixed_variant(lights))
     bind(program, **uniforms(frame, PROBE_BLOCK.upload(device, table), 0, grid))
-    draw_pixels(frame, target, device.gl.vertex_array(program, []))
+    draw_tiles(frame, target, program, tiles_where(np.ones(counts[::-1], bool)), counts=counts)
     return texture
 
 
@@ -85,16 +86,16 @@ def trace_tiles(
     """
     portals = portals_of(frame, light)
     variant = mixed_variant(frame.scene.lights, [light] if own_program or portals else None)
-    program = ray_program(frame, "glsl/tiles.vert", variant | (portals.constants if portals else {}))
+    program = ray_program(frame, variant | (portals.constants if portals else {}))
     bind(program, **uniforms(frame, blocks, first, grid), **(portals.uniforms if portals else {}))
     draw_tiles(frame, target, program, tiles, side=PROBES_PER_TILE_SIDE)
 
 
-def ray_program(frame: Frame, vertices: str, variant: dict[str, int]) -> moderngl.Program:
-    """The program with a vertex shader, for a variant of lights."""
+def ray_program(frame: Frame, variant: dict[str, int]) -> moderngl.Program:
+    """The program for a variant of lights."""
     surfaces = (frame.get(POINT_GRAPHS) or NO_POINT_GRAPHS).shadow
     records, constants = (*RECORDS, *surfaces.records), variant | surfaces.constants
-    return compile_program(frame.device, vertices, SHADER, *surfaces.includes, records=records, **constants)
+    return compile_program(frame.device, "glsl/tiles.vert", SHADER, *surfaces.includes, records=records, **constants)
 
 
 def uniforms(frame: Frame, blocks: BufferTexture, first: int, grid: ProbeGrid) -> dict[str, Any]:
