@@ -16,6 +16,7 @@ from .geometry.instances import InstanceReader
 from .light_linking import LightLinks
 from .lights import LightReader
 from .materials import images
+from .materials.image_reader import ImageReader
 from .materials.materials import MaterialReader
 
 #: Types of objects that other engines render and this one does not.
@@ -43,7 +44,8 @@ class Reader:
 
     def __init__(self, frees_images: bool = False) -> None:
         """With `frees_images`, Blender does not keep images that it decodes only for this reader."""
-        self._materials = MaterialReader(frees_images)
+        self._images = ImageReader(frees_images)
+        self._materials = MaterialReader(self._images)
         links = LightLinks()
         self._instances = InstanceReader(self._materials, links)
         self._lights = LightReader(links)
@@ -66,8 +68,7 @@ class Reader:
         self._instances.invalidate(changed.changed_geometry)
         has_new_working_space = self._scene is not None and self._scene.working_space != images.working_space()
         if changed.images or has_new_working_space:
-            self._materials.forget_images()
-            self._lights.forget_images()
+            self._forget_images()
             all_instances |= has_new_working_space
         for material in changed.materials:
             all_instances |= self._materials.update(material)  # meshes need other UV layers
@@ -82,7 +83,12 @@ class Reader:
     def invalidate(self) -> None:
         """Read everything again the next time. What has not changed is still the same object."""
         self._instances.invalidate_all()
-        self._materials.forget_images()
+        self._forget_images()
+
+    def _forget_images(self) -> None:
+        """Read all images again, and what has them."""
+        self._images.forget()
+        self._materials.forget()
         self._lights.forget_images()
 
     def _walk(self, depsgraph: bpy.types.Depsgraph, is_shown: Callable[[bpy.types.Object], bool]) -> None:
@@ -125,7 +131,7 @@ class Reader:
             meshes=meshes,
             instances=instances,
             materials=self._materials.table(findings),
-            images=self._materials.images(),
+            images=self._images.images(),
             graphs=self._materials.graphs(),
             lights=self._lights.table(findings),
             light_profiles=self._lights.profiles(),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads materials: the values of their inputs, images and graphs, and the light that they emit."""
+"""Reads materials: the values of their inputs, their graphs, and the light that they emit."""
 
 from typing import Any, NamedTuple
 
@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from ....color import luminance
-from ....scene import MATERIAL_INPUTS, Image, Materials, NodeGraph
+from ....scene import MATERIAL_INPUTS, Materials, NodeGraph
 from ..diagnostics import Diagnostics
 from ..geometry.instance_attributes import InstanceAttribute
 from ..geometry.needs import NOTHING, Needs
@@ -16,17 +16,12 @@ from ..node_graphs.normal_nodes import displaced_normal
 from ..node_graphs.reader import GraphReader, Ray
 from . import images, nodes, unsupported_features
 from .default_material import default_reflection
+from .image_reader import ImageReader
 from .surface import Emission, Surface
 from .transparency import Transparency
 
-#: The session_uid of an image, whether it repeats, whether it is on black, and the file of a sequence's frame or "".
-ImageKey = tuple[int, bool, bool, str]
-
 #: The only input that an image may give.
 COLOR = "base_color"
-
-#: Sources of images that Blender makes again when it needs them after they were freed.
-DECODED_AGAIN = {"FILE", "GENERATED", "TILED"}
 
 #: Default values of the inputs and of the emission.
 DEFAULTS: dict[str, Any] = {
@@ -70,21 +65,16 @@ GREY_ROW = _Row(DEFAULTS, *default_reflection()[1:])
 
 
 class MaterialReader:
-    """Reads materials and images on first use. The index of a material never changes."""
+    """Reads materials on first use. The index of a material never changes."""
 
-    def __init__(self, frees_buffers: bool = False) -> None:
-        """With `frees_buffers`, images that Blender decodes for this reader are freed in Blender after it."""
-        self._frees_buffers = frees_buffers
+    def __init__(self, image_reader: ImageReader) -> None:
+        self._images = image_reader
+        self._images.users.append(self._used_images)
         #: Attributes of instances that any material has ever read: their indices never change.
         self.instance_attributes: dict[InstanceAttribute, int] = {}
         self._indices: dict[int, int] = {}
         self._rows: list[_Row | None] = []
         self._used: set[int] = set()
-        self._read_images: dict[ImageKey, tuple[int, Diagnostics]] = {}
-        self._images: list[Image] = []
-        #: Images by the same keys, with their origin: they are read again only if that has changed.
-        self._image_cache: dict[ImageKey, tuple[tuple, Image]] = {}
-        self._mean_texels: dict[int, tuple[Image, np.ndarray]] = {}
 
     def reset(self) -> None:
         """To be called before the materials of all instances are requested."""
@@ -119,13 +109,9 @@ class MaterialReader:
         row = self._rows[index] = self._changed_row(material, last)
         return last is not None and last.needs != row.needs
 
-    def forget_images(self) -> None:
+    def forget(self) -> None:
         """Some image has changed: read all materials again when they are next requested."""
         self._rows = [None] * len(self._rows)
-        if self._read_images:  # otherwise nothing has been read since the last call
-            self._image_cache = {key: cached for key, cached in self._image_cache.items() if key in self._read_images}
-        self._read_images.clear()
-        self._images.clear()
 
     def table(self, findings: Diagnostics) -> Materials:
         """All materials that have ever been used: their indices never change."""
@@ -158,9 +144,8 @@ class MaterialReader:
         rows = (self._rows[index] or UNUSED_ROW for index in sorted(self._used))
         return tuple(dict.fromkeys(graph for row in rows for graph in row.graphs if graph is not None))
 
-    def images(self) -> tuple[Image, ...]:
-        """The images that Materials.image has indices of."""
-        return tuple(self._images)
+    def _used_images(self) -> frozenset[int]:
+        return frozenset[int]().union(*(row.images for row in self._rows if row is not None))
 
     def _changed_row(self, material: bpy.types.Material, last: _Row | None) -> _Row:
         """The row of a material that has changed.
@@ -200,7 +185,7 @@ class MaterialReader:
             return _Row(BLACK, findings=(findings,))
         for closure in closures:
             unsupported_features.warn_of_shader(material, closure.node, findings)
-        surface = Surface(reader, closures, self._mean_texel)
+        surface = Surface(reader, closures, self._images.mean_texel)
         reflection = surface.reflection(findings)
         shadow = camera = surface.transparency(closures, findings)
         if not material.use_transparent_shadow:
@@ -229,13 +214,6 @@ class MaterialReader:
             (findings, *used_images.values()),
         )
 
-    def _mean_texel(self, index: int) -> np.ndarray:
-        """See surface.MeanTexel; computed once."""
-        image = self._images[index]
-        if index not in self._mean_texels or self._mean_texels[index][0] is not image:
-            self._mean_texels[index] = image, images.mean_texel(image)
-        return self._mean_texels[index][1]
-
     def _image(
         self,
         material: bpy.types.Material,
@@ -250,50 +228,6 @@ class MaterialReader:
             return -1
         unsupported_features.warn_of_mapping(material, node, findings)
         repeat, on_black = node.extension == "REPEAT", not node.outputs["Alpha"].is_linked
-        path = image.filepath_from_user(image_user=node.image_user) if image.source == "SEQUENCE" else ""
-        key = (image.original.session_uid, repeat, on_black, path)
-        if key not in self._read_images:
-            self._read_images[key] = self._read_image(key, image)
-        index, issues = self._read_images[key]
+        index, issues = self._images.index_of(image, node.image_user, repeat, on_black)
         used_images[index] = issues
         return index
-
-    def _read_image(self, key: ImageKey, image: bpy.types.Image) -> tuple[int, Diagnostics]:
-        findings = Diagnostics()
-        loaded = self._load(key, image)
-        if loaded is None:
-            findings.warn("Images that are missing or cannot be read are magenta, as in Blender", image.name)
-            return -1, findings
-        if not images.is_known_space(image, loaded.encoding):
-            findings.warn("Images in a colour space that is not known are taken for sRGB", image.name)
-        if image.source == "TILED":
-            findings.warn("Of tiled images one tile is drawn", image.name)
-        if image.source == "MOVIE":
-            findings.warn("Of movies one frame is drawn", image.name)
-        index = self._free_index()
-        self._images[index:] = [loaded, *self._images[index + 1 :]]
-        return index, findings
-
-    def _free_index(self) -> int:
-        """The index of a frame of an image sequence that no material uses any more; otherwise a new index."""
-        used = frozenset[int]().union(*(row.images for row in self._rows if row is not None))
-        for key, (index, _) in self._read_images.items():
-            if key[-1] and index >= 0 and index not in used:
-                del self._read_images[key]
-                return index
-        return len(self._images)
-
-    def _load(self, key: ImageKey, image: bpy.types.Image) -> Image | None:
-        """An image: the one read last time, if the origin is the same."""
-        _, repeat, on_black, path = key
-        origin, cached = images.origin(image.original), self._image_cache.pop(key, None)
-        if cached is not None and origin is not None and cached[0] == origin:
-            loaded: Image | None = cached[1]
-        else:
-            was_decoded = image.has_data
-            loaded = images.read_frame(image, path, repeat, on_black) if path else images.read(image, repeat, on_black)
-            if self._frees_buffers and not was_decoded and image.source in DECODED_AGAIN:
-                image.buffers_free()
-        if loaded is not None and origin is not None:
-            self._image_cache[key] = origin, loaded
-        return loaded
