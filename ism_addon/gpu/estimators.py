@@ -20,6 +20,7 @@ from .passes.emission.find_emission_edges import FindEmissionEdges
 from .passes.emission.shade_emission import ShadeEmission
 from .passes.environment.ambient_occlusion import AmbientOcclusion
 from .passes.environment.blur import BlurOcclusion
+from .passes.environment.shade_background import ShadeBackground
 from .passes.light_selection.find_portals import FindPortals
 from .passes.light_selection.probe_visibility import ProbeVisibility
 from .passes.light_selection.retest_occluded import RetestOccluded
@@ -79,13 +80,13 @@ class ShadowMappedDirect:
 
 
 class WorldLight:
-    """The world's light, reduced by ambient occlusion."""
+    """The world's light, reduced by ambient occlusion, and the background."""
 
     traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion)
+    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion, ShadeBackground)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Occlusion, then the blur of its noise."""
+        """Occlusion, then the blur of its noise; and what the camera sees of the world."""
         yield from self.pass_types
 
 

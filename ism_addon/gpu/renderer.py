@@ -14,6 +14,7 @@ import numpy as np
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
 from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
+from ..resources.world import BACKGROUND
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import DebugView, Settings
@@ -220,6 +221,7 @@ class Renderer:
         }
         targets -= set(ALL_LOBES) - set(lobe_targets(scene))
         targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
+        targets -= {BACKGROUND} if scene.world.graph[1] < 0 else set()
         required = needed(targets, view, fine_pixels, lights, map_texels)
         check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 

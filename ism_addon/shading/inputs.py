@@ -37,6 +37,7 @@ at_point(
     *(f"coordinate_{name}" for name in ("reflection", "camera", "window")),
 )
 at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
+at_point("world", "vec3", "world_direction", "world_window")
 at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", operands="float vec3", mean=0.1)
 at_point("point_inputs", "float", "layer_weight_facing", operands="float vec3", mean=0.3)
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
@@ -60,9 +61,16 @@ OPERATIONS.update(
     {
         # The parameter is what is beyond the border, an index of EXTENSIONS.
         f"image_{interpolation}": Operation(
-            ("image", "vec3"), "vec4", "image", has_parameter=True, with_differences=(1,)
+            ("image", "vec3"), "vec4", "images/image", has_parameter=True, with_differences=(1,)
         )
         for interpolation in INTERPOLATIONS
+    }
+)
+OPERATIONS.update(
+    {
+        # The parameter is the interpolation and what is beyond the border, as in nodes/images/image.glsl.
+        name: Operation(("image", "vec3"), "vec4", "images/environment", has_parameter=True, with_differences=(1,))
+        for name in ("image_equirectangular", "image_mirror_ball")
     }
 )
 # Strength and distance, the height, the position, the normal that is changed, and the filter's width in pixels.

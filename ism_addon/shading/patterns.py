@@ -143,8 +143,10 @@ register(
 register("patterns", "vec3" + " float" * 9, "vec3", brick=brick)
 # The parameter is the interpolation's index, times the number of extensions, and the extension's.
 for name in ("image_sphere", "image_tube"):
-    OPERATIONS[name] = Operation(("image", "vec3"), "vec4", "projections", has_parameter=True, with_differences=(1,))
+    OPERATIONS[name] = Operation(
+        ("image", "vec3"), "vec4", "images/projections", has_parameter=True, with_differences=(1,)
+    )
 # The width of blending follows the image.
 OPERATIONS["image_box"] = Operation(
-    ("image", "float", "vec3"), "vec4", "projections", at_point=True, has_parameter=True, with_differences=(2,)
+    ("image", "float", "vec3"), "vec4", "images/projections", at_point=True, has_parameter=True, with_differences=(2,)
 )

@@ -9,7 +9,7 @@ import pytest
 from ism_addon.gpu import renderer
 from ism_addon.gpu.estimators import RayTracedDirect, ShadowMappedDirect
 from ism_addon.resources import INSTANCE_BUFFERS, MATERIAL_BUFFERS, MESH_BUFFERS
-from ism_addon.scene import Image
+from ism_addon.scene import Image, World
 from ism_addon.settings import SSAO, DebugView, Method
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import (
@@ -113,7 +113,7 @@ def test_equal_settings_draw_nothing(again, base):
 
 def test_another_world_is_only_shaded(again, scene_and_view, base):
     scene, _ = scene_and_view
-    assert again(base, replace(scene, world=replace(scene.world, radiance=np.full(3, 0.4, np.float32)))) == FILM_PASSES
+    assert again(base, replace(scene, world=World.even(np.full(3, 0.4, np.float32)))) == FILM_PASSES
 
 
 def test_the_other_method_keeps_uploaded_data(again):

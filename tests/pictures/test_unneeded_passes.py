@@ -13,6 +13,7 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.frame_uniforms import clip_from_anchor
 from ism_addon.gpu.passes.environment.ambient_occlusion import projected_radius
 from ism_addon.resources import MATERIAL_BUFFERS
+from ism_addon.scene import World
 from ism_addon.settings import SSAO, Method
 from tests.scenes.changes import WITHOUT_LIGHT, WITHOUT_OCCLUSION, WITHOUT_SHADOWS, with_ssao
 from tests.scenes.small import box_over_plane
@@ -68,7 +69,7 @@ UNNEEDED_PASSES = {
 def lit_scene():
     """A box over a plane under a light and a bright world, in view of the camera."""
     scene, view = box_over_plane(*SIZE)
-    return replace(scene, world=replace(scene.world, radiance=np.full(3, 0.5, np.float32))), view
+    return replace(scene, world=World.even(np.full(3, 0.5, np.float32))), view
 
 
 @pytest.mark.parametrize("method", Method, ids=[method.label for method in Method])

@@ -137,7 +137,7 @@ RETIRED = {
     "triangles_seen triangle_seen": "visibility_buffer primitive",
     "BLOCK": "POINTS_AT_A_TIME",
     "SCOUTS_APART SCOUTED_BLOCK": "PROBE_SPACING PROBES_PER_TILE_SIDE",
-    "SCOUTED SEEN FOUND OF_BLOCKS ASKED LEVEL": "targets in resources.py",
+    "SCOUTED SEEN FOUND OF_BLOCKS ASKED LEVEL": "targets in resources",
     "RENEWED": "Schedule.DOUBLING",
     "SAME_PIXEL": "SUBPIXEL_RADIUS",
     "FAR_AWAY": "BACKGROUND_DEPTH",

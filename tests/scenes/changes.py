@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ism_addon.scene import Lights, Scene, View
+from ism_addon.scene import Lights, Scene, View, World
 from ism_addon.settings import Method, Settings
 
 Edit = Callable[[Scene, View], tuple[Scene, View]]
@@ -136,7 +136,7 @@ def tiny_radius(scene: Scene, settings: Settings) -> tuple[Scene, Settings]:
 
 
 def black_world(scene: Scene, settings: Settings) -> tuple[Scene, Settings]:
-    return replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32))), settings
+    return replace(scene, world=World.even(np.zeros(3, np.float32))), settings
 
 
 WITHOUT_LIGHT: tuple[Removal, ...] = (unlit,)

@@ -71,7 +71,7 @@ def scene(
         materials=materials_of([(0.6, 0.6, 0.6)]),
         images=(),
         lights=lights(area_lights),
-        world=World(np.full(3, 0.05, np.float32)),
+        world=World.even(np.full(3, 0.05, np.float32)),
     )
 
 

@@ -119,7 +119,7 @@ def make_scene(
         materials=materials_of([base_color], [-1 if image is None else 0], [emission]),
         images=() if image is None else (image,),
         lights=no_lights() if lights is None else lights,
-        world=World(np.full(3, world, np.float32)),
+        world=World.even(np.full(3, world, np.float32)),
     )
 
 

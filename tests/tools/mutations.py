@@ -157,7 +157,7 @@ MUTATIONS = (
     Mutation("glass tints nothing", "DST_COLOR, moderngl.ZERO", "ZERO, moderngl.ONE", ("test_transparency",)),
     Mutation(
         "a transparent film is opaque",
-        "mix(opaque, 1.0, background)",
+        "mix(opaque, 1.0, film)",
         "1.0",
         ("test_shade", "test_engine"),
     ),

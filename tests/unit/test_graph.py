@@ -132,7 +132,9 @@ def test_every_resource_is_written_and_read():
 
 
 def test_a_resources_name_is_that_of_its_constant():
-    names = {value: name for name, value in vars(resources).items() if isinstance(value, Resource)}
+    names = {
+        value: name for name, value in (vars(resources.world) | vars(resources)).items() if isinstance(value, Resource)
+    }
     assert all(names[each] == each.name.upper() for each in RESOURCES.values())
     assert all(each.of in RESOURCES.values() for each in RESOURCES.values() if isinstance(each, Channel))
 

@@ -70,7 +70,7 @@ def a_scene():
             receivers=np.array([-1, 2], np.int32),
             blockers=np.array([0, -1], np.int32),
         ),
-        world=World(np.array([0.1, 0.2, 0.3], np.float32)),
+        world=World.even(np.array([0.1, 0.2, 0.3], np.float32)),
         light_profiles=(LightProfile(generator.random((145, 361), np.float32)),),
         light_images=(LightImage(generator.random((2, 3, 3), np.float32), repeat=False),),
         warnings=("Größe: ‘×’.",),

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import bpy
 
 from ...scene import Scene
-from . import depsgraph_updates, missing_libraries, unsupported_scene, world
+from . import depsgraph_updates, missing_libraries, unsupported_scene
 from .diagnostics import Diagnostics
 from .geometry.instances import InstanceReader
 from .light_linking import LightLinks
@@ -18,6 +18,7 @@ from .lights import LightReader
 from .materials import images
 from .materials.image_reader import ImageReader
 from .materials.materials import MaterialReader
+from .world.world_reader import WorldReader
 
 #: Types of objects that other engines render and this one does not.
 UNSUPPORTED_TYPES = {
@@ -46,6 +47,7 @@ class Reader:
         """With `frees_images`, Blender does not keep images that it decodes only for this reader."""
         self._images = ImageReader(frees_images)
         self._materials = MaterialReader(self._images)
+        self._worlds = WorldReader(self._images)
         links = LightLinks()
         self._instances = InstanceReader(self._materials, links)
         self._lights = LightReader(links)
@@ -127,16 +129,18 @@ class Reader:
         findings.merge(self._others)
         unsupported_scene.warn(depsgraph, findings)
         meshes, instances = self._instances.tables(findings)
+        materials, of_world = self._materials.table(findings), self._worlds.read(_world(depsgraph), findings)
+        graphs = tuple(dict.fromkeys((*self._materials.graphs(), *of_world.graphs)))
         read = Scene(
             meshes=meshes,
             instances=instances,
-            materials=self._materials.table(findings),
+            materials=materials,
             images=self._images.images(),
-            graphs=self._materials.graphs(),
+            graphs=graphs,
             lights=self._lights.table(findings),
             light_profiles=self._lights.profiles(),
             light_images=self._lights.images(),
-            world=world.read(_world(depsgraph), findings),
+            world=of_world.table(graphs),
             warnings=findings.messages(),
             working_space=images.working_space(),
             transparent_bounces=_transparent_bounces(depsgraph),

@@ -24,6 +24,7 @@ READ: dict[str, dict[str, object]] = {
     "camera fitted by height": {"angle_y": 1.5, "sensor_height": 10.0},
     "orthographic camera": {"ortho_scale": 3.0},
     "world": {},
+    "world.cycles_visibility": {"camera": False},
     "object": {
         "location": (1, 2, 3), "rotation_euler": (0.1, 0.2, 0.3), "scale": (2, 2, 2), "delta_location": (1, 0, 0),
         "delta_rotation_euler": (0.1, 0, 0), "delta_scale": (2, 1, 1),
@@ -46,7 +47,7 @@ READ: dict[str, dict[str, object]] = {
 #: Properties that are reported as not drawn, each with a value that must add one warning.
 REPORTED: dict[str, dict[str, object]] = {
     "camera.dof": {"use_dof": True},
-    "world.cycles_visibility": {"camera": False, "diffuse": False},
+    "world.cycles_visibility": {"diffuse": False, "glossy": False},
     "object": {"is_holdout": True, "is_shadow_catcher": True},
     "layer_collection": {"holdout": True},
     "view_layer": {"use_freestyle": True, "use_motion_blur": True},
@@ -126,7 +127,7 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         NO_VOLUMES: "homogeneous_volume volume_interpolation volume_sampling volume_step_size",
         "the world's light has no shadows here but ambient occlusion": "use_shadows",
     },
-    "world.cycles_visibility": {BOUNCES: "glossy transmission scatter", SAMPLING: "shadow"},
+    "world.cycles_visibility": {BOUNCES: "transmission scatter", SAMPLING: "shadow"},
     "world.light_settings": {"of Cycles' fast approximation of bounces, and of its pass": "ao_factor distance"},
     "world.mist_settings": {PASSES: "depth falloff height intensity start use_mist"},
     "object": {

@@ -171,24 +171,30 @@ def background(empty_scene):
 
 def test_a_worlds_strength_is_read_from_value_nodes_and_other_nodes_are_reported(read_scene, background):
     tree = background.id_data
-    value, fresnel = tree.nodes.new("ShaderNodeValue"), tree.nodes.new("ShaderNodeFresnel")
+    value, occlusion = tree.nodes.new("ShaderNodeValue"), tree.nodes.new("ShaderNodeAmbientOcclusion")
     value.outputs[0].default_value = 0.25
     tree.links.new(value.outputs[0], background.inputs["Strength"])
     scene = read_scene()
     assert scene.world.radiance.tolist() == [0.25] * 3 and scene.warnings == ()
-    tree.links.new(fresnel.outputs[0], background.inputs["Strength"])
-    assert read_scene().warnings == ("A world whose strength a node 'Fresnel' gives has its socket's: 'World'.",)
+    tree.links.new(occlusion.outputs[0], background.inputs["Strength"])
+    sentence = "Worlds whose Strength is given by a node 'Ambient Occlusion' have the socket's own value: 'World'."
+    assert read_scene().warnings == (sentence,)
 
 
 def test_a_worlds_volume_and_visibility_are_reported(read_scene, background, empty_scene):
     tree = background.id_data
     volume = tree.nodes.new("ShaderNodeVolumeScatter")
     tree.links.new(volume.outputs[0], tree.nodes["World Output"].inputs["Volume"])
-    empty_scene.world.cycles_visibility.camera = False
-    assert read_scene().warnings == (
+    visibility = empty_scene.world.cycles_visibility
+    visibility.camera, visibility.glossy = False, False
+    scene = read_scene()
+    assert scene.warnings == (
         "Volumes of worlds are not drawn: 'World'.",
-        "The ray visibility of worlds is not obeyed: 'World'.",
+        "Worlds light diffuse and glossy surfaces alike: 'World'.",
     )
+    assert scene.world.radiance.tolist() == [1, 1, 1] and scene.world.background.tolist() == [0, 0, 0]
+    visibility.diffuse = False
+    assert read_scene().world.radiance.tolist() == [0, 0, 0]
 
 
 def test_a_view_layer_can_disable_the_world_and_surfaces_as_in_cycles(add, read_scene, background, empty_scene):

@@ -128,7 +128,7 @@ def test_shadows_of_lights_without_a_size_are_exact_after_one_sample(device, nam
     spread = 0.0 if shape == LightShape.SUN else 1.6
     one = light(shape, scene.lights.position[0], *axes, spread=spread, blend=0.3)
     one = replace(one, normal=scene.lights.normal[:1])
-    scene = replace(scene, lights=one, world=World(np.zeros(3, np.float32)))
+    scene = replace(scene, lights=one, world=World.even(np.zeros(3, np.float32)))
     without_shadow = replace(SMALL_SETTINGS, shadow=Shadow(enabled=False))
     color, unshadowed = (draw(device, scene, view, each).color[..., 0] for each in (SMALL_SETTINGS, without_shadow))
     # Cards fuse other operations in the two programs, which round to other values of 16-bit targets.

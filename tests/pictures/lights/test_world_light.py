@@ -22,7 +22,7 @@ COLOR = np.array([0.2, 0.4, 0.8], np.float32)
 
 def lit_by_the_world(scene: Scene, radiance: np.ndarray = COLOR) -> Scene:
     """The scene without its lights, in this world."""
-    return replace(scene, lights=scene.lights.select(slice(0)), world=World(radiance))
+    return replace(scene, lights=scene.lights.select(slice(0)), world=World.even(radiance))
 
 
 def world_visibility(scene: Scene, view: View, side: int, rows: np.ndarray) -> np.ndarray:
@@ -94,7 +94,7 @@ def test_what_is_not_needed_is_not_done(device):
 def test_its_shader_is_not_compiled_without_it():
     device = open_device()
     with device.gl:
-        scene = replace(make_scene([FLOOR, WALL]), world=World(np.zeros(3, np.float32)))
+        scene = replace(make_scene([FLOOR, WALL]), world=World.even(np.zeros(3, np.float32)))
         draw(device, scene, view_from_above(4.0, (32, 32)), with_quality(SETTINGS, samples=2))
     drawn_alone = {constants for _, shader, constants in device.programs if "trace_shadows" in str(shader)}
     assert all(("has_world", 0) in constants for constants in drawn_alone)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes materials by functions that add nodes."""
+"""Makes materials and worlds by functions that add nodes."""
 
 import bpy
 
 
 class Tree:
-    """Adds nodes to a material's tree."""
+    """Adds nodes to a tree."""
 
     def __init__(self, tree):
         self.nodes, self.links = tree.nodes, tree.links
@@ -29,8 +29,17 @@ class Tree:
 
 def made(make) -> bpy.types.Material:
     """A material whose surface is the node that `make` makes."""
-    material = bpy.data.materials.new("made")
-    material.use_nodes = True
-    tree = Tree(material.node_tree)
-    tree.link(make(tree), material.node_tree.nodes["Material Output"].inputs["Surface"])
-    return material
+    return _with_surface(bpy.data.materials.new("made"), make, "Material Output")
+
+
+def world_of(make) -> bpy.types.World:
+    """A world whose surface is the node that `make` makes."""
+    return _with_surface(bpy.data.worlds.new("made"), make, "World Output")
+
+
+def _with_surface(owner, make, output):
+    if bpy.app.version < (5, 0):
+        owner.use_nodes = True
+    tree = Tree(owner.node_tree)
+    tree.link(make(tree), owner.node_tree.nodes[output].inputs["Surface"])
+    return owner

@@ -176,7 +176,7 @@ def pictures(draw: st.DrawFn) -> Picture:
         materials=materials_of([(0.6, 0.3, 0.9)]),
         images=(),
         lights=draw(lights()),
-        world=World(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),
+        world=World.even(np.full(3, draw(st.sampled_from([0.0, 0.1, 5.0])), np.float32)),
         light_profiles=(beam(),),
         light_images=(stripes(),),
     )

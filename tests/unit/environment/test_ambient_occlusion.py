@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.resources import RAW_OCCLUSION
+from ism_addon.resources.world import RAW_OCCLUSION
+from ism_addon.scene import World
 from ism_addon.settings import SSAO
 from tests.scenes.small import subdivided_box
 from tests.support import reference
@@ -131,7 +132,7 @@ def test_switched_off_it_is_not_drawn_and_changes_nothing(device, off):
 
 def test_with_a_black_world_it_is_not_drawn(device):
     scene, view = corner()
-    dark = replace(scene, world=replace(scene.world, radiance=np.zeros(3, np.float32)), lights=light())
+    dark = replace(scene, world=World.even(np.zeros(3, np.float32)), lights=light())
     drawn = draw(device, dark, view, replace(SMALL_SETTINGS, ssao=HEMISPHERE_SSAO))
     assert drawn.profile.rows["AmbientOcclusion"].drawn == 0
 

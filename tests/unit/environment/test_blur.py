@@ -8,7 +8,7 @@ import pytest
 
 from ism_addon.gpu.passes.environment.blur import BlurOcclusion
 from ism_addon.gpu.profile import Profile
-from ism_addon.resources import RAW_OCCLUSION
+from ism_addon.resources.world import RAW_OCCLUSION
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import SMALL_SETTINGS, draw, look_at, make_scene, quad, view_from_above, write_texels
 

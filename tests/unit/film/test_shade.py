@@ -8,7 +8,8 @@ import pytest
 
 from ism_addon.gpu.passes.film.shade import Shade
 from ism_addon.gpu.profile import Profile
-from ism_addon.resources import AMBIENT_OCCLUSION, DIRECT_PREDICTION, DIRECT_RESIDUAL
+from ism_addon.resources import DIRECT_PREDICTION, DIRECT_RESIDUAL
+from ism_addon.resources.world import AMBIENT_OCCLUSION
 from ism_addon.settings import SSAO
 from tests.support.small_scenes import (
     SMALL_SETTINGS,

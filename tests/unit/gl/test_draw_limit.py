@@ -64,7 +64,7 @@ def lit_by_many(width: int, height: int):
         lights = join_lights(
             lights, replace(one, position=one.position + 0.1 * k, emission=one.emission * np.float32(2e-3))
         )
-    return replace(scene, lights=lights, world=World(np.full(3, 0.1, np.float32))), view
+    return replace(scene, lights=lights, world=World.even(np.full(3, 0.1, np.float32))), view
 
 
 CASES = {

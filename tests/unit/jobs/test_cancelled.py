@@ -84,7 +84,7 @@ def moved(scene: Scene, view: View, settings: Settings) -> tuple[Scene, View, Se
 
 
 def brighter(scene: Scene, view: View, settings: Settings) -> tuple[Scene, View, Settings]:
-    return replace(scene, world=World(2.0 * scene.world.radiance)), view, settings
+    return replace(scene, world=World.even(2.0 * scene.world.radiance)), view, settings
 
 
 def set_to(section: str, **changes: object):

@@ -9,7 +9,8 @@ import pytest
 from ism_addon.gpu.culling import portals
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.passes.light_selection import find_portals
-from ism_addon.resources import PORTALS, RAY_COUNTS
+from ism_addon.resources import RAY_COUNTS
+from ism_addon.resources.world import PORTALS
 from ism_addon.settings import Shadow
 from ism_addon.shading.builder import Builder, constant
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, quad, with_quality

@@ -98,7 +98,7 @@ def test_only_the_first_sample_probes(device):
 
 
 def test_few_rays_are_traced_by_one_program_to_all_lights(device, monkeypatch):
-    """Many by one for each type: the same rays."""
+    """Many by one for each type: the same rays. Coarse probes have the one for all."""
     plane, lights = quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)), [light(), light(LightShape.POINT, radius=0.2)]
     scene, view = make_scene([plane], join_lights(*lights)), view_from_above(2.0, (32, 24))
     results, counts = [], []
@@ -107,6 +107,6 @@ def test_few_rays_are_traced_by_one_program_to_all_lights(device, monkeypatch):
         device.forget_programs()
         results.append(probes(draw(device, scene, view)))
         counts.append(sum({SHADER, "glsl/tiles.vert"} <= set(source.sources) for source in device.programs))
-    assert counts == [1, 2]
+    assert counts == [1, 3]
     for index, probed in results[0].items():
         assert np.array_equal(probed, results[1][index])

@@ -90,7 +90,7 @@ EXAMPLES: dict[str, list[Lights]] = {
         textured(mesh, np.random.default_rng(0).random((len(mesh.triangles), 3)) ** 2)
         for mesh in (subdivided_box((-0.4, -0.9, 0.6), (0.9, 0.3, 1.4), 1), sphere((0.3, -0.2, 1.1), 0.6, 12, 6))
     ],
-    "world": [with_world(light().select(slice(0)), World.of(radiance=np.ones(3)))],
+    "world": [with_world(light().select(slice(0)), World.even(np.ones(3)))],
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 EXAMPLES["world through portals"] = EXAMPLES["world"]

@@ -29,6 +29,7 @@ class Ray(Enum):
 
     CAMERA = "Is Camera Ray"
     SHADOW = "Is Shadow Ray"
+    LIGHT = ""  # to a light: no output of Light Path tells, as in Cycles
 
 
 class Closure(NamedTuple):
@@ -108,9 +109,9 @@ class GraphReader:
     def __init__(
         self,
         converters: Mapping[str, Converter],
-        material: bpy.types.Material,
+        material: bpy.types.Material | bpy.types.World,
         known_attributes: dict[InstanceAttribute, int],
-        image: Callable[[bpy.types.ShaderNodeTexImage], int],
+        image: Callable[[Any], int],
         luminance: np.ndarray,
         simplify: bool,
     ):
@@ -185,7 +186,7 @@ class GraphReader:
         content = self._content(found)
         return content if isinstance(content, list) else [Closure(UNKNOWN, constant(1.0), {}, found.socket.node)]
 
-    def image(self, node: bpy.types.ShaderNodeTexImage) -> Value | None:
+    def image(self, node: bpy.types.Node) -> Value | None:
         """A node's image as an operand; None if it has none that can be read."""
         index = self._image(node)
         return None if index < 0 else Value("image", constant=float(index))
@@ -196,6 +197,10 @@ class GraphReader:
             self.uv_layer = layer
             return self.builder.call("uv_map")
         return self.builder.call("color_of", self.attribute(AttributeSource.UV, layer))
+
+    def position(self) -> Value:
+        """Where environments are evaluated: as in Cycles, at the position."""
+        return self.builder.call("geometry_position")
 
     def generated(self) -> Value:
         """Generated coordinates."""

@@ -79,7 +79,21 @@ def image_texture(view: NodeView) -> Mapping[str, Value]:
     return {"Color": view.call("color_of", color), "Alpha": view.call("alpha_of", color)}
 
 
+def environment_texture(view: NodeView) -> Mapping[str, Value]:
+    """Environment Texture."""
+    node, image = view.node, view.reader.image(view.node)
+    if image is None:
+        return {"Color": MAGENTA}
+    vector = placed(
+        view, view.value("Vector", view.reader.position, "Environments placed by a node '{}' are not moved")
+    )
+    sampling = INTERPOLATIONS.index(INTERPOLATED[node.interpolation]) * len(EXTENSIONS)
+    color = view.call(f"image_{node.projection.lower()}", image, vector, parameter=sampling)
+    return {"Color": view.call("color_of", color)}
+
+
 CONVERTERS: dict[str, Converter] = {
+    "ShaderNodeTexEnvironment": environment_texture,
     "ShaderNodeUVMap": uv_map,
     "ShaderNodeTexCoord": texture_coordinate,
     "ShaderNodeTexImage": image_texture,

@@ -34,7 +34,7 @@ class SelectFaintLights(Pass):
 
 
 def faint_light_pairs(influences: Mapping[int, LightInfluence], rediscovered: Mapping[int, np.ndarray]) -> np.ndarray:
-    """Rows of FAINT_LIGHT for all tiles and the lights that are faint there; `rediscovered` as in resources.py."""
+    """Rows of FAINT_LIGHT for all tiles and the lights that are faint there; `rediscovered` as in resources."""
     tables, coarse_visibility = [np.zeros(0, FAINT_LIGHT)], visibilities(influences, rediscovered)
     for light, influence in influences.items():
         visibility = (influence.is_faint * coarse_visibility[light]).ravel()

@@ -28,7 +28,6 @@ from ....resources import (
     LIGHTS_USED,
     MEAN_LUMINANCE,
     POINT_GRAPHS,
-    PORTALS,
     PREDICTED_PIXEL,
     PREDICTED_VISIBILITY,
     PREDICTION,
@@ -39,6 +38,7 @@ from ....resources import (
     TILES,
     TLAS,
 )
+from ....resources.world import PORTALS
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs

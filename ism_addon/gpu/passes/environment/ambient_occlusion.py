@@ -13,7 +13,8 @@ from typing import cast
 import moderngl
 import numpy as np
 
-from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION, RAW_OCCLUSION
+from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION
+from ....resources.world import RAW_OCCLUSION
 from ....sampling.dimensions import Dimension, draw, white_noise
 from ....scene import Change
 from ...drawing import draw_pixels

@@ -9,7 +9,8 @@ from functools import cached_property
 
 import moderngl
 
-from ....resources import AMBIENT_OCCLUSION, HALF_BLURRED_OCCLUSION, NORMAL, POSITION, RAW_OCCLUSION
+from ....resources import NORMAL, POSITION
+from ....resources.world import AMBIENT_OCCLUSION, HALF_BLURRED_OCCLUSION, RAW_OCCLUSION
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind

@@ -8,9 +8,10 @@
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
-uniform vec3 world;   // its radiance
-uniform vec3 ambient; // the same, if it is not one of the lights
-uniform float background;
+uniform sampler2D background; // a few black texels, unless the radiance of the world varies
+uniform vec3 even_background;
+uniform vec3 ambient; // the world's radiance, if it is not one of the lights
+uniform float film;   // 0 if the background is transparent
 flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sample_color;
 layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
@@ -42,7 +43,8 @@ void main() {
     sample_headroom = 0.0;
     if (!surface.exists) { // without a world, tints cover what is behind the picture
         float opaque = 1.0 - (tint.r + tint.g + tint.b) / 3.0;
-        sample_color = vec4(background * tint * world, mix(opaque, 1.0, background));
+        vec3 world = even_background + fetch_clamped(background, at).rgb;
+        sample_color = vec4(film * tint * world, mix(opaque, 1.0, film));
         return;
     }
     vec4 direct = fetch_clamped(direct_prediction, at);

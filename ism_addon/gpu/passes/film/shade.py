@@ -9,7 +9,6 @@ from the half-resolution pixels that show the same surface.
 from typing import Any
 
 from ....resources import (
-    AMBIENT_OCCLUSION,
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
     NORMAL,
@@ -20,6 +19,7 @@ from ....resources import (
     TILES,
     TRANSMITTED_COLOR,
 )
+from ....resources.world import AMBIENT_OCCLUSION, BACKGROUND
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -34,7 +34,7 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        TRANSMITTED_COLOR,
+        *(TRANSMITTED_COLOR, BACKGROUND),
         *(Change.WORLD, Change.VIEW),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
@@ -46,7 +46,7 @@ class Shade(Pass):
             **material_constants(frame),
             **tint_constants(frame),
         }
-        program = self.tile_program(**constants)
+        program, world = self.tile_program(**constants), frame.scene.world
         bind(
             program,
             position=frame[POSITION],
@@ -55,9 +55,10 @@ class Shade(Pass):
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],
             ambient_occlusion=frame[AMBIENT_OCCLUSION],
-            world=tuple(frame.scene.world.radiance),
-            ambient=tuple(frame.scene.world.radiance * (not has_world(frame.scene.lights))),
+            background=frame[BACKGROUND],
+            even_background=tuple(world.background * (world.graph[1] < 0)),
+            ambient=tuple(world.radiance * (not has_world(frame.scene.lights))),
             **tint_uniforms(frame),
-            background=0.0 if frame.view.transparent else 1.0,
+            film=0.0 if frame.view.transparent else 1.0,
         )
         draw_tiles(frame, frame.framebuffer(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM), program)

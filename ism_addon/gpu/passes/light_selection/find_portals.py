@@ -7,7 +7,8 @@ from functools import cached_property
 import moderngl
 
 from ....resource_types import Target
-from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, PORTALS, POSITION, TLAS
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, POSITION, TLAS
+from ....resources.world import PORTALS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...culling.portals import MAX_INDOORS_VISIBILITY, Rays, find_portals

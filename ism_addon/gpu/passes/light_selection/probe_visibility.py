@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse visibility of each light: a shadow ray from one pixel of every 2×2, in the tiles that CullLights selects."""
 
-from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, POINT_GRAPHS, PORTALS, PROBE, PROBE_SPACING, PROBES, TLAS
+from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, POINT_GRAPHS, PROBE, PROBE_SPACING, PROBES, TLAS
+from ....resources.world import PORTALS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
 from ...frame import Frame, Pass, Schedule, outputs

@@ -6,7 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from ....resources import PORTALS, PROBE
+from ....resources import PROBE
+from ....resources.world import PORTALS
 from ...culling.portals import Portals
 from ...frame import Frame
 from ...gl.buffer_texture import RecordTable, SceneRecords

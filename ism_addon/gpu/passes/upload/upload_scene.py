@@ -42,8 +42,8 @@ class UploadUVs(Pass):
     outputs = outputs(UV_BUFFERS)
 
     def needed(self, frame: Frame) -> bool:
-        graphs = frame.scene.graphs
-        return bool(len(frame.scene.images)) or any(graph.uses("uv_map") for graph in graphs)
+        scene = frame.scene
+        return bool((scene.materials.image >= 0).any()) or any(graph.uses("uv_map") for graph in scene.graphs)
 
     def execute(self, frame: Frame) -> None:
         buffers = frame.shared_resource(UVBuffers, frame[MESH_BUFFERS])

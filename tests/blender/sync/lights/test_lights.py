@@ -267,7 +267,7 @@ def test_a_textured_world_has_the_plain_colour_and_is_reported(read_scene, empty
     scene = read_scene()
     assert scene.world.radiance.tolist() == [0.25, 0.25, 0.25]
     assert scene.warnings == (
-        "A world coloured by a node 'Sky Texture' is drawn in the Background's plain colour: 'World'.",
+        "Worlds whose Color is given by a node 'Sky Texture' have the socket's own value: 'World'.",
     )
 
 

@@ -29,7 +29,7 @@ def in_a_world(case: tuple[Scene, View], keeps_lights: bool = False) -> tuple[Sc
     """A case, without its lights if it does not keep them."""
     scene, view = case
     lights = scene.lights if keeps_lights else scene.lights.select(slice(0))
-    return replace(scene, lights=lights, world=World(COLOR)), view
+    return replace(scene, lights=lights, world=World.even(COLOR)), view
 
 
 def of(*meshes: Mesh) -> tuple[Scene, View]:

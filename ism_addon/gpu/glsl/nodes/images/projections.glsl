@@ -1,18 +1,6 @@
 // Images that are projected onto surfaces from a sphere, a tube or the sides of a box. As in Cycles.
 #include "nodes/object.glsl"
-#include "nodes/image.glsl"
-
-const int CLOSEST = 1, CUBIC = 2; // interpolations, other than linear
-const int EXTENSIONS = 4;
-const float HALF_CIRCLE = radians(180.0);
-
-// `sampling`: the interpolation, times EXTENSIONS, and the extension.
-vec4 image_interpolated(float image, vec3 at, vec3 dx, vec3 dy, int sampling) {
-    int interpolation = sampling / EXTENSIONS, extension = sampling % EXTENSIONS;
-    if (interpolation == CLOSEST) return image_closest(image, at, dx, dy, extension);
-    if (interpolation == CUBIC) return image_cubic(image, at, dx, dy, extension);
-    return image_linear(image, at, dx, dy, extension);
-}
+#include "nodes/images/image.glsl"
 
 // Longitude in 0 to 1, of points around the middle of a unit cube.
 float longitude(vec2 p) { return p == vec2(0.0) ? 0.0 : 0.5 - 0.5 * atan(p.x, p.y) / HALF_CIRCLE; }
@@ -25,8 +13,6 @@ vec3 sphere_uv(vec3 p) {
 
 vec3 tube_uv(vec3 p) { return p.xy == vec2(0.0) ? vec3(0.0) : vec3(longitude(p.xy), 0.5 * p.z + 0.5, 0.0); }
 
-// Longitudes on both sides of the seam are next to each other.
-vec3 around(vec3 difference) { return vec3(difference.x - round(difference.x), difference.yz); }
 vec3 from_middle(vec3 p) { return 2.0 * p - 1.0; }
 
 vec4 image_sphere(float image, vec3 p, vec3 dx, vec3 dy, int sampling) {

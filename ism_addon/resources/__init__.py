@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .resource_types import Channel, Lifetime, Resource, Target
+from ..resource_types import Channel, Lifetime, Resource, Target
+from . import world
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,26 +19,25 @@ if TYPE_CHECKING:
     import moderngl
     import numpy as np
 
-    from .gpu.accel.blas_table import BLASBuffers, BLASTable
-    from .gpu.buffers.corner_buffers import AttributeBuffers, UVBuffers
-    from .gpu.buffers.instance_buffers import InstanceBuffers
-    from .gpu.buffers.material_buffers import MaterialBuffers
-    from .gpu.buffers.mesh_buffers import MeshBuffers
-    from .gpu.convergence import Convergence
-    from .gpu.culling.culling_state import CullingState
-    from .gpu.culling.light_influence import LightInfluence
-    from .gpu.culling.receiver_region import ReceiverRegion
-    from .gpu.emission.baked_emission import BakedEmission
-    from .gpu.gl.buffer_texture import BufferTexture, RecordTable
-    from .gpu.materials.point_graphs import ScenePointGraphs
-    from .gpu.passes.light_selection.cache_irradiance import CachedIrradiance
-    from .gpu.passes.light_selection.retests import Candidates, Retest
-    from .gpu.passes.light_selection.scene_portals import ScenePortals
-    from .gpu.passes.shadow_maps.atlas import Batch
-    from .gpu.passes.shadow_maps.select_points import MapPoints
-    from .gpu.passes.surfaces.select_tiles import TileSelection
-    from .gpu.passes.upload.cull_meshes import ResidentMeshes
-    from .sampling.point_cloud import PointCloud
+    from ..gpu.accel.blas_table import BLASBuffers, BLASTable
+    from ..gpu.buffers.corner_buffers import AttributeBuffers, UVBuffers
+    from ..gpu.buffers.instance_buffers import InstanceBuffers
+    from ..gpu.buffers.material_buffers import MaterialBuffers
+    from ..gpu.buffers.mesh_buffers import MeshBuffers
+    from ..gpu.convergence import Convergence
+    from ..gpu.culling.culling_state import CullingState
+    from ..gpu.culling.light_influence import LightInfluence
+    from ..gpu.culling.receiver_region import ReceiverRegion
+    from ..gpu.emission.baked_emission import BakedEmission
+    from ..gpu.gl.buffer_texture import BufferTexture, RecordTable
+    from ..gpu.materials.point_graphs import ScenePointGraphs
+    from ..gpu.passes.light_selection.cache_irradiance import CachedIrradiance
+    from ..gpu.passes.light_selection.retests import Candidates, Retest
+    from ..gpu.passes.shadow_maps.atlas import Batch
+    from ..gpu.passes.shadow_maps.select_points import MapPoints
+    from ..gpu.passes.surfaces.select_tiles import TileSelection
+    from ..gpu.passes.upload.cull_meshes import ResidentMeshes
+    from ..sampling.point_cloud import PointCloud
 
 #: Pixels along each side of a tile. All pixels of a tile take part in the same samples.
 TILE_SIZE = 8
@@ -155,7 +155,6 @@ IRRADIANCE_CACHE: Resource[dict[int, CachedIrradiance]] = Resource(
 )
 PROBE = Target("probe", "Of one light: unoccluded probe rays, and traced ones", format="rg8", divisor=PROBE_SPACING)
 PROBES: Resource[dict[int, moderngl.Texture]] = Resource("probes", "PROBE textures by light", _PICTURE)
-PORTALS: Resource[ScenePortals | None] = Resource("portals", "Openings that the world's light comes through", _PICTURE)
 RETESTS: Resource[tuple[Retest, ...]] = Resource(
     "retests", "Rays of each sample since the last doubling to lights believed occluded", _PICTURE
 )
@@ -241,20 +240,6 @@ SHADOW_MAPS = Target(
     label="Shadow Maps",
 )
 
-
-# The world's light.
-def _occlusion(name: str, about: str, label: str) -> Target:
-    return Target(name, about, format="r16f", divisor=2, neutral=(1.0,), label=label)
-
-
-RAW_OCCLUSION = _occlusion(
-    "raw_occlusion", "Ambient occlusion before blurring: white is open", "Ambient Occlusion (Raw)"
-)
-HALF_BLURRED_OCCLUSION = _occlusion(
-    "half_blurred_occlusion", "Ambient occlusion, blurred in rows only", "Ambient Occlusion (Blurred in X)"
-)
-AMBIENT_OCCLUSION = _occlusion("ambient_occlusion", "Ambient occlusion: white is open", "Ambient Occlusion")
-
 # Emission that the camera sees, W/(sr m²).
 SAMPLE_EMISSION = Target("sample_emission", "Emission of surfaces and lights, as the camera sees it", label="Emission")
 EMISSION_CONTRAST = _of_tiles("emission_contrast", "Luminance of its differences around a tile's pixels", "r32f")
@@ -292,7 +277,9 @@ DOUBLING_DIFFERENCE = _of_tiles(
 CONVERGENCE: Resource[Convergence] = Resource("convergence", "Error of each tile, and which have converged", _PICTURE)
 
 #: Resources by name.
-RESOURCES: dict[str, Resource[Any]] = {x.name: x for x in tuple(globals().values()) if isinstance(x, Resource)}
+RESOURCES: dict[str, Resource[Any]] = {
+    x.name: x for x in (*globals().values(), *vars(world).values()) if isinstance(x, Resource)
+}
 
 #: Targets and channels that are debug views; the render is first.
 DEBUG_VIEWS = [SAMPLE_COLOR] + [

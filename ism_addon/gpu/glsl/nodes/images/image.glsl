@@ -27,3 +27,18 @@ vec4 image_cubic(float image, vec3 at, vec3 dx, vec3 dy, int extension) {
                    extended_texel(one, level, ivec2(corner) + ivec2(x, y) - 1, extension);
     return decoded(one, sum);
 }
+
+const int CLOSEST = 1, CUBIC = 2; // interpolations, other than linear
+const int EXTENSIONS = 4;
+const float HALF_CIRCLE = radians(180.0);
+
+// `sampling`: the interpolation, times EXTENSIONS, and the extension.
+vec4 image_interpolated(float image, vec3 at, vec3 dx, vec3 dy, int sampling) {
+    int interpolation = sampling / EXTENSIONS, extension = sampling % EXTENSIONS;
+    if (interpolation == CLOSEST) return image_closest(image, at, dx, dy, extension);
+    if (interpolation == CUBIC) return image_cubic(image, at, dx, dy, extension);
+    return image_linear(image, at, dx, dy, extension);
+}
+
+// Longitudes on both sides of the seam are next to each other.
+vec3 around(vec3 difference) { return vec3(difference.x - round(difference.x), difference.yz); }
