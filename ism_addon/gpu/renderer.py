@@ -14,7 +14,7 @@ import numpy as np
 from ..render_passes import COMBINED, RenderPass
 from ..resource_types import Target
 from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
-from ..resources.world import BACKGROUND
+from ..resources.world import BACKGROUND, BAKED_WORLD
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import DebugView, Settings
@@ -28,6 +28,7 @@ from .gl.context import Device
 from .graph import Graph
 from .material_inputs import ALL_LOBES, lobe_targets
 from .memory_estimate import check, needed
+from .passes.environment.bake_world import BakeWorld
 from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
@@ -62,6 +63,8 @@ UPLOAD = (
     *(CullMeshes, BuildBLAS, UploadMeshes, UploadUVs, UploadAttributes),
     *(UploadInstances, UploadMaterials, UploadPointGraphs, UploadLights),
 )
+#: Evaluates what lights surfaces by graphs.
+BAKES = BakeEmission, BakeWorld
 #: Visible surfaces in the tiles that take part in the sample.
 SURFACES = SelectTiles, VisibilityBuffer, TransmittedColor, FindGraphs, GBuffer
 #: Which lights contribute in which tile. Large BLAS are built while the passes of SURFACES draw.
@@ -70,7 +73,7 @@ SELECTION = UploadBLAS, BuildTLAS, CullLights, CacheIrradiance
 FILM = Shade, DebugImage, Accumulate
 
 #: Passes of every image.
-COMMON = *UPLOAD, BakeEmission, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
+COMMON = *UPLOAD, *BAKES, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
 ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT, EMISSION
 PASSES: tuple[type[Pass], ...] = (
     *COMMON,
@@ -137,11 +140,11 @@ class Renderer:
         """Upload the scene, as `sample` does. Returns the input of the other passes."""
         frame = self.frame(scene, view, settings, sample, profile, low_latency)
         yield from self.graph.run(UPLOAD, frame, profile)
-        if sample > 0 or not scene.has_emission_graphs:
+        if sample > 0 or not (scene.has_emission_graphs or scene.world.graph[0] >= 0):
             return frame
-        baked = self.graph.get(BAKED_EMISSION)
-        yield from self.graph.run((BakeEmission,), frame, profile)
-        if self.graph.get(BAKED_EMISSION) is not baked:  # then there are other lights
+        baked = self.graph.get(BAKED_EMISSION), self.graph.get(BAKED_WORLD)
+        yield from self.graph.run(BAKES, frame, profile)
+        if (self.graph.get(BAKED_EMISSION), self.graph.get(BAKED_WORLD)) != baked:  # then there are other lights
             frame = self.frame(scene, view, settings, sample, profile, low_latency)
             yield from self.graph.run(UPLOAD, frame, profile)
         return frame
@@ -194,7 +197,9 @@ class Renderer:
         """
         traced = settings.shadow.enabled and settings.shadow.world and any(each.traces_rays for each in chosen)
         traces_world = traced and bool(scene.world.radiance.any() and scene.instances.casts_shadow.any())
-        return self.scene_lights.lit(scene, traces_world, self.graph.get(BAKED_EMISSION))
+        baked = self.graph.get(BAKED_WORLD) if scene.world.graph[0] >= 0 else None
+        peak = baked.peak if baked is not None else None
+        return self.scene_lights.lit(scene, traces_world, peak, self.graph.get(BAKED_EMISSION))
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""

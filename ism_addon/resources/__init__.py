@@ -71,7 +71,7 @@ INSTANCE_BUFFERS: Resource[InstanceBuffers] = Resource("instance_buffers", "Matr
 POINT_GRAPHS: Resource[ScenePointGraphs] = Resource("point_graphs", "Graphs of transparency, of emission", _SCENE)
 MATERIAL_BUFFERS: Resource[MaterialBuffers] = Resource("material_buffers", "Materials and images", _SCENE)
 BAKED_EMISSION: Resource[BakedEmission] = Resource("baked_emission", "What meshes with graphs of it emit", _SCENE)
-LIGHT_BUFFERS: Resource[Mapping[str, RecordTable]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
+LIGHT_BUFFERS: Resource[Mapping[str, Any]] = Resource("light_buffers", "Tables of lights, of emitters", _SCENE)
 SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that the camera sees, if any", _SCENE)
 
 # Adaptive sampling: the tiles that take part in a sample.

@@ -8,8 +8,12 @@ from typing import TYPE_CHECKING
 from ..resource_types import Lifetime, Resource, Target
 
 if TYPE_CHECKING:
+    from ..gpu.passes.environment.bake_world import BakedWorld
     from ..gpu.passes.light_selection.scene_portals import ScenePortals
 
+BAKED_WORLD: Resource[BakedWorld] = Resource(
+    "baked_world", "Map of a world that varies, and its tables", Lifetime.SCENE
+)
 PORTALS: Resource[ScenePortals | None] = Resource(
     "portals", "Openings that the world's light comes through", Lifetime.PICTURE
 )

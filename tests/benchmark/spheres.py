@@ -79,12 +79,15 @@ def main() -> int:
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     addon.register()
+    opengl, measured = open_device().name, dict[str, dict[str, dict[str, dict[str, float]]]]()
     try:
-        measured = {light: measure(light, options) for light in options.lights}
+        for light in options.lights:  # each takes minutes: what is measured is recorded
+            measured[light] = measure(light, options)
+            written = record.write(options.output, "spheres", opengl, {"samples": options.samples, "cases": measured})
     finally:
         addon.unregister()
     print(rows(measured))
-    print(record.write(options.output, "spheres", open_device().name, {"samples": options.samples, "cases": measured}))
+    print(written)
     return 0
 
 

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from ...scene import Lights, Scene, World
-from ..lights.world import with_world
+from ..lights.world.table import with_world
 from .baked_emission import BakedEmission
 from .emitters import EmissiveMeshes
 
@@ -14,21 +14,25 @@ class SceneLights:
 
     def __init__(self) -> None:
         self.emissive_meshes = EmissiveMeshes()
-        #: Lights and a world, and the lights of both.
-        self.world_lit: tuple[Lights, World, Lights] | None = None
+        #: Lights, a world and the peak of its map, and the lights of both.
+        self.world_lit: tuple[Lights, World, float | None, Lights] | None = None
         #: The arguments of `lit`, and its result.
-        self.latest: tuple[Scene, bool, BakedEmission | None, Scene] | None = None
+        self.latest: tuple[Scene, bool, float | None, BakedEmission | None, Scene] | None = None
 
-    def lit(self, scene: Scene, has_world: bool, baked: BakedEmission | None) -> Scene:
-        """The scene with the lights of its emissive meshes and, if `has_world`, the world as a light."""
-        if self.latest is None or self.latest[:3] != (scene, has_world, baked):
-            with_lamps = replace(scene, lights=self.lamps_and_world(scene)) if has_world else scene
+    def lit(self, scene: Scene, has_world: bool, peak: float | None, baked: BakedEmission | None) -> Scene:
+        """The scene with the lights of its emissive meshes and, if `has_world`, the world as a light.
+
+        `peak`: see with_world.
+        """
+        if self.latest is None or self.latest[:4] != (scene, has_world, peak, baked):
+            with_lamps = replace(scene, lights=self.lamps_and_world(scene, peak)) if has_world else scene
             lights = self.emissive_meshes.lights_of(with_lamps, baked)
-            self.latest = scene, has_world, baked, scene if lights is scene.lights else replace(scene, lights=lights)
-        return self.latest[3]
+            result = scene if lights is scene.lights else replace(scene, lights=lights)
+            self.latest = scene, has_world, peak, baked, result
+        return self.latest[4]
 
-    def lamps_and_world(self, scene: Scene) -> Lights:
-        """The scene's lights and the world: the same object while both are unchanged."""
-        if self.world_lit is None or self.world_lit[:2] != (scene.lights, scene.world):
-            self.world_lit = scene.lights, scene.world, with_world(scene.lights, scene.world)
-        return self.world_lit[2]
+    def lamps_and_world(self, scene: Scene, peak: float | None) -> Lights:
+        """The scene's lights and the world: the same object while all are unchanged."""
+        if self.world_lit is None or self.world_lit[:3] != (scene.lights, scene.world, peak):
+            self.world_lit = scene.lights, scene.world, peak, with_world(scene.lights, scene.world, peak)
+        return self.world_lit[3]

@@ -17,6 +17,7 @@ import numpy as np
 from ...scene import Lights
 from ..culling.receiver_region import ReceiverRegion
 from ..culling.surface_bounds import SurfaceBounds
+from ..environment import map_tables
 from ..gl import shader_compiler
 from . import modulation
 from .area import AreaLight
@@ -24,7 +25,9 @@ from .emissive_mesh import EmissiveMesh
 from .point import PointLight
 from .spot import SpotLight
 from .sun import SunLight
-from .world import WorldLight
+from .world.environment import EnvironmentLight
+from .world.even import WorldLight
+from .world.table import ENVIRONMENT
 
 
 class LightBounds(Protocol):
@@ -110,7 +113,10 @@ class LightType(Protocol):
 
 
 #: All light types. A shape belongs to one of them.
-LIGHT_TYPES: tuple[LightType, ...] = (AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh(), WorldLight())
+LIGHT_TYPES: tuple[LightType, ...] = (
+    *(AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh()),
+    *(WorldLight(), EnvironmentLight()),
+)
 
 #: A point sampled on a light, as seen from a receiver.
 LIGHT_SAMPLE = """
@@ -130,6 +136,11 @@ uniform int light_nodes;        // rows of LIGHT_NODE
 uniform int light_node_colors;  // rows of LIGHT_NODE_COLOR, if there are any
 uniform int emissive_triangles; // rows of EMISSIVE_TRIANGLE
 uniform int emissive_colors;    // rows of EMISSIVE_COLOR, if there are any
+uniform sampler2D environment_map; // see map_texture.py; and tables of scene_records' texels, see map_tables.py
+uniform ivec2 environment_size;
+uniform int environment_product;
+uniform int environment_fine;
+uniform int environment_irradiance_table;
 """
 
 #: GLSL functions of each light type: result, name, and parameters after the light. The light has radiance 1; p and n
@@ -269,7 +280,9 @@ def glsl(constants: shader_compiler.Constants) -> str:
     """The generated file lights/light.glsl: the interface of the types that mixed_variant names."""
     types, gloss = [each for each in LIGHT_TYPES if constants.get(f"has_{each.name}", 1)], constants.get("gloss", 0)
     lines = [LIGHT_SAMPLE, LIGHT_TABLES]
-    lines += [f"#define {name.upper()} {value}" for name, value in modulation.GLSL_CONSTANTS.items()]
+    names = modulation.GLSL_CONSTANTS | map_tables.GLSL_CONSTANTS | {"environment": ENVIRONMENT}
+    lines += [f"#define {name.upper()} {value}" for name, value in names.items()]
+    lines += [f"#define HAS_{each.name.upper()} 1" for each in types if f"has_{each.name}" not in constants]
     lines += [f"#define REFLECTED {gloss}"]
     lines += [] if "portals" in constants else ["#define PORTALS 0"]
     if gloss:  # before the types' files, which include it for some of their variants only

@@ -5,15 +5,18 @@ import moderngl
 import numpy as np
 import pytest
 
+from ism_addon.color import REC709, luminance
 from ism_addon.gpu import lights
 from ism_addon.gpu.culling.portals import Portals, Rectangle
 from ism_addon.gpu.emission.emitters import EmissiveMeshes
+from ism_addon.gpu.environment.map_tables import MapTables
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
 from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
-from ism_addon.gpu.lights.world import WORLD, with_world
+from ism_addon.gpu.lights.world.table import WORLD, with_world
+from ism_addon.gpu.passes.environment.bake_world import map_uniforms
 from ism_addon.gpu.passes.light_selection.scene_portals import ScenePortals
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape, World
@@ -94,6 +97,9 @@ EXAMPLES: dict[str, list[Lights]] = {
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 EXAMPLES["world through portals"] = EXAMPLES["world"]
+EXAMPLES["environment"] = [with_world(light().select(slice(0)), World.even(np.ones(3)), peak=1.0)]
+#: A map that is bright in some directions.
+MAP = np.random.default_rng(0).random((32, 64, 3)).astype(np.float32) ** 6 + np.float32(0.02)
 #: Windows above and beside the origin, and one behind it.
 PORTALS = Portals(
     (
@@ -125,13 +131,14 @@ def evaluate():
                 source = begin + expand(FOLDER / "glsl/lights/light.glsl", [], constants) + MAIN
                 vertex_shader = begin + (FOLDER / "glsl/full_screen.vert").read_text()
                 programs.append(gl.program(vertex_shader, fragment_shader=source))
+            map_tables = MapTables.of(MAP, luminance(REC709))
             targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
             framebuffer = gl.framebuffer(targets)
 
             def run(of: Lights, normal: np.ndarray, through_portals: bool = False) -> np.ndarray:
                 program = programs[2 if through_portals else lights.mixed_variant(of)["mesh_colors"]]
                 triangle, records = gl.vertex_array(program, []), device.scene_records()
-                buffers = light_buffers(records, of, np.zeros(3))
+                buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(device, records, MAP, map_tables)
                 if through_portals:
                     buffers = buffers | ScenePortals.upload(records, 0, PORTALS).uniforms
                 used = {name: table for name, table in buffers.items() if name in program}

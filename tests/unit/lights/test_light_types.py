@@ -7,7 +7,7 @@ import pytest
 from ism_addon.gpu import lights
 from ism_addon.gpu.emission.emissive_lights import EMISSIVE_MESH
 from ism_addon.gpu.gl.context import open_device
-from ism_addon.gpu.lights.world import WORLD
+from ism_addon.gpu.lights.world.table import ENVIRONMENT, WORLD
 from ism_addon.scene import LightShape
 from ism_addon.settings import Method
 from tests.support.small_scenes import (
@@ -109,4 +109,9 @@ def test_every_shape_has_one_type(light_type):
 
 
 def test_all_shapes_have_a_type():
-    assert {shape for each in lights.LIGHT_TYPES for shape in each.shapes} == {*LightShape, EMISSIVE_MESH, WORLD}
+    assert {shape for each in lights.LIGHT_TYPES for shape in each.shapes} == {
+        *LightShape,
+        EMISSIVE_MESH,
+        WORLD,
+        ENVIRONMENT,
+    }

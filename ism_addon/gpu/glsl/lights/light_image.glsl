@@ -26,6 +26,9 @@ vec3 light_color(Light light, vec3 p, vec3 point, int triangle) {
 #if MESH_COLORS
     if (triangle >= 0) return emissive_color(triangle).color;
 #endif
+#if HAS_ENVIRONMENT
+    if (light.shape == ENVIRONMENT) return environment_color(normalize(point - p));
+#endif
 #if LIGHT_IMAGE
     if (light.image < 0) return vec3(1.0);
     vec2 texel = light_image_uv(light, p, point) * vec2(light.image_width, light.image_height) - 0.5;
@@ -43,6 +46,12 @@ vec3 light_color(Light light, vec3 p, vec3 point, int triangle) {
 vec3 light_mean_color(Light light, vec3 p, vec3 n) {
 #if MESH_COLORS
     if (light.triangle_count > 0) return mean_color(emissive_mesh_colored_irradiance(light, p, n));
+#endif
+#if HAS_ENVIRONMENT
+    if (light.shape == ENVIRONMENT) {
+        vec3 irradiance = environment_irradiance_at(n);
+        return irradiance / max(luminance(irradiance), 1e-30);
+    }
 #endif
 #if LIGHT_IMAGE > 1
     if (light.image < 0) return vec3(1.0);

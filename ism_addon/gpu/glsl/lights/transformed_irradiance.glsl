@@ -91,6 +91,35 @@ float emissive_mesh_transformed_irradiance(Light light, vec3 p, mat3 m) {
 }
 #endif
 
+#if HAS_ENVIRONMENT
+const int ENVIRONMENT_TAPS = 8;
+
+bool environment_is_delta(Light light, vec3 p) { return false; }
+
+float environment_even_radiance(Light light, vec3 p, vec3 n) { return 0.0; }
+
+// The irradiance by samples of the cosine, filtered by mip levels (Krivanek & Colbert 2008).
+vec3 environment_transformed_color(mat3 m) {
+    mat3 back = inverse(m);
+    vec3 sum = vec3(0.0);
+    float texel_at_equator = 2.0 * HALF_TURN * HALF_TURN / float(environment_size.x * environment_size.y);
+    for (int k = 0; k < ENVIRONMENT_TAPS; ++k) {
+        vec2 uv = vec2((float(k) + 0.5) / float(ENVIRONMENT_TAPS), float(bitfieldReverse(uint(k)) >> 8u) / 16777216.0);
+        vec3 cosine_direction = cosine_hemisphere(uv), wi = back * cosine_direction;
+        float size = length(wi), density = cosine_hemisphere_pdf(cosine_direction.z) * size * size * size * abs(determinant(m));
+        wi /= size;
+        float texel = texel_at_equator * max(sqrt(1.0 - wi.z * wi.z), 1e-3);
+        float level = 0.5 * log2(1.0 / (float(ENVIRONMENT_TAPS) * density * texel));
+        sum += environment_radiance(wi, clamp(int(level + 0.5), 0, findMSB(environment_size.y)));
+    }
+    return sum * (HALF_TURN / float(ENVIRONMENT_TAPS));
+}
+
+float environment_transformed_irradiance(Light light, vec3 p, mat3 m) {
+    return luminance(environment_transformed_color(m));
+}
+#endif
+
 #if HAS_WORLD
 bool world_is_delta(Light light, vec3 p) { return false; }
 

@@ -88,6 +88,9 @@ vec3 transformed_irradiance(Light light, vec3 p, mat3 m, vec3 color) {
 #if MESH_COLORS
     if (light.triangle_count > 0) return emissive_mesh_transformed_colored_irradiance(light, p, m).yzw;
 #endif
+#if HAS_ENVIRONMENT
+    if (light.shape == ENVIRONMENT) return environment_transformed_color(m);
+#endif
     return light_transformed_irradiance(light, p, m) * color;
 }
 

@@ -22,7 +22,7 @@ from ...frame import Frame, Pass, outputs
 from ...gl import driver_variants
 from ...gl.frame_uniforms import clip_from_anchor
 from ...gl.shader_compiler import bind
-from ...lights.world import has_world
+from ...lights.world.table import has_world
 
 #: Side of the random texture, as in the report.
 NOISE_SIZE = 64

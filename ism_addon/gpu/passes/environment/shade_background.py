@@ -33,9 +33,8 @@ class ShadeBackground(Pass):
         try:
             program = self.tile_program(IMAGE, glsl(graph), **constants)
         except ShaderError as error:
-            frame.warnings.add(
-                f"The graphics driver cannot compile the nodes of the world, which has one color: {error}"
-            )
+            issue = "The graphics driver cannot compile the nodes of the world, which has one color"
+            frame.warnings.add(f"{issue}: {error}")
             framebuffer.clear(*world.background.tolist())
             return
         self.device.overwrite()

@@ -24,7 +24,7 @@ from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from ...lights.world import has_world
+from ...lights.world.table import has_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...surface_inputs import tint_constants, tint_uniforms
 

@@ -16,7 +16,7 @@ from ...drawing import draw_pixels
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, pixels
 from ...gl.shader_compiler import bind
-from ...lights.world import has_world, world_row
+from ...lights.world.table import WORLD, world_row
 from ...surface_inputs import SURFACE
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 from .scene_portals import ScenePortals
@@ -40,7 +40,7 @@ class FindPortals(Pass):
         return self.full_screen_program()
 
     def needed(self, frame: Frame) -> bool:
-        return frame.settings.shortcuts and frame.casts_shadows and has_world(frame.scene.lights)
+        return frame.settings.shortcuts and frame.casts_shadows and bool((frame.scene.lights.shape == WORLD).any())
 
     def execute(self, frame: Frame) -> None:
         world, found = world_row(frame.scene.lights), None

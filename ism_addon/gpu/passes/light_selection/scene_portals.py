@@ -12,7 +12,7 @@ from ...culling.portals import Portals
 from ...frame import Frame
 from ...gl.buffer_texture import RecordTable, SceneRecords
 from ...gl.shader_records import LIGHT
-from ...lights.world import WORLD
+from ...lights.world.table import WORLD
 
 #: As PROBE, of a light that is sampled through portals: a ray may count for more or less than one.
 WEIGHTED_PROBE = replace(PROBE, format="rg16f")

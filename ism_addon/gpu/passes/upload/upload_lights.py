@@ -4,12 +4,14 @@
 import numpy as np
 
 from ....resources import LIGHT_BUFFERS, SEEN_LIGHTS
+from ....resources.world import BAKED_WORLD
 from ....scene import Change, Lights
 from ...emission.emissive_lights import EmissiveLights
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.buffer_texture import RecordTable, SceneRecords
 from ...gl.shader_records import EMISSIVE_COLOR, EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE, LIGHT_NODE_COLOR
 from ...lights import by_type
+from ...lights.world.table import ENVIRONMENT
 from .light_textures import NO_TEXTURES, LightTextures
 
 
@@ -79,7 +81,7 @@ class UploadLights(Pass):
     """Upload the lights, and those that the camera sees once more."""
 
     schedule = Schedule.FIRST
-    inputs = (Change.LIGHTS,)
+    inputs = Change.LIGHTS, BAKED_WORLD
     outputs = outputs(LIGHT_BUFFERS, SEEN_LIGHTS)
 
     def needed(self, frame: Frame) -> bool:
@@ -88,7 +90,8 @@ class UploadLights(Pass):
     def execute(self, frame: Frame) -> None:
         lights, records = frame.scene.lights, frame.scene_records
         textures = LightTextures.of(frame.scene.light_profiles, frame.scene.light_images)
-        frame[LIGHT_BUFFERS] = tables = light_buffers(records, lights, frame.anchor, textures)
+        tables = light_buffers(records, lights, frame.anchor, textures)
+        frame[LIGHT_BUFFERS] = tables | (frame[BAKED_WORLD].uniforms if (lights.shape == ENVIRONMENT).any() else {})
         seen = lights.select(lights.visible_camera)
         seen_table = light_table(seen, frame.anchor, textures)
         frame[SEEN_LIGHTS] = LIGHT.write(records, "seen_lights", seen_table) if len(seen.shape) else None

@@ -7,52 +7,13 @@ from typing import Any, Self
 
 import numpy as np
 
-from ...color import REC709, luminance
-from ...scene import Lights, LightShape, World
-from ..culling.receiver_region import ReceiverRegion
-from ..culling.surface_bounds import SurfaceBounds
-from .light_records import light_records
-from .sun import RAY_LENGTH, SunLight
-
-#: The shape of the world's row in a table of lights.
-WORLD = len(LightShape) + 1
-
-
-def has_world(lights: Lights) -> bool:
-    """Whether the world is one of the lights."""
-    return bool((lights.shape == WORLD).any())
-
-
-def world_row(lights: Lights) -> int:
-    """The row of the world."""
-    return int(np.flatnonzero(lights.shape == WORLD)[0])
-
-
-def with_world(lights: Lights, world: World) -> Lights:
-    """A table of lights, and after them the world."""
-    row = {
-        "shape": WORLD,
-        "position": np.zeros(3),
-        "axis_u": (1.0, 0.0, 0.0),
-        "axis_v": (0.0, 1.0, 0.0),
-        "normal": (0.0, 0.0, -1.0),
-        "emission": world.radiance,
-        "spread": np.pi,
-        "blend": 0.0,
-        "radius": 0.0,
-        "soft_falloff": False,
-        "falloff_power": 0,
-        "falloff_smooth": 0.0,
-        "profile": -1,
-        "profile_axes": np.zeros((3, 3)),
-        "image": -1,
-        "casts_shadow": True,
-        "visible_camera": False,
-        "shadow_softness": 1.0,
-        "receivers": -1,
-        "blockers": -1,
-    }
-    return Lights.of(**{name: np.concatenate([getattr(lights, name), [value]]) for name, value in row.items()})
+from ....color import REC709, luminance
+from ....scene import Lights
+from ...culling.receiver_region import ReceiverRegion
+from ...culling.surface_bounds import SurfaceBounds
+from ..light_records import light_records
+from ..sun import RAY_LENGTH, SunLight
+from .table import WORLD
 
 
 @dataclass(frozen=True)

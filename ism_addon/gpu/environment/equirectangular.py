@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps of all directions: rows are latitudes and columns longitudes, as Blender's Environment Texture has them."""
+
+import numpy as np
+
+
+def coordinates(directions: np.ndarray) -> np.ndarray:
+    """(…,2) in [0,1] of unit vectors (…,3): u falls with the longitude, v grows from -z to +z."""
+    x, y, z = (directions[..., k] for k in range(3))
+    u = 0.5 - np.arctan2(y, x) / (2.0 * np.pi)
+    return np.stack([u, 1.0 - np.arccos(np.clip(z, -1.0, 1.0)) / np.pi], -1)
+
+
+def interpolated(radiance: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(N,3) bilinear values of a map (H,W,3) at coordinates (N,2); columns repeat."""
+    height, width = radiance.shape[:2]
+    texel = at * (width, height) - 0.5
+    corner = np.floor(texel).astype(np.int64)
+    u, v = (texel - corner).astype(radiance.dtype).T[..., None]
+    left, right = corner[:, 0] % width, (corner[:, 0] + 1) % width
+    below, above = np.clip(corner[:, 1], 0, height - 1), np.clip(corner[:, 1] + 1, 0, height - 1)
+    low = (1.0 - u) * radiance[below, left] + u * radiance[below, right]
+    result: np.ndarray = (1.0 - v) * low + v * ((1.0 - u) * radiance[above, left] + u * radiance[above, right])
+    return result
+
+
+def reduced(radiance: np.ndarray, width: int) -> np.ndarray:
+    """The map (H,W,3) with means of squares of texels, weighted by solid angle, down to about `width` columns."""
+    factor = max(radiance.shape[1] // width, 1)
+    height, columns = (size // factor for size in radiance.shape[:2])
+    if factor == 1 or height == 0:
+        return radiance
+    latitude = (np.arange(height * factor) + 0.5) / (height * factor) * np.pi
+    weight = np.sin(latitude).astype(radiance.dtype).reshape(height, factor, 1, 1, 1)
+    squares = radiance[: height * factor, : columns * factor].reshape(height, factor, columns, factor, 3)
+    result: np.ndarray = (squares * weight).sum((1, 3)) / (factor * weight.sum((1, 3)))
+    return result

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of a map of all directions: its irradiance by normal, and nodes of a quadtree by which directions are sampled.
+
+The quadtree's square is an octahedron (Cigolle et al. 2014). A direction's density is in proportion to the product of
+the map's luminance and the cosine at the receiver (Clarberg et al. 2005; 2008): the coarse levels have a table for each
+of MAP_NORMALS × MAP_NORMALS normals, the fine ones are of the luminance alone. The density is exact, so samples are
+unbiased; and neighboring random numbers give neighboring directions, so strata are kept.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Self
+
+import numpy as np
+
+from ..gl.shader_records import directions_from_octahedron
+from .equirectangular import coordinates, interpolated, reduced
+
+#: Normals along a side of their square. Levels of the quadtree that depend on the normal, and all levels.
+MAP_NORMALS, COARSE_LEVELS, ALL_LEVELS = 32, 4, 8
+#: Cells along a side of the square of normals, at whose corners the irradiance is known.
+IRRADIANCE_CELLS = 64
+GLSL_CONSTANTS = {
+    "map_normals": MAP_NORMALS,
+    "coarse_levels": COARSE_LEVELS,
+    "all_levels": ALL_LEVELS,
+    "irradiance_cells": IRRADIANCE_CELLS,
+}
+
+#: Cells along a side of the square of directions, for which cosines are evaluated; points along a side of a leaf.
+COSINE_CELLS, LEAF_POINTS = 64, 4
+#: Columns of the map whose texels are summed.
+SUMMED_COLUMNS = 1024
+#: Added to cosines: more than the sine of the angle by which a normal and a direction differ from their cells' middles.
+MARGIN = 0.12
+
+
+@dataclass(frozen=True, eq=False)
+class MapTables:
+    """Tables of a map, in units of `peak`."""
+
+    peak: float  # W/(sr m²): the radiance from everywhere that would light a surface as much as the map does at most
+    irradiance: np.ndarray  # ((IRRADIANCE_CELLS + 1)²,3) float32, by normal
+    product: np.ndarray  # (N,4) float32: for each normal all nodes of the coarse levels, sums of their four children
+    fine: np.ndarray  # (N,4) float32: nodes of the fine levels
+
+    @classmethod
+    def of(cls, radiance: np.ndarray, luminance: np.ndarray) -> Self:
+        """Of a map (H,W,3); `luminance` (3,) of the working space's primaries."""
+        directions, weights, places = leaf_points()
+        colors = interpolated(reduced(radiance.astype(np.float32), SUMMED_COLUMNS), places)
+        colors *= weights[:, None]
+        light = np.maximum(colors @ luminance.astype(np.float32), 0.0)
+        side = 1 << ALL_LEVELS
+        leaves = light.reshape(side, LEAF_POINTS, side, LEAF_POINTS).sum((1, 3))
+        cells, middles = of_cells(colors), of_cells(directions * light[:, None])
+        sums = of_cells(light[:, None])
+        middles /= np.maximum(np.linalg.norm(middles, axis=1, keepdims=True), 1e-30)
+        corners = np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)
+        irradiance = np.maximum(unit_vectors(corners) @ middles.T, 0.0) @ cells
+        peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
+        normals = unit_vectors((np.arange(MAP_NORMALS) + 0.5) / (0.5 * MAP_NORMALS) - 1.0)
+        products = np.maximum(normals @ middles.T + np.float32(MARGIN), 0.0) * sums[:, 0]
+        products = products.reshape(len(normals), COSINE_CELLS, COSINE_CELLS)
+        coarse = halved(products, COSINE_CELLS.bit_length() - 1 - COARSE_LEVELS)
+        return cls(
+            peak,
+            (irradiance / peak).astype(np.float32),
+            np.concatenate(nodes(coarse, 0), 1).reshape(-1, 4).astype(np.float32),
+            np.concatenate(nodes(leaves[None], COARSE_LEVELS), 1)[0].astype(np.float32),
+        )
+
+
+@cache
+def leaf_points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points evenly distributed in the square, float32: unit vectors (P,3), solid angles (P,), coordinates (P,2)."""
+    count = LEAF_POINTS << ALL_LEVELS
+    axis = (np.arange(count) + 0.5) / (0.5 * count) - 1.0
+    points = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
+    directions = directions_from_octahedron(points)
+    size = np.abs(directions).sum(1)
+    places = coordinates(directions)
+    return directions.astype(np.float32), (4.0 * size**3 / count**2).astype(np.float32), places
+
+
+def of_cells(values: np.ndarray) -> np.ndarray:
+    """(COSINE_CELLS²,K): sums of values (P,K) of leaf_points."""
+    points = (LEAF_POINTS << ALL_LEVELS) // COSINE_CELLS
+    return values.reshape(COSINE_CELLS, points, COSINE_CELLS, points, -1).sum((1, 3)).reshape(COSINE_CELLS**2, -1)
+
+
+def unit_vectors(positions: np.ndarray) -> np.ndarray:
+    """(N²,3) float32 at all pairs of positions (N,) from -1 to 1 along the square's sides."""
+    points = np.stack(np.meshgrid(positions, positions), -1).reshape(-1, 2)
+    return directions_from_octahedron(points).astype(np.float32)
+
+
+def halved(sums: np.ndarray, times: int = 1) -> np.ndarray:
+    """(K,S,S) sums of squares of cells, with half as many cells along each side, as often."""
+    for _ in range(times):
+        count, side = len(sums), sums.shape[1] // 2
+        sums = sums.reshape(count, side, 2, side, 2).sum((2, 4))
+    return sums
+
+
+def nodes(sums: np.ndarray, first_level: int) -> list[np.ndarray]:
+    """(K,N,4): for each level from `first_level` on, all nodes' sums of their children, of leaves (K,S,S)."""
+    levels = []
+    while sums.shape[1] > 1 << first_level:
+        count, side = len(sums), sums.shape[1] // 2
+        children = sums.reshape(count, side, 2, side, 2).swapaxes(2, 3).reshape(count, side * side, 4)
+        levels.append(children)
+        sums = halved(sums)
+    return levels[::-1]

@@ -1,0 +1,26 @@
+// The radiance of the world in the directions of an equirectangular map's texels: the mean of several points of each.
+#include "surfaces/node_graph.glsl"
+uniform ivec2 map_size;
+uniform int first_constant;
+out vec4 radiance;
+
+const int POINTS = 2; // along a texel's sides
+
+vec3 direction_at(vec2 texel) {
+    vec2 angles = vec2(0.5 - texel.x / float(map_size.x), 1.0 - texel.y / float(map_size.y)) * 3.141592653589793;
+    return vec3(sin(angles.y) * vec2(cos(2.0 * angles.x), sin(2.0 * angles.x)), cos(angles.y));
+}
+
+void main() {
+    vec3 sum = vec3(0.0);
+    for (int k = 0; k < POINTS * POINTS; ++k) {
+        vec2 texel = floor(gl_FragCoord.xy) + (vec2(k % POINTS, k / POINTS) + 0.5) / float(POINTS);
+        vec3 d = direction_at(texel);
+        Shift none = Shift(vec3(0.0), vec3(0.0));
+        Shift dx = Shift(direction_at(texel + vec2(1.0 / float(POINTS), 0.0)) - d, vec3(0.0));
+        Shift dy = Shift(direction_at(texel + vec2(0.0, 1.0 / float(POINTS))) - d, vec3(0.0));
+        ShadingPoint at = ShadingPoint(d, vec3(0.0), -d, -d, -d, false, 0, 0);
+        sum += max(finite(evaluate_graph(at, Differentials(dx, dy, none, none), first_constant).emission), 0.0);
+    }
+    radiance = vec4(sum / float(POINTS * POINTS), 0.0);
+}

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluates the graph of a world's radiance in all directions, and makes the tables by which it lights surfaces."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....color import luminance
+from ....resources import MATERIAL_BUFFERS
+from ....resources.world import BAKED_WORLD
+from ....scene import Change, Scene
+from ...buffers.texture_buffer import image_constants
+from ...drawing import draw_pixels
+from ...environment.map_tables import MapTables
+from ...environment.map_texture import with_mip_levels
+from ...frame import Frame, Pass, Schedule, outputs
+from ...gl import driver_variants
+from ...gl.buffer_texture import SceneRecords
+from ...gl.context import Device
+from ...gl.shader_compiler import ShaderError, bind
+from ...gl.shader_records import IMAGE
+from ...materials.shader import glsl
+
+#: Columns of the map: as many as those of the largest image that the graph reads, within these limits.
+MIN_COLUMNS, MAX_COLUMNS = 1024, 2048
+
+
+@dataclass(frozen=True, eq=False)
+class BakedWorld:
+    """The light of a world, and what it was made of."""
+
+    key: tuple[object, ...]  # see key_of
+    peak: float | None  # see MapTables; None: the graph cannot be evaluated
+    uniforms: dict[str, Any]  # of lights/world/environment.glsl
+
+
+class BakeWorld(Pass):
+    """The light of a world whose radiance a graph gives: a map of it, and tables to sample that."""
+
+    schedule = Schedule.FIRST
+    inputs = Change.WORLD, Change.MATERIALS, MATERIAL_BUFFERS
+    outputs = outputs(BAKED_WORLD)
+
+    def needed(self, frame: Frame) -> bool:
+        return bool(frame.scene.world.graph[0] >= 0)
+
+    def execute(self, frame: Frame) -> None:
+        key, last = key_of(frame.scene), frame.get(BAKED_WORLD)
+        if last is not None and last.key == key:
+            return
+        radiance = self.radiance(frame)
+        if radiance is None:
+            frame[BAKED_WORLD] = BakedWorld(key, None, {})
+            return
+        tables = MapTables.of(radiance, luminance(frame.scene.working_space))
+        uniforms = map_uniforms(self.device, frame.scene_records, radiance, tables)
+        frame[BAKED_WORLD] = BakedWorld(key, tables.peak, uniforms)
+
+    def radiance(self, frame: Frame) -> np.ndarray | None:
+        """(H,W,3) float32: the map, bottom row first. None if the driver cannot compile the graph."""
+        scene, world, texels = frame.scene, frame.scene.world, frame[MATERIAL_BUFFERS].texels
+        graph, constants = scene.graphs[world.graph[0]], dict[str, Any]()
+        reads_images = graph.uses("image")
+        if reads_images:
+            constants |= image_constants(scene.images)
+        size = map_size(scene)
+        try:
+            shader = self.full_screen_program(IMAGE, glsl(graph), **constants)
+        except ShaderError as error:
+            issue = "The graphics driver cannot compile the nodes of the world, which lights evenly"
+            frame.warnings.add(f"{issue}: {error}")
+            return None
+        target = self.device.gl.texture(size, 4, dtype="f4")
+        self.device.overwrite()
+        bind(
+            shader.program,
+            map_size=size,
+            first_constant=int(world.first_constant[0]),
+            graph_constants=self.device.buffer_from(world.constants),
+            **(texels.samplers if reads_images else {}),
+        )
+        draw_pixels(frame, self.device.gl.framebuffer([target]), shader)
+        read = np.frombuffer(target.read(), np.float32).reshape(size[1], size[0], 4)
+        return np.ascontiguousarray(read[..., :3])
+
+
+def map_uniforms(device: Device, records: SceneRecords, radiance: np.ndarray, tables: MapTables) -> dict[str, Any]:
+    """Upload a map (H,W,3) and its tables: uniforms of lights/world/environment.glsl."""
+    texels = with_mip_levels(radiance / np.float32(tables.peak))
+    texture = device.gl.texture((texels.shape[1], texels.shape[0]), 4, texels, dtype="f2")
+    driver_variants.never_filtered(texture)
+    irradiance = np.pad(tables.irradiance, ((0, 0), (0, 1)))
+    written: dict[str, Any] = {
+        f"environment_{name}": records.write(f"environment_{name}", rows.view(np.uint32), 1)
+        for name, rows in (("product", tables.product), ("fine", tables.fine), ("irradiance_table", irradiance))
+    }
+    return written | {"environment_map": texture, "environment_size": radiance.shape[1::-1]}
+
+
+def map_size(scene: Scene) -> tuple[int, int]:
+    """Columns and rows of the map."""
+    graph, first = scene.graphs[scene.world.graph[0]], int(scene.world.first_constant[0])
+    rows, columns = scene.world.constants[first : first + graph.rows], [MIN_COLUMNS]
+    for (row, number), type_ in zip(graph.locations, graph.constants, strict=True):
+        if type_ == "image":
+            columns.append(scene.images[int(rows[row, number])].texels.shape[1])
+    width = min(1 << (max(columns) - 1).bit_length(), MAX_COLUMNS)
+    return width, width // 2
+
+
+def key_of(scene: Scene) -> tuple[object, ...]:
+    """What the light of a world depends on."""
+    world, graph = scene.world, scene.graphs[scene.world.graph[0]]
+    images = scene.images if graph.uses("image") else ()
+    return graph, int(world.first_constant[0]), world.constants.tobytes(), scene.working_space, *images
