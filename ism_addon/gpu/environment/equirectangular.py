@@ -11,16 +11,26 @@ def coordinates(directions: np.ndarray) -> np.ndarray:
     return np.stack([u, 1.0 - np.arccos(np.clip(z, -1.0, 1.0)) / np.pi], -1)
 
 
-def interpolated(radiance: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(N,3) bilinear values of a map (H,W,3) at coordinates (N,2); columns repeat."""
-    height, width = radiance.shape[:2]
+def texel_directions(height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the texels of a map, row by row, float32: unit vectors (P,3), and solid angles (P,1) sr."""
+    polar = np.pi * (1.0 - (np.arange(height) + 0.5) / height)
+    azimuth = np.pi - 2.0 * np.pi * (np.arange(width) + 0.5) / width
+    sine, shape = np.sin(polar)[:, None], (height, width)
+    axes = sine * np.cos(azimuth), sine * np.sin(azimuth), np.broadcast_to(np.cos(polar)[:, None], shape)
+    solid_angles = np.broadcast_to(sine * (np.pi / height) * (2.0 * np.pi / width), shape)
+    return np.stack(axes, -1).reshape(-1, 3).astype(np.float32), solid_angles.reshape(-1, 1).astype(np.float32)
+
+
+def interpolated(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(N,) bilinear values of a map (H,W) at coordinates (N,2); columns repeat."""
+    height, width = values.shape
     texel = at * (width, height) - 0.5
     corner = np.floor(texel).astype(np.int64)
-    u, v = (texel - corner).astype(radiance.dtype).T[..., None]
+    u, v = (texel - corner).astype(values.dtype).T
     left, right = corner[:, 0] % width, (corner[:, 0] + 1) % width
     below, above = np.clip(corner[:, 1], 0, height - 1), np.clip(corner[:, 1] + 1, 0, height - 1)
-    low = (1.0 - u) * radiance[below, left] + u * radiance[below, right]
-    result: np.ndarray = (1.0 - v) * low + v * ((1.0 - u) * radiance[above, left] + u * radiance[above, right])
+    low = (1.0 - u) * values[below, left] + u * values[below, right]
+    result: np.ndarray = (1.0 - v) * low + v * ((1.0 - u) * values[above, left] + u * values[above, right])
     return result
 
 

@@ -13,8 +13,8 @@ from typing import Self
 
 import numpy as np
 
-from ..gl.shader_records import directions_from_octahedron
-from .equirectangular import coordinates, interpolated, reduced
+from ..gl.shader_records import directions_from_octahedron, octahedron_from_directions
+from .equirectangular import coordinates, interpolated, reduced, texel_directions
 
 #: Normals along a side of their square. Levels of the quadtree that depend on the normal, and all levels.
 MAP_NORMALS, COARSE_LEVELS, ALL_LEVELS = 32, 4, 8
@@ -28,7 +28,9 @@ GLSL_CONSTANTS = {
 }
 
 #: Cells along a side of the square of directions, for which cosines are evaluated; points along a side of a leaf.
-COSINE_CELLS, LEAF_POINTS = 64, 4
+COSINE_CELLS, LEAF_POINTS = 64, 2
+#: The least sum of a leaf, relative to the mean: a black one may have light at its edge.
+MIN_LEAF = 1e-3
 #: Columns of the map whose texels are summed.
 SUMMED_COLUMNS = 1024
 #: Added to cosines: more than the sine of the angle by which a normal and a direction differ from their cells' middles.
@@ -47,22 +49,19 @@ class MapTables:
     @classmethod
     def of(cls, radiance: np.ndarray, luminance: np.ndarray) -> Self:
         """Of a map (H,W,3); `luminance` (3,) of the working space's primaries."""
-        directions, weights, places = leaf_points()
-        colors = interpolated(reduced(radiance.astype(np.float32), SUMMED_COLUMNS), places)
-        colors *= weights[:, None]
-        light = np.maximum(colors @ luminance.astype(np.float32), 0.0)
+        radiance = reduced(radiance.astype(np.float32), SUMMED_COLUMNS)
+        colors, middles = sums_of_cells(radiance, luminance.astype(np.float32))
+        irradiance = np.maximum(unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)) @ middles.T, 0.0) @ colors
+        peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
+        weights, places = leaf_points()
+        light = weights * np.maximum(interpolated(radiance @ luminance.astype(np.float32), places), 0.0)
         side = 1 << ALL_LEVELS
         leaves = light.reshape(side, LEAF_POINTS, side, LEAF_POINTS).sum((1, 3))
-        cells, middles = of_cells(colors), of_cells(directions * light[:, None])
-        sums = of_cells(light[:, None])
-        middles /= np.maximum(np.linalg.norm(middles, axis=1, keepdims=True), 1e-30)
-        corners = np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)
-        irradiance = np.maximum(unit_vectors(corners) @ middles.T, 0.0) @ cells
-        peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
-        normals = unit_vectors((np.arange(MAP_NORMALS) + 0.5) / (0.5 * MAP_NORMALS) - 1.0)
-        products = np.maximum(normals @ middles.T + np.float32(MARGIN), 0.0) * sums[:, 0]
-        products = products.reshape(len(normals), COSINE_CELLS, COSINE_CELLS)
-        coarse = halved(products, COSINE_CELLS.bit_length() - 1 - COARSE_LEVELS)
+        leaves += np.float32(MIN_LEAF) * leaves.mean()
+        cosines = unit_vectors(middles_of(MAP_NORMALS)) @ unit_vectors(middles_of(COSINE_CELLS)).T
+        of_cells = halved(leaves[None], (side // COSINE_CELLS).bit_length() - 1).reshape(-1)
+        products = np.maximum(cosines + np.float32(MARGIN), 0.0) * of_cells
+        coarse = halved(products.reshape(-1, COSINE_CELLS, COSINE_CELLS), COSINE_CELLS.bit_length() - 1 - COARSE_LEVELS)
         return cls(
             peak,
             (irradiance / peak).astype(np.float32),
@@ -72,21 +71,39 @@ class MapTables:
 
 
 @cache
-def leaf_points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points evenly distributed in the square, float32: unit vectors (P,3), solid angles (P,), coordinates (P,2)."""
+def leaf_points() -> tuple[np.ndarray, np.ndarray]:
+    """Points evenly distributed in the square: their solid angles (P,) float32 sr, and coordinates (P,2) in a map."""
     count = LEAF_POINTS << ALL_LEVELS
-    axis = (np.arange(count) + 0.5) / (0.5 * count) - 1.0
-    points = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
-    directions = directions_from_octahedron(points)
+    directions = unit_vectors(middles_of(count))
     size = np.abs(directions).sum(1)
-    places = coordinates(directions)
-    return directions.astype(np.float32), (4.0 * size**3 / count**2).astype(np.float32), places
+    return (4.0 * size**3 / count**2).astype(np.float32), coordinates(directions)
 
 
-def of_cells(values: np.ndarray) -> np.ndarray:
-    """(COSINE_CELLS²,K): sums of values (P,K) of leaf_points."""
-    points = (LEAF_POINTS << ALL_LEVELS) // COSINE_CELLS
-    return values.reshape(COSINE_CELLS, points, COSINE_CELLS, points, -1).sum((1, 3)).reshape(COSINE_CELLS**2, -1)
+@cache
+def texels(height: int, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of a map's texels (P,): unit vectors (P,3), solid angles (P,1) sr, and cells, of COSINE_CELLS along a side."""
+    directions, solid_angles = texel_directions(height, width)
+    points = 0.5 * octahedron_from_directions(directions) + 0.5
+    column, row = np.minimum((points * COSINE_CELLS).astype(np.int64), COSINE_CELLS - 1).T
+    return directions, solid_angles, row * COSINE_CELLS + column
+
+
+def sums_of_cells(radiance: np.ndarray, luminance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each cell of directions, of a map (H,W,3): the irradiance (C,3) of a surface that faces it, and its middle.
+
+    This (C,3) is the mean of directions, weighted by luminance. It is shorter than a unit vector.
+    """
+    directions, solid_angles, cell = texels(*radiance.shape[:2])
+    colors = radiance.reshape(-1, 3) * solid_angles
+    light = np.maximum(colors @ luminance, 0.0)
+    columns = *colors.T, light, *(directions * light[:, None]).T
+    sums = np.stack([np.bincount(cell, column, COSINE_CELLS**2) for column in columns], 1).astype(np.float32)
+    return sums[:, :3], sums[:, 4:] / np.maximum(sums[:, 3:4], 1e-30)
+
+
+def middles_of(count: int) -> np.ndarray:
+    """(count,): the middles of equal parts of -1 to 1."""
+    return (np.arange(count) + 0.5) / (0.5 * count) - 1.0
 
 
 def unit_vectors(positions: np.ndarray) -> np.ndarray:

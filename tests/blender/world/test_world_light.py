@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light of worlds that vary, beside Cycles."""
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from ism_addon.blender.engine import statistics
+from tests.benchmark.files import FILTER_WIDTH, our_render
+from tests.scenes.cycles import direct_light
+from tests.scenes.parts.node_tree import made, world_of
+
+from .test_background import WORLDS, background, by_ray, clouds
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+#: Samples of ours, and of each of Cycles' two pictures; the largest RMSE over the mean.
+SAMPLES, TRUTH, BOUND = 64, 512, 0.03
+
+
+def reflecting(**inputs):
+    return made(lambda tree: tree.add("ShaderNodeBsdfPrincipled", inputs))
+
+
+@pytest.fixture
+def place(add, empty_scene):
+    """A ball and a block on a floor, seen from above."""
+    floor = add("Floor", ([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [(0, 1, 2, 3)]))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.0, location=(0, 0, 1), segments=48, ring_count=24)
+    ball = bpy.context.object
+    ball.data.shade_smooth()
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(1.9, 0.4, 0.5))
+    block = bpy.context.object
+    camera = empty_scene.camera = add("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler, camera.data.lens = (2.5, -5.0, 4.0), (0.93, 0.0, 0.43), 32.0
+    render = empty_scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 96, 64, 100
+    render.filter_size = FILTER_WIDTH
+    return SimpleNamespace(scene=empty_scene, floor=floor, ball=ball, block=block)
+
+
+def error(ours):
+    """RMSE over the mean, without the noise of Cycles' picture."""
+    first, second = (direct_light(TRUTH, FILTER_WIDTH, seed=seed)[..., :3] for seed in (1, 2))
+    mean = 0.5 * (first.mean() + second.mean())
+    return float(np.sqrt(max(((ours - first) * (ours - second)).mean(), 0.0)) / mean)
+
+
+@pytest.mark.parametrize(
+    "name", ["an image all around", "a mirror ball", "noise", "two shaders", "coordinates Reflection"]
+)
+def test_surfaces_are_lit_as_in_cycles(place, name):
+    place.scene.world = world_of(WORLDS[name])
+    for each in (place.floor, place.ball, place.block):
+        each.data.materials.append(reflecting(**{"Specular IOR Level": 0.0}))
+    assert error(our_render(SAMPLES)[0]) <= BOUND
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.15, 0.4, 1.0])
+def test_metal_reflects_the_world_as_in_cycles(place, roughness):
+    place.scene.world = world_of(WORLDS["an image all around"])
+    for each in (place.floor, place.ball, place.block):
+        each.data.materials.append(reflecting(Metallic=1.0, Roughness=roughness))
+    assert error(our_render(SAMPLES)[0]) <= 2.0 * BOUND  # a mirror shows each edge of the image
+
+
+def test_what_the_camera_sees_does_not_light_surfaces(place):
+    place.scene.world = world_of(by_ray)
+    assert error(our_render(SAMPLES)[0]) <= 1.5 * BOUND  # edges before a bright background
+
+
+def test_a_world_that_varies_is_evaluated_once(place):
+    place.scene.world = world_of(clouds)
+    our_render(2)
+    assert statistics()["passes"]["BakeWorld"]["drawn"] == 1
+    place.scene.world = world_of(lambda tree: background(tree, (0.2, 0.4, 0.6, 1.0)))
+    our_render(2)
+    passes = statistics()["passes"]
+    assert passes.get("BakeWorld", {"drawn": 0})["drawn"] == passes["ShadeBackground"]["drawn"] == 0
