@@ -3,5 +3,6 @@
 
 from .colors import radiance, sky_image
 from .parameters import Sky, SkyModel
+from .sun_disc import Sun, sun, sun_irradiance, sun_radiance
 
-__all__ = ["Sky", "SkyModel", "radiance", "sky_image"]
+__all__ = ["Sky", "SkyModel", "Sun", "radiance", "sky_image", "sun", "sun_irradiance", "sun_radiance"]
