@@ -18,6 +18,7 @@ from .lights import LightReader
 from .materials import images
 from .materials.image_reader import ImageReader
 from .materials.materials import MaterialReader
+from .world.skies import with_suns
 from .world.world_reader import WorldReader
 
 #: Types of objects that other engines render and this one does not.
@@ -137,7 +138,7 @@ class Reader:
             materials=materials,
             images=self._images.images(),
             graphs=graphs,
-            lights=self._lights.table(findings),
+            lights=with_suns(self._lights.table(findings), of_world.suns),
             light_profiles=self._lights.profiles(),
             light_images=self._lights.images(),
             world=of_world.table(graphs),

@@ -63,6 +63,22 @@ def from_object(tree):
     return background(tree, tree.add("ShaderNodeTexGradient", {0: coordinates.outputs["Object"]}).outputs["Color"])
 
 
+def sky(tree, model, **properties):
+    node = tree.add("ShaderNodeTexSky", sky_type=model)
+    for name, value in {
+        "sun_elevation": 0.5,
+        "sun_rotation": 2.2,
+        "sun_direction": (0.5, -0.5, 0.7),
+        **properties,
+    }.items():
+        if hasattr(node, name):
+            setattr(node, name, value)
+    return background(tree, node, 0.1)
+
+
+#: The models of this release.
+SKIES = [each.identifier for each in bpy.types.ShaderNodeTexSky.bl_rna.properties["sky_type"].enum_items]
+
 WORLDS = {
     "an image all around": lambda tree: background(tree, environment(tree), 2.0),
     "its texels": lambda tree: background(tree, environment(tree, interpolation="Closest")),
@@ -77,6 +93,7 @@ WORLDS = {
         f"coordinates {name}": lambda tree, name=name: background(tree, coordinate(tree, name))
         for name in ("Generated", "Camera", "Window", "Reflection")
     },
+    **{f"the sky {model}": lambda tree, model=model: sky(tree, model, sun_disc=False) for model in SKIES},
     "what a shader that is missing leaves": lambda tree: tree.add("ShaderNodeBsdfDiffuse"),
 }
 

@@ -12,7 +12,7 @@ from tests.benchmark.files import FILTER_WIDTH, our_render
 from tests.scenes.cycles import direct_light
 from tests.scenes.parts.node_tree import made, world_of
 
-from .test_background import WORLDS, background, by_ray, clouds
+from .test_background import SKIES, WORLDS, background, by_ray, clouds, sky
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -56,6 +56,20 @@ def test_surfaces_are_lit_as_in_cycles(place, name):
     for each in (place.floor, place.ball, place.block):
         each.data.materials.append(reflecting(**{"Specular IOR Level": 0.0}))
     assert error(our_render(SAMPLES)[0]) <= BOUND
+
+
+@pytest.mark.parametrize("model", SKIES)
+def test_a_sky_and_its_sun_light_surfaces_as_in_cycles(place, model):
+    place.scene.world = world_of(lambda tree: sky(tree, model, sun_size=0.1))
+    assert error(our_render(SAMPLES)[0]) <= BOUND
+
+
+def test_a_camera_sees_a_skys_sun(place):
+    """Ours is even, and adds to the sky: Cycles' is darker at the limb, and before Blender 5.0 replaces the sky."""
+    place.scene.world = world_of(lambda tree: sky(tree, SKIES[-1], sun_size=0.4))
+    place.scene.camera.rotation_euler = 0.5 * np.pi + 0.5, 0.0, -2.2
+    ours, theirs = our_render(SAMPLES)[0], direct_light(TRUTH, FILTER_WIDTH)[..., :3]
+    assert ours.max() > 20.0 * np.median(ours) and ours.mean() == pytest.approx(theirs.mean(), rel=0.03)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.15, 0.4, 1.0])

@@ -59,6 +59,15 @@ class ImageReader:
             self._read[key] = self._read_image(key, image)
         return self._read[key]
 
+    def index_of_made(self, name: str, make: Callable[[], Image]) -> int:
+        """The index of an image that no file has: made on first use, while any shader uses that of its name."""
+        key = ImageKey(0, True, True, name)
+        if key not in self._read:
+            index, image = self._free_index(), make()
+            self._images[index:] = [image, *self._images[index + 1 :]]
+            self._read[key] = index, Diagnostics()
+        return self._read[key][0]
+
     def mean_texel(self, index: int) -> np.ndarray:
         """(4,) mean of an image's linear colour and alpha; computed once."""
         image = self._images[index]

@@ -4,7 +4,7 @@
 As in Cycles, whose surface of a world has no object, the position in a direction is the direction itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import bpy
 import numpy as np
@@ -16,6 +16,7 @@ from ..node_graphs import shader_nodes
 from ..node_graphs.converters import CONVERTERS
 from ..node_graphs.links import Path
 from ..node_graphs.reader import OWN_VALUE, Converter, Default, GraphReader, NodeView
+from ..node_graphs.texture_nodes import placed
 
 ZERO, ORIGIN, BACKWARDS = constant(0.0), constant((0.0, 0.0, 0.0)), constant(-1.0)
 
@@ -31,6 +32,9 @@ OF_MESHES = {
 
 class WorldGraphReader(GraphReader):
     """Reads the values and closures of a world's sockets."""
+
+    #: Makes the image of a Sky Texture, and gives its index.
+    sky: Callable[[bpy.types.ShaderNodeTexSky], int]
 
     def position(self) -> Value:
         """The direction from the camera, or to the light."""
@@ -114,6 +118,16 @@ def light_path(view: NodeView) -> Mapping[str, Value]:
     return outputs | ({view.reader.ray.value: constant(1.0)} if view.reader.ray.value else {})
 
 
+def sky_texture(view: NodeView) -> Mapping[str, Value]:
+    """Sky Texture, without its sun: that is a light."""
+    assert isinstance(view.reader, WorldGraphReader)
+    image = Value("image", constant=float(view.reader.sky(view.node)))
+    is_placed = view.socket("Vector") is not None  # some models have no such input
+    vector = placed(view, view.value("Vector", view.reader.position) if is_placed else view.reader.position())
+    color = view.call("image_equirectangular", image, vector, parameter=0)
+    return {"Color": view.call("color_of", color)}
+
+
 WORLD_CONVERTERS: dict[str, Converter] = {
     **{name: converter for name, converter in CONVERTERS.items() if name not in OF_MESHES},
     "ShaderNodeBackground": shader_nodes.shader("emission", "Background", color="Color", strength="Strength"),
@@ -121,4 +135,5 @@ WORLD_CONVERTERS: dict[str, Converter] = {
     "ShaderNodeNewGeometry": geometry,
     "ShaderNodeCameraData": camera_data,
     "ShaderNodeLightPath": light_path,
+    "ShaderNodeTexSky": sky_texture,
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads a world's radiance, as light and as background: constants, or graphs."""
 
+from collections.abc import Mapping
 from typing import NamedTuple, Self
 
 import bpy
@@ -9,14 +10,17 @@ import numpy as np
 from ....color import luminance
 from ....scene import NodeGraph, World
 from ....scene.limits import MAX_EMISSION, is_within
-from ....shading.builder import constant
+from ....shading.builder import Builder, Value, constant
 from ....shading.node_graph import NUMBERS
 from ....shading.operations import OPERATIONS, Constant
+from ....shading.sky import Sun, sun
 from ..diagnostics import Diagnostics
 from ..materials import images, nodes
 from ..materials.image_reader import ImageReader
 from ..materials.transparency import MAX_POINT_COST
 from ..node_graphs.reader import UNKNOWN, Ray
+from . import skies
+from .skies import SkySun
 from .world_nodes import WORLD_CONVERTERS, WorldGraphReader
 
 NO_CONSTANTS = np.zeros((0, 4), np.float32)
@@ -43,20 +47,21 @@ class WorldShader(NamedTuple):
 
     light: Radiance
     background: Radiance
+    suns: tuple[SkySun, ...] = ()
 
     @property
     def graphs(self) -> tuple[NodeGraph, ...]:
         """Those of both."""
-        return tuple(each.graph for each in self if each.graph is not None)
+        return tuple(each.graph for each in (self.light, self.background) if each.graph is not None)
 
     def table(self, graphs: tuple[NodeGraph, ...]) -> World:
         """With indices of these graphs."""
         return World.of(
             radiance=self.light.mean,
             background=self.background.mean,
-            graph=[-1 if each.graph is None else graphs.index(each.graph) for each in self],
+            graph=[-1 if each.graph is None else graphs.index(each.graph) for each in (self.light, self.background)],
             first_constant=[0, len(self.light.constants)],
-            constants=np.concatenate([each.constants for each in self]),
+            constants=np.concatenate([self.light.constants, self.background.constants]),
         )
 
 
@@ -102,18 +107,42 @@ class WorldReader:
             return index
 
         reader = WorldGraphReader(WORLD_CONVERTERS, world, {}, image, luminance(images.working_space()), simplify)
-        background = light = self._radiance(reader, output, Ray.CAMERA, findings)
+        discs = dict[int, Sun]()
+
+        def sky(node: bpy.types.ShaderNodeTexSky) -> int:
+            settings = skies.read(node)
+            index = self._images.index_of_made(repr(settings), lambda: skies.image_of(settings))
+            used[index] = Diagnostics()
+            disc = sun(settings)
+            if disc is not None:
+                discs[index] = disc
+                if any(nodes.source(each) is not None for each in node.inputs):
+                    findings.warn("The suns of Sky Textures are not moved by nodes that move the sky", world.name)
+            return index
+
+        reader.sky = sky
+        background, seen_discs = self._radiance(reader, output, Ray.CAMERA, findings, discs)
+        light, lighting_discs = background, seen_discs
         if reader.depends_on_ray:
-            light = self._radiance(reader, output, Ray.LIGHT, findings)
+            light, lighting_discs = self._radiance(reader, output, Ray.LIGHT, findings, discs)
+        suns = tuple(
+            SkySun(discs[index], irradiance, bool(seen_discs[index].any()))
+            for index, irradiance in lighting_discs.items()
+        )
         for issues in used.values():
             findings.merge(issues)
         self._used_images = frozenset(used)
-        return with_ray_visibility(world, WorldShader(light, background), findings)
+        return with_ray_visibility(world, WorldShader(light, background, suns), findings)
 
     def _radiance(
-        self, reader: WorldGraphReader, output: bpy.types.Node | None, ray: Ray, findings: Diagnostics
-    ) -> Radiance:
-        """What rays of a type find."""
+        self,
+        reader: WorldGraphReader,
+        output: bpy.types.Node | None,
+        ray: Ray,
+        findings: Diagnostics,
+        discs: Mapping[int, Sun],
+    ) -> tuple[Radiance, dict[int, np.ndarray]]:
+        """What rays of a type find, and the irradiance (3,) that the nodes leave of the suns of skies, by image."""
         builder, name, total = reader.builder, reader.material.name, constant((0.0, 0.0, 0.0))
         for closure in reader.surface(output, ray):
             if closure.name == "emission":
@@ -123,14 +152,26 @@ class WorldReader:
                 findings.warn(f"Worlds are drawn without their node '{closure.node.bl_label}'", name)
         for note in builder.notes([total]):
             findings.warn(note, name)
-        mean = Radiance.even(np.asarray(builder.estimate(total, self._unknown)))
+        about = np.asarray(builder.estimate(total, self._unknown))
+        suns = {index: self._brighter(builder, total, index, disc) - about for index, disc in discs.items()}
+        mean = Radiance.even(about)
         if not builder.varies(total):
-            return mean
+            return mean, suns
         graph, constants = builder.finish([builder.call("closure_emission", total)])
         if graph.cost > MAX_POINT_COST:
             findings.warn("Worlds with too many nodes are drawn in one color", name)
-            return mean
-        return Radiance(mean.mean, graph, constants)
+            return mean, suns
+        return Radiance(mean.mean, graph, constants), suns
+
+    def _brighter(self, builder: Builder, total: Value, sky: int, disc: Sun) -> np.ndarray:
+        """About the mean if that of a sky was larger by the irradiance of its sun: nodes mostly scale and mix."""
+
+        def unknown(name: str, operands: tuple[Constant, ...]) -> Constant:
+            about = self._unknown(name, operands)
+            is_sky = name.startswith("image") and int(operands[0]) == sky
+            return about + np.append(skies.irradiance_of(disc), 0.0) if is_sky else about
+
+        return np.asarray(builder.estimate(total, unknown))
 
     def _unknown(self, name: str, operands: tuple[Constant, ...]) -> Constant:
         """About the mean of an operation that is not evaluated here."""
@@ -147,4 +188,6 @@ def with_ray_visibility(world: bpy.types.World, shader: WorldShader, findings: D
     if visibility.diffuse != visibility.glossy:
         findings.warn("Worlds light diffuse and glossy surfaces alike", world.name)
     light = shader.light if visibility.diffuse else BLACK
-    return WorldShader(light, shader.background if visibility.camera else BLACK)
+    background = shader.background if visibility.camera else BLACK
+    suns = [each._replace(visible=each.visible and visibility.camera) for each in shader.suns if visibility.diffuse]
+    return WorldShader(light, background, tuple(suns))

@@ -258,16 +258,16 @@ def test_a_world_without_nodes_has_its_own_colour(read_scene, empty_scene):
     assert read_scene().world.radiance.tolist() == [0.5, 0.25, 0.125]
 
 
-def test_a_textured_world_has_the_plain_colour_and_is_reported(read_scene, empty_scene):
+def test_a_world_of_an_unknown_node_has_the_plain_colour_and_is_reported(read_scene, empty_scene):
     tree = world_with_nodes(empty_scene).node_tree
     background = tree.nodes["Background"]
     background.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1)
     background.inputs["Strength"].default_value = 1
-    tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs["Color"], background.inputs["Color"])
+    tree.links.new(tree.nodes.new("ShaderNodeAmbientOcclusion").outputs["Color"], background.inputs["Color"])
     scene = read_scene()
     assert scene.world.radiance.tolist() == [0.25, 0.25, 0.25]
     assert scene.warnings == (
-        "Worlds whose Color is given by a node 'Sky Texture' have the socket's own value: 'World'.",
+        "Worlds whose Color is given by a node 'Ambient Occlusion' have the socket's own value: 'World'.",
     )
 
 
