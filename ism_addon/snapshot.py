@@ -245,16 +245,22 @@ def _check_graphs(scene: Scene) -> None:
         if len(own) not in (0, table.row_count):
             raise SnapshotError(f"The snapshot's scene/materials/{name} has another length than its materials.")
         graphs, first_constants = np.append(graphs, own), np.append(first_constants, first)
+    _check_constants(scene, "materials", graphs, first_constants, table.constants)
+    _check_constants(scene, "world", scene.world.graph, scene.world.first_constant, scene.world.constants)
+
+
+def _check_constants(
+    scene: Scene, owner: str, graphs: np.ndarray, first_constants: np.ndarray, constants: np.ndarray
+) -> None:
+    """Raise if the constants of any graph of an owner are not all there, or name an image that is not."""
     for row in np.flatnonzero(graphs >= 0):
         graph, first = scene.graphs[graphs[row]], int(first_constants[row])
-        constants = table.constants[max(first, 0) : max(first, 0) + graph.rows]
-        if len(constants) < graph.rows:
-            raise SnapshotError(
-                f"The snapshot's scene/materials/first_constant leads outside of its constants: {first}."
-            )
+        own = constants[max(first, 0) : max(first, 0) + graph.rows]
+        if len(own) < graph.rows:
+            raise SnapshotError(f"The snapshot's scene/{owner}/first_constant leads outside of its constants: {first}.")
         for (row_index, first_number), type_ in zip(graph.locations, graph.constants, strict=True):
-            if type_ == "image" and constants[row_index, first_number] not in range(len(scene.images)):
-                raise SnapshotError("The snapshot's scene/materials/constants name an image that it has not.")
+            if type_ == "image" and own[row_index, first_number] not in range(len(scene.images)):
+                raise SnapshotError(f"The snapshot's scene/{owner}/constants name an image that it has not.")
 
 
 def _records(value: Any, path: str) -> Iterator[tuple[str, Arrays]]:

@@ -8,12 +8,13 @@ from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ism_addon import snapshot
 from ism_addon.scene import Image, Instances, LightImage, LightProfile, Lights, Mesh, NodeGraph, Scene, View, World
 from ism_addon.settings import SSAO, DebugView, Method, Quality, Settings, Shadow
+from ism_addon.shading.builder import Builder, Value
 from ism_addon.shading.node_graph import Instruction
 from tests.scenes.parts.tables import materials_of
 
@@ -144,6 +145,23 @@ def test_graphs_that_read_more_attributes_of_instances_than_there_are_are_refuse
         snapshot.load(path)
 
 
+@pytest.mark.parametrize(("image", "first"), [(0.0, 0), (1.0, 0), (0.5, 0), (0.0, 1), (0.0, -1)])
+def test_the_graph_of_a_world_has_its_constants(tmp_path, image, first):
+    path, builder = tmp_path / "graph.npz", Builder()
+    direction = builder.call("world_direction")
+    texel = builder.call("image_equirectangular", Value("image", constant=image), direction, parameter=0)
+    graph, constants = builder.finish([builder.call("closure_emission", builder.call("color_of", texel))])
+    world = replace(World.even(np.ones(3)), graph=np.int32([0, -1]), first_constant=np.int32([first, 0]))
+    scene = replace(a_scene(), graphs=(graph,), world=replace(world, constants=constants))
+    snapshot.save(path, replace(scene, images=scene.images[:1]), VIEW, SETTINGS)
+    if (image, first) in ((0.0, 0), (0.0, -1)):
+        snapshot.load(path)
+    else:
+        with pytest.raises(snapshot.SnapshotError, match=r"scene/world/(first_constant leads|constants name)"):
+            snapshot.load(path)
+
+
+@settings(deadline=None, derandomize=True)  # the machine may be busy
 @given(st.floats(0.0, 16.0), st.integers(1, 65536))
 def test_numbers_of_settings_come_back_exactly(tmp_path_factory, bias, samples):
     settings = Settings(Shadow(bias=bias), quality=Quality(samples=samples))
@@ -195,6 +213,7 @@ def rewritten(path, arrays=None, values=None):
         ("scene/instances/attributes", np.zeros((2, 1, 4), np.float32), "another length than its instances"),
         ("scene/materials/image", np.array([-2, 0], np.int32), "leads outside -1 to 0"),
         ("scene/lights/shape", np.array([0, 5], np.int32), "leads outside 0 to 4"),
+        ("scene/world/graph", np.array([7, -1], np.int32), "world/graph leads outside"),
         ("scene/images/0/texels", np.zeros((0, 2, 4), np.uint8), "has no texels"),
         ("scene/world/radiance", np.array([0, 0, np.inf], np.float32), "not finite"),
         ("scene/meshes/0/positions", np.full((5, 3), -2e9, np.float32), "holds numbers beyond 1e[+]09"),
