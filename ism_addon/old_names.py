@@ -66,7 +66,10 @@ def current_scene(scene: Any) -> Any:
 
 
 def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays of an old snapshot with current names. All of its lights are area lights; materials emit nothing."""
+    """The arrays of an old snapshot with current names. All of its lights are area lights; materials emit nothing.
+
+    The world is even.
+    """
     lights = "scene/lights/"
     converted = {name.replace(f"{lights}radiance", f"{lights}emission"): array for name, array in arrays.items()}
     if f"{lights}shape" in arrays:
@@ -101,6 +104,14 @@ def current_arrays(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             f"{materials}{name}": np.zeros((0, 2), np.int32) for name in ("transparency", "transparency_constant")
         }
         converted |= {f"{materials}{name}": np.zeros(0, np.int32) for name in ("emission_graph", "emission_constant")}
+    world = "scene/world/"
+    if f"{world}radiance" in arrays:
+        converted[f"{world}background"] = arrays[f"{world}radiance"]
+        converted[f"{world}graph"], converted[f"{world}first_constant"] = (
+            np.full(2, -1, np.int32),
+            np.zeros(2, np.int32),
+        )
+        converted[f"{world}constants"] = np.zeros((0, 4), np.float32)
     for name in arrays:
         if (name.startswith("scene/meshes/")) and name.endswith("/positions"):
             converted[name.replace("/positions", "/attributes")] = np.zeros((0, 3, 0, 4), np.float32)

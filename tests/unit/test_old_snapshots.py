@@ -32,6 +32,12 @@ NEW_FIELDS = {
         "blockers": np.full(3, -1, np.int32),
     },
     "materials": {"emission": np.zeros((2, 3), np.float32)},
+    "world": {
+        "background": a_scene().world.radiance,
+        "graph": np.full(2, -1, np.int32),
+        "first_constant": np.zeros(2, np.int32),
+        "constants": np.zeros((0, 4), np.float32),
+    },
 }
 
 

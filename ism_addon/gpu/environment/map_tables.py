@@ -19,7 +19,7 @@ from .equirectangular import coordinates, interpolated, reduced, texel_direction
 #: Normals along a side of their square. Levels of the quadtree that depend on the normal, and all levels.
 MAP_NORMALS, COARSE_LEVELS, ALL_LEVELS = 32, 4, 8
 #: Cells along a side of the square of normals, at whose corners the irradiance is known.
-IRRADIANCE_CELLS = 64
+IRRADIANCE_CELLS = 128
 GLSL_CONSTANTS = {
     "map_normals": MAP_NORMALS,
     "coarse_levels": COARSE_LEVELS,
@@ -33,6 +33,8 @@ COSINE_CELLS, LEAF_POINTS = 64, 2
 MIN_LEAF = 1e-3
 #: Columns of the map whose texels are summed.
 SUMMED_COLUMNS = 1024
+#: Normals whose irradiance is computed at a time: few enough for the processor's cache.
+NORMALS_AT_ONCE = 32
 #: Added to cosines: more than the sine of the angle by which a normal and a direction differ from their cells' middles.
 MARGIN = 0.12
 
@@ -51,7 +53,7 @@ class MapTables:
         """Of a map (H,W,3); `luminance` (3,) of the working space's primaries."""
         radiance = reduced(radiance.astype(np.float32), SUMMED_COLUMNS)
         colors, middles = sums_of_cells(radiance, luminance.astype(np.float32))
-        irradiance = np.maximum(unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)) @ middles.T, 0.0) @ colors
+        irradiance = irradiance_of(unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)), colors, middles)
         peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
         weights, places = leaf_points()
         light = weights * np.maximum(interpolated(radiance @ luminance.astype(np.float32), places), 0.0)
@@ -99,6 +101,23 @@ def sums_of_cells(radiance: np.ndarray, luminance: np.ndarray) -> tuple[np.ndarr
     columns = *colors.T, light, *(directions * light[:, None]).T
     sums = np.stack([np.bincount(cell, column, COSINE_CELLS**2) for column in columns], 1).astype(np.float32)
     return sums[:, :3], sums[:, 4:] / np.maximum(sums[:, 3:4], 1e-30)
+
+
+def irradiance_of(normals: np.ndarray, colors: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """(N,3) irradiance of normals (N,3) by cells: see sums_of_cells.
+
+    The horizon cuts cells. So the cosines of a cell's directions count as evenly distributed around that of its middle.
+    """
+    widths = np.sqrt(np.maximum(1.5 * (1.0 - (middles * middles).sum(1)), 1e-12)).astype(np.float32)
+    result = np.empty((len(normals), 3), np.float32)
+    for first in range(0, len(normals), NORMALS_AT_ONCE):
+        rows = slice(first, first + NORMALS_AT_ONCE)
+        cosines = normals[rows] @ middles.T
+        beyond = np.maximum(widths - np.abs(cosines), 0.0)
+        np.maximum(cosines, 0.0, out=cosines)
+        cosines += beyond * beyond / (4.0 * widths)
+        result[rows] = cosines @ colors
+    return result
 
 
 def middles_of(count: int) -> np.ndarray:

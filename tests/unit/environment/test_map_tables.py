@@ -34,7 +34,7 @@ def irradiance_at(tables, normals):
 
 
 @pytest.mark.parametrize(
-    ("radiance", "bound"), [(random_map(), 2e-3), (random_map(256, 512, 1), 1e-3), (one_texel(), 0.02)]
+    ("radiance", "bound"), [(random_map(), 1.5e-3), (random_map(256, 512, 1), 5e-4), (one_texel(), 0.02)]
 )
 def test_the_irradiance_is_that_of_all_texels(radiance, bound):
     normals = np.random.default_rng(1).normal(size=(50, 3))
@@ -47,7 +47,7 @@ def test_the_irradiance_is_that_of_all_texels(radiance, bound):
 
 def test_light_from_everywhere_has_the_irradiance_pi():
     tables = MapTables.of(np.full((256, 512, 3), 0.5, np.float32), LUMINANCE)
-    assert tables.peak == pytest.approx(0.5, rel=1e-4)
+    assert tables.peak == pytest.approx(0.5, rel=3e-4)
     assert tables.irradiance == pytest.approx(np.full_like(tables.irradiance, np.pi), rel=1e-3)
 
 
