@@ -194,6 +194,7 @@ def test_a_worlds_volume_and_visibility_are_reported(read_scene, background, emp
     )
     assert scene.world.radiance.tolist() == [1, 1, 1] and scene.world.background.tolist() == [0, 0, 0]
     visibility.diffuse = False
+    empty_scene.world.update_tag()  # which only panels do
     assert read_scene().world.radiance.tolist() == [0, 0, 0]
 
 

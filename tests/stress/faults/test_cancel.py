@@ -23,7 +23,7 @@ from tests.tools.new_file import open_factory_file
 pytestmark = pytest.mark.alone
 
 #: Passes that are left out here: Resolve waits for more samples, and there is no emission by nodes to bake.
-LEFT_OUT = {renderer.Resolve, renderer.BakeEmission}
+LEFT_OUT = {renderer.Resolve, *renderer.BAKES}
 #: Passes of each ray-traced sample.
 PASS_TYPES = {*renderer.COMMON, *RayTracedDirect.pass_types, *WorldLight.pass_types} - LEFT_OUT
 PASS_NAMES = sorted(pass_type.__name__ for pass_type in PASS_TYPES)
