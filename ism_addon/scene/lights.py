@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -66,6 +66,13 @@ class Lights(Arrays):
     #: Group of the instances that cast its shadows; -1: all.
     blockers: np.ndarray = index("int32 L", into=MAX_LINK_GROUPS, first=-1)
 
+    def with_row(self, **values: Any) -> Self:
+        """These lights and one more. Fields that are not given have values that a light does without."""
+        row = UNUSED | values
+        return type(self).of(
+            **{name: np.concatenate([getattr(self, name), [row[name]]]) for name in array_specs(Lights)}
+        )
+
     def select(self, rows: np.ndarray | slice) -> Self:
         """A table of these rows."""
         return replace(
@@ -76,3 +83,26 @@ class Lights(Arrays):
                 if spec.shapes[0][0] == "L"
             },
         )
+
+
+#: Of fields that a light does without: no position, a direction of its own, no profile or image; and a plain shadow.
+UNUSED: dict[str, Any] = {
+    "position": (0.0, 0.0, 0.0),
+    "axis_u": (1.0, 0.0, 0.0),
+    "axis_v": (0.0, 1.0, 0.0),
+    "normal": (0.0, 0.0, -1.0),
+    "spread": np.pi,
+    "blend": 0.0,
+    "radius": 0.0,
+    "soft_falloff": False,
+    "falloff_power": 0,
+    "falloff_smooth": 0.0,
+    "profile": -1,
+    "profile_axes": np.zeros((3, 3)),
+    "image": -1,
+    "casts_shadow": True,
+    "visible_camera": False,
+    "shadow_softness": 1.0,
+    "receivers": -1,
+    "blockers": -1,
+}

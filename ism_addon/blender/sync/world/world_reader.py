@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads a world's radiance, as light and as background: constants, or graphs."""
 
-from collections.abc import Mapping
 from typing import NamedTuple, Self
 
 import bpy
@@ -13,14 +12,12 @@ from ....scene.limits import MAX_EMISSION, is_within
 from ....shading.builder import Builder, Value, constant
 from ....shading.node_graph import NUMBERS
 from ....shading.operations import OPERATIONS, Constant
-from ....shading.sky import Sun, sun
 from ..diagnostics import Diagnostics
 from ..materials import images, nodes
 from ..materials.image_reader import ImageReader
 from ..materials.transparency import MAX_POINT_COST
 from ..node_graphs.reader import UNKNOWN, Ray
-from . import skies
-from .skies import SkySun
+from .skies import Disc, Skies, SkySun
 from .world_nodes import WORLD_CONVERTERS, WorldGraphReader
 
 NO_CONSTANTS = np.zeros((0, 4), np.float32)
@@ -107,31 +104,21 @@ class WorldReader:
             return index
 
         reader = WorldGraphReader(WORLD_CONVERTERS, world, {}, image, luminance(images.working_space()), simplify)
-        discs = dict[int, Sun]()
-
-        def sky(node: bpy.types.ShaderNodeTexSky) -> int:
-            settings = skies.read(node)
-            index = self._images.index_of_made(repr(settings), lambda: skies.image_of(settings))
-            used[index] = Diagnostics()
-            disc = sun(settings)
-            if disc is not None:
-                discs[index] = disc
-                if any(nodes.source(each) is not None for each in node.inputs):
-                    findings.warn("The suns of Sky Textures are not moved by nodes that move the sky", world.name)
-            return index
-
-        reader.sky = sky
-        background, seen_discs = self._radiance(reader, output, Ray.CAMERA, findings, discs)
-        light, lighting_discs = background, seen_discs
+        skies = Skies(self._images)
+        reader.sky = skies.index_of
+        background, to_camera = self._radiance(reader, output, Ray.CAMERA, findings, skies)
+        light, to_surfaces = background, to_camera
         if reader.depends_on_ray:
-            light, lighting_discs = self._radiance(reader, output, Ray.LIGHT, findings, discs)
+            light, to_surfaces = self._radiance(reader, output, Ray.LIGHT, findings, skies)
         suns = tuple(
-            SkySun(discs[index], irradiance, bool(seen_discs[index].any()))
-            for index, irradiance in lighting_discs.items()
+            SkySun(skies.discs[index].sun, irradiance, bool(to_camera[index].any()))
+            for index, irradiance in to_surfaces.items()
         )
+        if skies.is_moved:
+            findings.warn("The suns of Sky Textures are not moved by nodes that move the sky", world.name)
         for issues in used.values():
             findings.merge(issues)
-        self._used_images = frozenset(used)
+        self._used_images = frozenset(used) | skies.indices
         return with_ray_visibility(world, WorldShader(light, background, suns), findings)
 
     def _radiance(
@@ -140,7 +127,7 @@ class WorldReader:
         output: bpy.types.Node | None,
         ray: Ray,
         findings: Diagnostics,
-        discs: Mapping[int, Sun],
+        skies: Skies,
     ) -> tuple[Radiance, dict[int, np.ndarray]]:
         """What rays of a type find, and the irradiance (3,) that the nodes leave of the suns of skies, by image."""
         builder, name, total = reader.builder, reader.material.name, constant((0.0, 0.0, 0.0))
@@ -153,7 +140,7 @@ class WorldReader:
         for note in builder.notes([total]):
             findings.warn(note, name)
         about = np.asarray(builder.estimate(total, self._unknown))
-        suns = {index: self._brighter(builder, total, index, disc) - about for index, disc in discs.items()}
+        suns = {index: self._brighter(builder, total, index, disc) - about for index, disc in skies.discs.items()}
         mean = Radiance.even(about)
         if not builder.varies(total):
             return mean, suns
@@ -163,13 +150,13 @@ class WorldReader:
             return mean, suns
         return Radiance(mean.mean, graph, constants), suns
 
-    def _brighter(self, builder: Builder, total: Value, sky: int, disc: Sun) -> np.ndarray:
+    def _brighter(self, builder: Builder, total: Value, sky: int, disc: Disc) -> np.ndarray:
         """About the mean if that of a sky was larger by the irradiance of its sun: nodes mostly scale and mix."""
 
         def unknown(name: str, operands: tuple[Constant, ...]) -> Constant:
             about = self._unknown(name, operands)
             is_sky = name.startswith("image") and int(operands[0]) == sky
-            return about + np.append(skies.irradiance_of(disc), 0.0) if is_sky else about
+            return about + np.append(disc.irradiance, 0.0) if is_sky else about
 
         return np.asarray(builder.estimate(total, unknown))
 

@@ -31,26 +31,6 @@ def with_world(lights: Lights, world: World, peak: float | None = None) -> Light
     `peak`: if a map gives its radiance, the radiance from everywhere that would light a surface as much as the map
     does at most, as luminance.
     """
-    row = {
-        "shape": WORLD if peak is None else ENVIRONMENT,
-        "position": np.zeros(3),
-        "axis_u": (1.0, 0.0, 0.0),
-        "axis_v": (0.0, 1.0, 0.0),
-        "normal": (0.0, 0.0, -1.0),
-        "emission": world.radiance if peak is None else np.full(3, peak),
-        "spread": np.pi,
-        "blend": 0.0,
-        "radius": 0.0,
-        "soft_falloff": False,
-        "falloff_power": 0,
-        "falloff_smooth": 0.0,
-        "profile": -1,
-        "profile_axes": np.zeros((3, 3)),
-        "image": -1,
-        "casts_shadow": True,
-        "visible_camera": False,
-        "shadow_softness": 1.0,
-        "receivers": -1,
-        "blockers": -1,
-    }
-    return Lights.of(**{name: np.concatenate([getattr(lights, name), [value]]) for name, value in row.items()})
+    if peak is None:
+        return lights.with_row(shape=WORLD, emission=world.radiance)
+    return lights.with_row(shape=ENVIRONMENT, emission=np.full(3, peak))
