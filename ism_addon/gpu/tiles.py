@@ -18,13 +18,15 @@ TILE = np.dtype(
         ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has a different one
         ("light", "i4"),  # index
         ("visibility", "f4"),  # predicted, of all of its pixels; below 0: each pixel has a different one
+        ("tolerance", "f4"),  # deviation of luminance that is as visible as 1 where the mean luminance is
     ]
 )
 
 #: TILE as the vertex attributes of glsl/tiles.vert, see PointBatch.
 TILE_LAYOUT = (
-    "2f 4f 1f 1f 1i 1f",
+    "2f 4f 1f 1f 1i 1f 1f",
     *("in_tile", "in_visibility_texel_and_offset", "in_sample_index", "in_probability", "in_light", "in_visibility"),
+    "in_tolerance",
 )
 
 #: What a sample costs whatever tiles take part, in draws of tiles: of one core 30 to 100, and of several as many times

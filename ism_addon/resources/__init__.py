@@ -262,8 +262,10 @@ SAMPLE_HEADROOM = Target(
 )
 DEBUG_IMAGE = Target("debug_image", "The debug view, stretched to the image's size")
 SUM_COLOR = Target("sum_color", "Weighted sums of sample_color", _PICTURE)
-SUM_RESIDUAL = Target("sum_residual", "Of sample_residual; in alpha, squares of weighted luminances", _PICTURE)
-SUM_WEIGHTS = Target("sum_weights", "Of squared luminances, samples, residuals' and uncertain luminances", _PICTURE)
+SUM_RESIDUAL = Target("sum_residual", "Of sample_residual; in alpha, squares of their weighted norms", _PICTURE)
+SUM_WEIGHTS = Target(
+    "sum_weights", "Of squared luminances, samples, norms of residuals, uncertain luminances", _PICTURE
+)
 SUM_HEADROOM = Target("sum_headroom", "Of sample_headroom", _PICTURE, format="r32f")
 NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of a pixel's neighbourhood; in alpha the pixel's own weight")
 SIGNAL_AND_NOISE = Target(

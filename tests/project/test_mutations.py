@@ -4,7 +4,8 @@
 import pytest
 
 from tests.tools import project
-from tests.tools.mutations import MUTATIONS, Mutation, detecting_test, source_file
+from tests.tools.mutation_table import MUTATIONS, Mutation
+from tests.tools.mutations import detecting_test, source_file
 from tests.tools.mutations import test_files as files_of
 
 

@@ -5,6 +5,7 @@ in float in_sample_index;
 in float in_probability;
 in int in_light;
 in float in_visibility;
+in float in_tolerance;
 uniform float size;       // of a tile with its margin, px
 uniform vec2 tile_counts; // columns and rows; the viewport covers all tiles, and may be larger than the picture
 #ifdef SEVERAL_GRAPHS
@@ -17,6 +18,7 @@ flat out float sample_index;               // among the tile's samples
 flat out float tile_probability;           // with which it is drawn; 0 if each pixel has a different one
 flat out int tile_light;                   // index of the light that is drawn
 flat out float tile_visibility;            // predicted for all of its pixels; below 0 if each pixel has a different one
+flat out float tile_tolerance;             // deviation of luminance that is as visible as 1 at the picture's mean
 
 void main() {
     gl_Position = vec4((in_tile + 0.5) / tile_counts * 2.0 - 1.0, 0.0, 1.0);
@@ -31,4 +33,5 @@ void main() {
     tile_probability = in_probability;
     tile_light = in_light;
     tile_visibility = in_visibility;
+    tile_tolerance = in_tolerance;
 }

@@ -86,6 +86,22 @@ def test_what_the_camera_sees_does_not_light_surfaces(place):
     assert error(our_render(SAMPLES)[0]) <= 1.5 * BOUND  # edges before a bright background
 
 
+def test_the_shade_has_the_color_of_the_part_of_the_world_that_lights_it(place, add):
+    """A wall hides the red half. A visibility of the whole is right in luminance, but not in color."""
+
+    def halves(tree):
+        axes = tree.add("ShaderNodeSeparateXYZ", {0: tree.add("ShaderNodeTexCoord").outputs["Generated"]})
+        is_blue = tree.add("ShaderNodeMath", {0: axes.outputs["X"], 1: 0.0}, operation="GREATER_THAN")
+        colors = {"Color1": (1.0, 0.1, 0.1, 1.0), "Color2": (0.1, 0.1, 2.95, 1.0)}
+        return background(tree, tree.add("ShaderNodeMixRGB", {"Fac": is_blue, **colors}))
+
+    place.scene.world = world_of(halves)
+    wall = [(-2.0, -9.0, 0.0), (-2.0, 9.0, 0.0), (-2.0, 9.0, 30.0), (-2.0, -9.0, 30.0)]
+    add("Wall", (wall, [(0, 1, 2, 3)]))
+    ours, theirs = our_render(16)[0], direct_light(TRUTH, FILTER_WIDTH)[..., :3]
+    assert ours.mean((0, 1)) == pytest.approx(theirs.mean((0, 1)), rel=0.02)
+
+
 def test_a_world_that_varies_is_evaluated_once(place):
     place.scene.world = world_of(clouds)
     our_render(2)

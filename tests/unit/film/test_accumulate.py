@@ -90,15 +90,15 @@ def test_the_sums_are_of_the_samples_that_drew_a_tile(device, filter_radius, thr
         drawn = Drawn(renderer, profile, sample + 1)
         color, residual = drawn.target("sample_color"), drawn.target("sample_residual")
         luminance = ((color + residual)[..., :3] @ LUMINANCE[space])[..., None]
-        residual_luminance = (residual[..., :3] @ LUMINANCE[space])[..., None]
-        weights = np.concatenate([luminance**2, ones, np.abs(residual_luminance), residual[..., 3:]], 2)
+        square = (residual[..., :3] ** 2 @ LUMINANCE[space])[..., None]
+        weights = np.concatenate([luminance**2, ones, np.sqrt(square), residual[..., 3:]], 2)
         values = np.concatenate([color, weights, drawn.target("sample_headroom"), residual[..., :3]], 2)
         colors, weights, headroom, residuals = np.split(filtered(values, drawn, filter_radius), (4, 8, 9), 2)
         sums["sum_color"] += colors
         sums["sum_weights"] += weights
         sums["sum_headroom"] += headroom
         sums["sum_residual"][..., :3] += residuals
-        sums["sum_residual"][..., 3:] += filtered(residual_luminance**2, drawn, filter_radius, power=2)
+        sums["sum_residual"][..., 3:] += filtered(square, drawn, filter_radius, power=2)
     assert not drawn.drawn_tiles.all(), "the last sample drew all tiles"
     assert drawn.renderer.error.converged.any() == (threshold > 0.0)
     assert not drawn.renderer.error.converged.all()

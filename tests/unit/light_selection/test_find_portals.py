@@ -41,7 +41,7 @@ def room():
 
 def test_the_world_is_sampled_through_a_window(device, room, monkeypatch):
     """With a third of the error at least, for fewer rays; and the mean is the same."""
-    reference = draw(device, room, VIEW, with_quality(replace(SETTINGS, shortcuts=False), samples=512)).color[..., :3]
+    reference = draw(device, room, VIEW, with_quality(replace(SETTINGS, shortcuts=False), samples=1024)).color[..., :3]
     errors, rays = {}, {}
     for gain in (np.inf, portals.MIN_GAIN):
         monkeypatch.setattr(portals, "MIN_GAIN", gain)
@@ -68,7 +68,7 @@ def test_faint_gloss_adds_little_noise(device, room, roughness):
     )
     errors = []
     for scene in (room, replace(room, materials=materials, graphs=(graph,))):
-        reference = draw(device, scene, VIEW, with_quality(SETTINGS, samples=512)).color[..., :3]
+        reference = draw(device, scene, VIEW, with_quality(SETTINGS, samples=1024)).color[..., :3]
         picture = draw(device, scene, VIEW, with_quality(SETTINGS, samples=16)).color[..., :3]
         errors.append(np.sqrt(np.mean((picture - reference) ** 2)) / reference.mean())
     assert errors[1] < 1.3 * errors[0]

@@ -7,7 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ism_addon.gpu.passes.surfaces import select_tiles
 from ism_addon.gpu.passes.surfaces.select_tiles import (
+    DARKEST,
     FULL_RATE_LIGHTS,
     MIN_NEIGHBOUR_RATIO,
     MIN_TILE_PROBABILITY,
@@ -114,6 +116,21 @@ def test_tiles_with_variance_are_drawn_most(device):
     assert sample_counts(drawn)[varies].mean() > 1.5 * sample_counts(drawn)[~varies].mean()
     assert sample_counts(drawn)[varies].max() == 64
     assert sample_counts(drawn).min() > UNIFORM_SAMPLES
+
+
+def test_dark_tiles_are_drawn_more_often_than_their_deviation_alone_asks_for(device, monkeypatch):
+    """Lights above plates, one of them a tenth as bright as the others."""
+    assert select_tiles.tolerance(np.float32([1e-6, 0.002, 2.0, 2.0])) == pytest.approx([DARKEST**0.5] * 2 + [1.0] * 2)
+    powers, counts = {-12.0: 1.0, -7.0: 1.0, -2.0: 1.0, 12.0: 0.1}, {}
+    plates = [quad((x - 0.5, -0.5, 1.0), (1, 0, 0), (0, 1, 0)) for x in powers]
+    lights = functools.reduce(join_lights, (light(position=(x, 0, 2), radiance=power) for x, power in powers.items()))
+    scene, view = make_scene([FLOOR, *plates], lights), view_from_above(30.0, (240, 64))
+    for darkest in (DARKEST, 1.0):
+        monkeypatch.setattr(select_tiles, "DARKEST", darkest)
+        counts[darkest] = sample_counts(draw(device, scene, view, with_quality(SMALL_SETTINGS, samples=64)))
+    is_penumbra = counts[DARKEST][:, -6:] > 2.0 * 64 * MIN_TILE_PROBABILITY
+    dark, evenly = (counts[darkest][:, -6:][is_penumbra].mean() for darkest in (DARKEST, 1.0))
+    assert is_penumbra.sum() > 4 and dark > 1.1 * evenly
 
 
 def test_neighbours_of_tiles_with_variance_are_drawn_often(device):

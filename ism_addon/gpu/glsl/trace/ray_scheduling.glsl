@@ -4,8 +4,9 @@
 uniform uvec2 ray_steps;
 uniform uvec2 late_ray_steps; // of a pixel's rays from EARLY_RAYS on
 uniform uvec2 schedule_steps; // from pixel to pixel, and after each round of the subpixel offsets
-uniform float ray_threshold; // change of luminance for which each sample traces a ray
+uniform float ray_threshold; // change of luminance for which each sample traces a ray, at the picture's mean
 flat in float sample_index;
+flat in float tile_tolerance;
 
 // Upper bound of the increase of a pixel's luminance if the predicted visibility of a light is wrong. `unshadowed`: the
 // light's unshadowed luminance, which can be negative. There is no bound if it is not exact.
@@ -40,7 +41,7 @@ float ray_doubt(float visibility, bool uncertain) {
 float ray_rate(float unshadowed, float visibility, bool uncertain) {
     float deviation = abs(unshadowed) * ray_doubt(visibility, uncertain);
     // Powers of two, so that neighbouring pixels trace in the same samples: processors execute several at once.
-    return clamp(exp2(floor(log2(deviation / ray_threshold))), MIN_PROBABILITY, float(MAX_RAYS));
+    return clamp(exp2(floor(log2(deviation / (tile_tolerance * ray_threshold)))), MIN_PROBABILITY, float(MAX_RAYS));
 }
 
 // A ray's index counts the traced rays of its pixel, so that even rare rays go to evenly distributed points.

@@ -15,8 +15,9 @@ from ...gl.shader_records import CASTER, LIGHT_RECORDS, MEMBERSHIP
 from ...tiles import relative_cost
 
 #: In large pictures, a pixel traces a ray in each sample if the ray can change the pixel by this fraction of the
-#: picture's mean luminance. If it can change it by more, as many more are traced, up to the MAX_RAYS of the light's
-#: type. In small pictures a ray is a smaller part of a sample's time, so that more rays pay.
+#: picture's mean luminance; in dark tiles by less, see DARKEST in surfaces/select_tiles.py. If it can change it by
+#: more, as many more are traced, up to the MAX_RAYS of the light's type. In small pictures a ray is a smaller part of
+#: a sample's time, so that more rays pay.
 RAY_THRESHOLD = 0.2
 
 #: Uncertainty of a prediction if all rays of a neighbourhood agree. For both see `dev.py bench constants` in
@@ -84,7 +85,7 @@ def light_steps() -> tuple[int, ...]:
 
 
 def ray_threshold(frame: Frame) -> float:
-    """Change of a pixel's luminance from which on a ray is traced in each sample."""
+    """Change of a pixel's luminance from which on a ray is traced in each sample, where it is the picture's mean."""
     if not frame.settings.shortcuts:
         return float(np.finfo(np.float32).tiny)
     # The least product of squared error and time is with a number of rays as the root of the time of all else.

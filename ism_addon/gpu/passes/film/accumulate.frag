@@ -14,8 +14,8 @@ uniform sampler2D tile_probabilities; // that a tile takes part; the same, but 0
 flat in vec2 tile;
 flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sum_color;
-layout(location = 1) out vec4 sum_residual; // in alpha, squares of weighted luminances
-layout(location = 2) out vec4 sum_weights;  // of squared luminances, samples, absolute residuals, uncertain luminances
+layout(location = 1) out vec4 sum_residual; // in alpha, squares of their weighted norms
+layout(location = 2) out vec4 sum_weights;  // of squared luminances, samples, norms of residuals, uncertain luminances
 layout(location = 3) out float sum_headroom;
 
 void main() {
@@ -48,10 +48,10 @@ void main() {
             color.rgb += fetch(sample_emission, from, texel).rgb;
 #endif
             vec4 residual = HAS_RESIDUAL == 1 ? fetch(sample_residual, from, texel) : vec4(0.0);
-            float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
+            float corrected = luminance(color.rgb + residual.rgb), square = squared_norm(residual.rgb);
             sum_color += weight * color;
-            sum_residual += vec4(weight * residual.rgb, weighted * weighted);
-            sum_weights += weight * vec4(corrected * corrected, 1.0, abs(luminance(residual.rgb)), residual.a);
+            sum_residual += vec4(weight * residual.rgb, weight * weight * square);
+            sum_weights += weight * vec4(corrected * corrected, 1.0, sqrt(square), residual.a);
             sum_headroom += weight * fetch(sample_headroom, from, texel).x;
         }
     }

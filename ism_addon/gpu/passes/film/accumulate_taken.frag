@@ -20,9 +20,9 @@ void main() {
 #if EMISSION
     color.rgb += fetch(sample_emission, at).rgb;
 #endif
-    float corrected = luminance(color.rgb + residual.rgb), weighted = weight * luminance(residual.rgb);
+    float corrected = luminance(color.rgb + residual.rgb), square = squared_norm(residual.rgb);
     sum_color = weight * color;
-    sum_residual = vec4(weight * residual.rgb, weighted * weighted);
-    sum_weights = weight * vec4(corrected * corrected, 1.0, abs(luminance(residual.rgb)), residual.a);
+    sum_residual = vec4(weight * residual.rgb, weight * weight * square);
+    sum_weights = weight * vec4(corrected * corrected, 1.0, sqrt(square), residual.a);
     sum_headroom = weight * fetch(sample_headroom, at).x;
 }

@@ -1,11 +1,11 @@
 // Mean residual of similar neighbours; squares of it and of the pixel's difference from it, with their noise.
 #include "maths/luminance.glsl"
 uniform sampler2D sum_color; // as predicted
-uniform sampler2D sum_residual; // in alpha, the squares of their weighted luminances
+uniform sampler2D sum_residual; // in alpha, the squares of their weighted norms
 uniform sampler2D sum_weights;
 uniform sampler2D tile_sample_counts;
 layout(location = 0) out vec4 neighbour_mean;   // mean residual; in alpha, the weight of the pixel's own residuals
-layout(location = 1) out vec4 signal_and_noise; // squared luminance and variance of the difference, and of the mean
+layout(location = 1) out vec4 signal_and_noise; // squared norm and variance of the difference, and of the mean
 
 // Sum of the weights of residuals: all samples but the first have one.
 float residual_weight(ivec2 at, float weight, vec2 texel) {
@@ -40,11 +40,10 @@ void main() {
     // Scaled in proportion to the uncertain luminance, which keeps edges of textures.
     neighbour_mean *= uncertain_sum > 1e-37 ? own_sums.w / (own_weight * uncertain_sum) : 1.0 / weight_sum;
     vec4 residual = fetch(sum_residual, at) / own_weight;
-    float difference = luminance(residual.rgb - neighbour_mean.rgb), mean = luminance(neighbour_mean.rgb);
     float variance = residual.a / own_weight;
     // Effective sample count: (sum |x|)^2 / sum x^2.
     variance *= pow(max(own_sums.z * own_sums.z / max(residual.a * own_weight, 1e-37), 1.0), -STRATIFICATION_EXPONENT);
     neighbour_mean.a = own_weight;
-    signal_and_noise = vec4(difference * difference, variance * (1.0 - own_weight / weight_sum),
-                     mean * mean, variance * square_sum / (weight_sum * weight_sum));
+    signal_and_noise = vec4(squared_norm(residual.rgb - neighbour_mean.rgb), variance * (1.0 - own_weight / weight_sum),
+                     squared_norm(neighbour_mean.rgb), variance * square_sum / (weight_sum * weight_sum));
 }
