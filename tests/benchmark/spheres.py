@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error of each shader that reflects light, by roughness and type of light, beside Cycles: `dev.py bench spheres`.
 
-A picture for each light, with a column of spheres for each shader and a row for each roughness. Their errors are those
-of means of blocks of 8×8 pixels. Those that the noise of Cycles' picture limits are measured again, in smaller pictures
-of more samples.
+A picture for each light and shader, with a sphere for each roughness: in one picture of all, adaptive sampling would
+leave few samples to most. Their errors are those of means of blocks of 8×8 pixels. Those that the noise of Cycles'
+picture limits are measured again, in smaller pictures of more samples.
 """
 
 import argparse
@@ -73,6 +73,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.benchmark.spheres", description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, help="folder of the record and the pictures")
     parser.add_argument("--lights", nargs="+", choices=spheres.LIGHTS, default=list(spheres.LIGHTS), help="only these")
+    parser.add_argument("--shaders", nargs="+", choices=SHADERS, default=list(SHADERS), help="only these")
     parser.add_argument("--samples", type=int, default=1024, help="of our pictures (%(default)s)")
     parser.add_argument("--truth", type=int, default=400, help="samples of each of two references (%(default)s)")
     parser.add_argument("--finest", type=int, default=40000, help="samples where their noise matters (%(default)s)")
@@ -92,28 +93,32 @@ def main() -> int:
 
 
 def measure(light: str, options: argparse.Namespace) -> dict[str, dict[str, dict[str, float]]]:
-    """Errors under a light, by shader and roughness.
+    """Errors under a light, by shader and roughness."""
+    return {name: measure_shader(light, name, options) for name in options.shaders}
+
+
+def measure_shader(light: str, name: str, options: argparse.Namespace) -> dict[str, dict[str, float]]:
+    """Errors of a shader under a light, by roughness.
 
     References have more samples where their noise may be what is measured.
     """
-    errors: dict[tuple[str, float], dict[str, float]] = {}
-    cases, truth = [(name, roughness) for roughness in ROUGHNESS for name in SHADERS], options.truth
+    errors, cases, truth = dict[float, dict[str, float]](), list(ROUGHNESS), options.truth
     while cases and truth <= options.finest:
-        errors |= dict(zip(cases, compare_all(light, cases, truth, options), strict=True))
+        errors |= dict(zip(cases, compare_all(light, name, cases, truth, options), strict=True))
         cases = [case for case in cases if is_doubtful(errors[case])]
         truth *= MORE_SAMPLES
-    return {name: {str(roughness): errors[name, roughness] for roughness in ROUGHNESS} for name in SHADERS}
+    return {str(roughness): errors[roughness] for roughness in ROUGHNESS}
 
 
 def compare_all(
-    light: str, cases: list[tuple[str, float]], truth: int, options: argparse.Namespace
+    light: str, name: str, cases: list[float], truth: int, options: argparse.Namespace
 ) -> Iterator[dict[str, float]]:
-    """Errors of spheres of shaders and roughnesses, with references of `truth` samples.
+    """Errors of spheres of a shader and these roughnesses, with references of `truth` samples.
 
     Pictures of both engines and of the difference are written.
     """
     with quiet_stdout():
-        spheres.build([SHADERS[name](roughness) for name, roughness in cases], len(SHADERS), SIDE)
+        spheres.build([SHADERS[name](roughness) for roughness in cases], len(ROUGHNESS), SIDE)
         spheres.LIGHTS[light]()
         bpy.context.scene.render.filter_size = FILTER_WIDTH
         ours, _ = our_render(options.samples)
@@ -121,7 +126,7 @@ def compare_all(
     theirs = np.mean(halves, 0)
     beside = np.concatenate([ours, theirs, np.clip(0.2 + 4.0 * (ours - theirs), 0.0, 1.0)])
     opaque = np.concatenate([beside, np.ones_like(beside[..., :1])], axis=2)
-    write_png(options.output / f"spheres-{light}-{truth}.png", display_from_linear(opaque))
+    write_png(options.output / f"spheres-{light}-{list(SHADERS).index(name)}-{truth}.png", display_from_linear(opaque))
     squares = [spheres.squares(picture, SIDE)[: len(cases)] for picture in (ours, *halves)]
     return ({**compare(*case), "truth": truth} for case in zip(*squares, strict=True))
 
