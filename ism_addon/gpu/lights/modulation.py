@@ -8,7 +8,7 @@ both over other points of it, so the mean over all samples is exact.
 """
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -16,10 +16,8 @@ from ...sampling.dimensions import Dimension, draw, fixed_point
 from ...scene import Lights, LightShape
 from ...scene.light_profiles import AZIMUTHS, POLAR_ANGLES
 from ..culling.surface_bounds import SurfaceBounds, dot
+from .light_type import LightBounds
 from .point import MAX_BOUND
-
-if TYPE_CHECKING:
-    from . import LightBounds
 
 #: Functions of the lights' interface that glsl/lights/modulation.glsl replaces; the plain ones have this prefix.
 PLAIN = "plain_"
@@ -68,14 +66,14 @@ def mean_points(sample: int) -> dict[str, tuple[int, ...]]:
 class FalloffBounds:
     """See LightBounds: those of K lights without falloff, and what multiplies them. Columns are (K,1) float32."""
 
-    plain: "LightBounds"
+    plain: LightBounds
     position: np.ndarray  # (3,K,1) m
     extent: np.ndarray  # m, of any of its points from the position
     power: np.ndarray
     smooth: np.ndarray  # m²
 
     @classmethod
-    def of(cls, plain: "LightBounds", lights: Lights, anchor: np.ndarray) -> Self:
+    def of(cls, plain: LightBounds, lights: Lights, anchor: np.ndarray) -> Self:
         """With the falloff of these lights, about the anchor (3,)."""
         sides = 0.5 * (np.linalg.norm(lights.axis_u, axis=1) + np.linalg.norm(lights.axis_v, axis=1))
         extent = np.where(lights.shape <= LightShape.ELLIPSE, sides, lights.radius)

@@ -53,7 +53,8 @@ from ...culling.surface_bounds import SurfaceBounds
 from ...drawing import draw_per_tile
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import pixels
-from ...lights import LightBounds, bounds_with_falloff, by_type, is_narrow
+from ...lights import bounds_with_falloff, by_type, is_narrow
+from ...lights.light_type import LightBounds
 from ...surface_inputs import SURFACE
 from ...tiles import from_strips, repeated
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
