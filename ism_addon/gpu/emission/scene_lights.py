@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from ...scene import Lights, Scene, World
-from ..lights.world.table import with_world
+from ..lights.world.table import MapLight, with_world
 from .baked_emission import BakedEmission
 from .emitters import EmissiveMeshes
 
@@ -14,25 +14,25 @@ class SceneLights:
 
     def __init__(self) -> None:
         self.emissive_meshes = EmissiveMeshes()
-        #: Lights, a world and the peak of its map, and the lights of both.
-        self.world_lit: tuple[Lights, World, float | None, Lights] | None = None
+        #: Lights, a world and the light of its map, and the lights of both.
+        self.world_lit: tuple[Lights, World, MapLight | None, Lights] | None = None
         #: The arguments of `lit`, and its result.
-        self.latest: tuple[Scene, bool, float | None, BakedEmission | None, Scene] | None = None
+        self.latest: tuple[Scene, bool, MapLight | None, BakedEmission | None, Scene] | None = None
 
-    def lit(self, scene: Scene, has_world: bool, peak: float | None, baked: BakedEmission | None) -> Scene:
+    def lit(self, scene: Scene, has_world: bool, of_map: MapLight | None, baked: BakedEmission | None) -> Scene:
         """The scene with the lights of its emissive meshes and, if `has_world`, the world as a light.
 
-        `peak`: see with_world.
+        `of_map`: see with_world.
         """
-        if self.latest is None or self.latest[:4] != (scene, has_world, peak, baked):
-            with_lamps = replace(scene, lights=self.lamps_and_world(scene, peak)) if has_world else scene
+        if self.latest is None or self.latest[:4] != (scene, has_world, of_map, baked):
+            with_lamps = replace(scene, lights=self.lamps_and_world(scene, of_map)) if has_world else scene
             lights = self.emissive_meshes.lights_of(with_lamps, baked)
             result = scene if lights is scene.lights else replace(scene, lights=lights)
-            self.latest = scene, has_world, peak, baked, result
+            self.latest = scene, has_world, of_map, baked, result
         return self.latest[4]
 
-    def lamps_and_world(self, scene: Scene, peak: float | None) -> Lights:
+    def lamps_and_world(self, scene: Scene, of_map: MapLight | None) -> Lights:
         """The scene's lights and the world: the same object while all are unchanged."""
-        if self.world_lit is None or self.world_lit[:3] != (scene.lights, scene.world, peak):
-            self.world_lit = scene.lights, scene.world, peak, with_world(scene.lights, scene.world, peak)
+        if self.world_lit is None or self.world_lit[:3] != (scene.lights, scene.world, of_map):
+            self.world_lit = scene.lights, scene.world, of_map, with_world(scene.lights, scene.world, of_map)
         return self.world_lit[3]

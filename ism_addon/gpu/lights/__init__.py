@@ -24,12 +24,13 @@ from .spot import SpotLight
 from .sun import SunLight
 from .world.environment import EnvironmentLight
 from .world.even import WorldLight
+from .world.map_sun import MapSunLight
 from .world.table import ENVIRONMENT
 
 #: All light types. A shape belongs to one of them.
 LIGHT_TYPES: tuple[LightType, ...] = (
     *(AreaLight(), PointLight(), SpotLight(), SunLight(), EmissiveMesh()),
-    *(WorldLight(), EnvironmentLight()),
+    *(WorldLight(), EnvironmentLight(), MapSunLight()),
 )
 
 #: A point sampled on a light, as seen from a receiver.
@@ -55,6 +56,7 @@ uniform ivec2 environment_size;
 uniform int environment_product;
 uniform int environment_fine;
 uniform int environment_irradiance_table;
+uniform int environment_sun; // see bake_world.py
 """
 
 #: GLSL functions of each light type: result, name, and parameters after the light. The light has radiance 1; p and n

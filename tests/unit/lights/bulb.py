@@ -11,11 +11,11 @@ from ism_addon.color import luminance
 from ism_addon.gpu.culling.receiver_region import ReceiverRegion
 from ism_addon.gpu.culling.surface_bounds import SurfaceBounds
 from ism_addon.gpu.lights.light_records import light_records
-from ism_addon.gpu.lights.world.table import ENVIRONMENT
+from ism_addon.gpu.lights.world.table import MAP_SUN
 from ism_addon.scene import Lights
 
 #: Its value in Lights.shape.
-BULB = ENVIRONMENT + 1
+BULB = MAP_SUN + 1
 
 
 @dataclass

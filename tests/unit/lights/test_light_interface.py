@@ -9,13 +9,15 @@ from ism_addon.color import REC709, luminance
 from ism_addon.gpu import lights
 from ism_addon.gpu.culling.portals import Portals, Rectangle
 from ism_addon.gpu.emission.emitters import EmissiveMeshes
+from ism_addon.gpu.environment.equirectangular import texel_directions
+from ism_addon.gpu.environment.map_sun import MapSun
 from ism_addon.gpu.environment.map_tables import MapTables
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
 from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
-from ism_addon.gpu.lights.world.table import WORLD, with_world
+from ism_addon.gpu.lights.world.table import WORLD, MapLight, with_world
 from ism_addon.gpu.passes.environment.bake_world import map_uniforms
 from ism_addon.gpu.passes.light_selection.scene_portals import ScenePortals
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
@@ -97,9 +99,27 @@ EXAMPLES: dict[str, list[Lights]] = {
     "bulb": [light(BULB, (0.3, -0.2, 1.0))],
 }
 EXAMPLES["world through portals"] = EXAMPLES["world"]
-EXAMPLES["environment"] = [with_world(light().select(slice(0)), World.even(np.ones(3)), peak=1.0)]
-#: A map that is bright in some directions.
+#: A map that is bright in some directions, and a sun in it.
 MAP = np.random.default_rng(0).random((32, 64, 3)).astype(np.float32) ** 6 + np.float32(0.02)
+SUN_TEXELS = (slice(20, 24), slice(21, 26))  # around (1, 1, 1)
+
+
+def a_map_sun() -> MapSun:
+    """A sun of many directions, of which each texel has another radiance."""
+    directions, solid_angles = (
+        each.reshape(*MAP.shape[:2], -1)[SUN_TEXELS] for each in texel_directions(*MAP.shape[:2])
+    )
+    radiance = np.random.default_rng(1).random(solid_angles.shape)
+    vector = (radiance * solid_angles * directions).sum((0, 1))
+    irradiance, of_texels = np.linalg.norm(vector), (radiance * solid_angles)[..., 0]
+    first = SUN_TEXELS[0].start, SUN_TEXELS[1].start
+    probability = (of_texels / of_texels.sum()).astype(np.float32)
+    tables = (radiance[..., 0] / irradiance).astype(np.float32), probability
+    return MapSun(vector / irradiance, np.ones(3), 0.5, first, *tables)
+
+
+WORLD_OF_MAP = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, a_map_sun()))
+EXAMPLES["map_sun"], EXAMPLES["environment"] = [WORLD_OF_MAP.select(slice(0, 1))], [WORLD_OF_MAP.select(slice(1, 2))]
 #: Windows above and beside the origin, and one behind it.
 PORTALS = Portals(
     (
@@ -138,7 +158,8 @@ def evaluate():
             def run(of: Lights, normal: np.ndarray, through_portals: bool = False) -> np.ndarray:
                 program = programs[2 if through_portals else lights.mixed_variant(of)["mesh_colors"]]
                 triangle, records = gl.vertex_array(program, []), device.scene_records()
-                buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(device, records, MAP, map_tables)
+                at_map = device, records, MAP, map_tables, a_map_sun()
+                buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(*at_map)
                 if through_portals:
                     buffers = buffers | ScenePortals.upload(records, 0, PORTALS).uniforms
                 used = {name: table for name, table in buffers.items() if name in program}

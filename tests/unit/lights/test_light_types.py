@@ -7,7 +7,7 @@ import pytest
 from ism_addon.gpu import lights
 from ism_addon.gpu.emission.emissive_lights import EMISSIVE_MESH
 from ism_addon.gpu.gl.context import open_device
-from ism_addon.gpu.lights.world.table import ENVIRONMENT, WORLD
+from ism_addon.gpu.lights.world.table import ENVIRONMENT, MAP_SUN, WORLD
 from ism_addon.scene import LightShape
 from ism_addon.settings import Method
 from tests.support.small_scenes import (
@@ -114,4 +114,5 @@ def test_all_shapes_have_a_type():
         EMISSIVE_MESH,
         WORLD,
         ENVIRONMENT,
+        MAP_SUN,
     }

@@ -52,7 +52,7 @@ float spot_transformed_irradiance(Light light, vec3 p, mat3 m) {
 }
 #endif
 
-#if HAS_SUN
+#if HAS_SUN || HAS_MAP_SUN
 bool sun_is_delta(Light light, vec3 p) { return !sun_has_angle(light); }
 
 float sun_even_radiance(Light light, vec3 p, vec3 n) {
@@ -62,6 +62,14 @@ float sun_even_radiance(Light light, vec3 p, vec3 n) {
 float sun_transformed_irradiance(Light light, vec3 p, mat3 m) {
     return sun_has_angle(light) ? sun_radiance(light) * transformed_cap_irradiance(-light.normal, light.radius, m) : 0.0;
 }
+#endif
+
+#if HAS_MAP_SUN
+bool map_sun_is_delta(Light light, vec3 p) { return false; }
+
+float map_sun_even_radiance(Light light, vec3 p, vec3 n) { return 0.0; }
+
+float map_sun_transformed_irradiance(Light light, vec3 p, mat3 m) { return sun_transformed_irradiance(light, p, m); }
 #endif
 
 #if HAS_EMISSIVE_MESH

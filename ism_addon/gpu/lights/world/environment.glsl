@@ -2,20 +2,14 @@
 // gpu/environment/map_tables.py.
 #include "maths/luminance.glsl"
 #include "sampling/cosine_hemisphere.glsl"
+#include "maths/equirectangular.glsl"
 #include "maths/octahedron.glsl"
-
-const float HALF_TURN = 3.141592653589793;
-
-vec2 environment_uv(vec3 wi) {
-    float longitude = wi.xy == vec2(0.0) ? 0.0 : atan(wi.y, wi.x);
-    return vec2(0.5 - 0.5 * longitude / HALF_TURN, 1.0 - acos(clamp(wi.z, -1.0, 1.0)) / HALF_TURN);
-}
 
 // Of a mip level, interpolated linearly.
 vec3 environment_radiance(vec3 wi, int level) {
     ivec2 size = max(environment_size >> level, ivec2(1));
     ivec2 corner = level == 0 ? ivec2(0) : ivec2(environment_size.x - (2 * environment_size.x >> level), environment_size.y);
-    vec2 at = environment_uv(wi) * vec2(size) - 0.5, low = floor(at), part = at - low;
+    vec2 at = map_from_direction(wi) * vec2(size) - 0.5, low = floor(at), part = at - low;
     int left = (int(low.x) + size.x) % size.x, right = (left + 1) % size.x;
     int below = max(int(low.y), 0), above = min(int(low.y) + 1, size.y - 1);
     vec3 lower = mix(texelFetch(environment_map, corner + ivec2(left, below), 0).rgb,

@@ -1,15 +1,13 @@
 // The radiance of the world in the directions of an equirectangular map's texels: the mean of several points of each.
 #include "surfaces/node_graph.glsl"
+#include "maths/equirectangular.glsl"
 uniform ivec2 map_size;
 uniform int first_constant;
 out vec4 radiance;
 
 const int POINTS = 2; // along a texel's sides
 
-vec3 direction_at(vec2 texel) {
-    vec2 angles = vec2(0.5 - texel.x / float(map_size.x), 1.0 - texel.y / float(map_size.y)) * 3.141592653589793;
-    return vec3(sin(angles.y) * vec2(cos(2.0 * angles.x), sin(2.0 * angles.x)), cos(angles.y));
-}
+vec3 direction_at(vec2 texel) { return direction_from_map(texel / vec2(map_size)); }
 
 void main() {
     vec3 sum = vec3(0.0);

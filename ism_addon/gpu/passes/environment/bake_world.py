@@ -12,6 +12,7 @@ from ....resources.world import BAKED_WORLD
 from ....scene import Change, Scene
 from ...buffers.texture_buffer import image_constants
 from ...drawing import draw_pixels
+from ...environment.map_sun import MapSun, without_sun
 from ...environment.map_tables import MapTables
 from ...environment.map_texture import with_mip_levels
 from ...frame import Frame, Pass, Schedule, outputs
@@ -20,6 +21,7 @@ from ...gl.buffer_texture import SceneRecords
 from ...gl.context import Device
 from ...gl.shader_compiler import ShaderError, bind
 from ...gl.shader_records import IMAGE
+from ...lights.world.table import MapLight
 from ...materials.shader import glsl
 
 #: Columns of the map: as many as those of the largest image that the graph reads, within these limits.
@@ -31,7 +33,7 @@ class BakedWorld:
     """The light of a world, and what it was made of."""
 
     key: tuple[object, ...]  # see key_of
-    peak: float | None  # see MapTables; None: the graph cannot be evaluated
+    light: MapLight | None  # None: the graph cannot be evaluated
     uniforms: dict[str, Any]  # of lights/world/environment.glsl
 
 
@@ -53,9 +55,11 @@ class BakeWorld(Pass):
         if radiance is None:
             frame[BAKED_WORLD] = BakedWorld(key, None, {})
             return
-        tables = MapTables.of(radiance, luminance(frame.scene.working_space))
-        uniforms = map_uniforms(self.device, frame.scene_records, radiance, tables)
-        frame[BAKED_WORLD] = BakedWorld(key, tables.peak, uniforms)
+        weights = luminance(frame.scene.working_space)
+        radiance, sun = without_sun(radiance, weights)
+        tables = MapTables.of(radiance, weights)
+        uniforms = map_uniforms(self.device, frame.scene_records, radiance, tables, sun)
+        frame[BAKED_WORLD] = BakedWorld(key, MapLight(tables.peak, sun), uniforms)
 
     def radiance(self, frame: Frame) -> np.ndarray | None:
         """(H,W,3) float32: the map, bottom row first. None if the driver cannot compile the graph."""
@@ -85,8 +89,10 @@ class BakeWorld(Pass):
         return np.ascontiguousarray(read[..., :3])
 
 
-def map_uniforms(device: Device, records: SceneRecords, radiance: np.ndarray, tables: MapTables) -> dict[str, Any]:
-    """Upload a map (H,W,3) and its tables: uniforms of lights/world/environment.glsl."""
+def map_uniforms(
+    device: Device, records: SceneRecords, radiance: np.ndarray, tables: MapTables, sun: MapSun | None = None
+) -> dict[str, Any]:
+    """Upload a map (H,W,3), its tables, and the sun that was taken out: uniforms of lights/world/*.glsl."""
     texels = with_mip_levels(radiance / np.float32(tables.peak))
     texture = device.gl.texture((texels.shape[1], texels.shape[0]), 4, texels, dtype="f2")
     driver_variants.never_filtered(texture)
@@ -95,7 +101,19 @@ def map_uniforms(device: Device, records: SceneRecords, radiance: np.ndarray, ta
         f"environment_{name}": records.write(f"environment_{name}", rows.view(np.uint32), 1)
         for name, rows in (("product", tables.product), ("fine", tables.fine), ("irradiance_table", irradiance))
     }
+    if sun is not None:
+        written["environment_sun"] = records.write("environment_sun", sun_texels(sun), 1)
     return written | {"environment_map": texture, "environment_size": radiance.shape[1::-1]}
+
+
+def sun_texels(sun: MapSun) -> np.ndarray:
+    """(1 + R C,4) uint32: column, row and size of the part of the map, and of its texels what map_sun.glsl reads."""
+    texels = np.zeros((1 + sun.radiance.size, 4), np.uint32)
+    texels[0] = *sun.first_texel[::-1], *sun.radiance.shape[::-1]
+    sums = np.cumsum(sun.probability.ravel(), dtype=np.float64)
+    columns = sun.radiance.ravel(), sun.probability.ravel(), sums / sums[-1]
+    texels[1:, :3] = np.stack(columns, 1).astype(np.float32).view(np.uint32)
+    return texels
 
 
 def map_size(scene: Scene) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.buffer_texture import RecordTable, SceneRecords
 from ...gl.shader_records import EMISSIVE_COLOR, EMISSIVE_TRIANGLE, LIGHT, LIGHT_NODE, LIGHT_NODE_COLOR
 from ...lights import by_type
-from ...lights.world.table import ENVIRONMENT
+from ...lights.world.table import ENVIRONMENT, MAP_SUN
 from .light_textures import NO_TEXTURES, LightTextures
 
 
@@ -91,7 +91,9 @@ class UploadLights(Pass):
         lights, records = frame.scene.lights, frame.scene_records
         textures = LightTextures.of(frame.scene.light_profiles, frame.scene.light_images)
         tables = light_buffers(records, lights, frame.anchor, textures)
-        frame[LIGHT_BUFFERS] = tables | (frame[BAKED_WORLD].uniforms if (lights.shape == ENVIRONMENT).any() else {})
+        frame[LIGHT_BUFFERS] = tables | (
+            frame[BAKED_WORLD].uniforms if np.isin(lights.shape, (ENVIRONMENT, MAP_SUN)).any() else {}
+        )
         seen = lights.select(lights.visible_camera)
         seen_table = light_table(seen, frame.anchor, textures)
         frame[SEEN_LIGHTS] = LIGHT.write(records, "seen_lights", seen_table) if len(seen.shape) else None
