@@ -36,6 +36,21 @@ class Method(Choice):
     )
 
 
+class OcclusionSampling(Choice):
+    """How surfaces that darken others are found on the screen."""
+
+    HORIZONS = (
+        "HORIZONS",
+        "Horizons",
+        "How high the surfaces around rise in some directions. Near to what rays of the same radius find",
+    )
+    POINTS = (
+        "POINTS",
+        "Points",
+        "Points around the surface, as in the report of 2013. About a third as dark, except in narrow creases",
+    )
+
+
 class Resolution(Choice):
     """Width and height of what the viewport draws, in percent of the viewport."""
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
-from .choices import Choice, DebugView, Method, Resolution
+from .choices import Choice, DebugView, Method, OcclusionSampling, Resolution
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,11 @@ class SSAO:
         "Darken the world's light in creases and contacts, in screen space at half resolution. "
         "Not used while the method Ray Traced draws World Shadows",
     )
+    sampling: OcclusionSampling = setting(  # noqa: RUF009 (what it returns is a field)
+        OcclusionSampling.HORIZONS,
+        "Sampling",
+        "How occluders are found. Both take about the same time",
+    )
     radius: float = setting(
         0.5,
         "Radius",
@@ -126,13 +131,31 @@ class SSAO:
         high=10.0,
         soft_high=4.0,
     )
+    power: float = setting(
+        1.0,
+        "Power",
+        "The exponent of what light is left: above 1, creases are darker and flat parts stay as they are",
+        low=0.1,
+        high=10.0,
+        soft_high=4.0,
+    )
     attenuation: float = setting(
         1.0,
         "Attenuation",
-        "How quickly an occluder's darkening fades with its distance, within the radius. At 0 it does not fade",
+        "How quickly an occluder's darkening fades with its distance, to nothing at the radius. At 0 it does not fade",
         low=0.0,
         high=100.0,
         soft_high=8.0,
+    )
+    thickness: float = setting(
+        0.5,
+        "Thickness",
+        "How far surfaces reach behind what is seen of them, as a fraction of the radius: light passes behind "
+        "thin ones. "
+        "For the sampling Horizons only",
+        low=0.0,
+        high=10.0,
+        soft_high=1.0,
     )
 
 

@@ -19,9 +19,11 @@ from . import redraw
 #: Contains the folder `presets`, where Blender looks for preset_subdir.
 FOLDER = str(Path(__file__).parents[1])
 
-#: Properties under scene.ism that a preset sets: (group, name). Quality, but not the look of shadows and occlusion.
+#: Properties under scene.ism that a preset sets: (group, name). Quality and methods, but not the look of shadows and
+#: occlusion.
 PRESET_PROPERTIES = [
     ("shadow", "method"),
+    ("ssao", "sampling"),
     *(("render", member.name) for member, _ in settings.setting_fields(type(settings.FINAL))),
     *(("viewport", member.name) for member, _ in settings.setting_fields(type(settings.VIEWPORT))),
 ]

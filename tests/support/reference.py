@@ -246,6 +246,25 @@ def ambient_visibility(
     return visibility
 
 
+def ray_traced_occlusion(
+    points: np.ndarray, normals: np.ndarray, triangles: np.ndarray, radius: float, cone_angle: float, attenuation: float
+) -> np.ndarray:
+    """(N,): 1 minus the mean occlusion of rays in a cone about the normal, cosine-distributed.
+
+    A surface that a ray hits at a distance d up to the radius r counts (1 - (d / r)²)^attenuation.
+    """
+    a, b = (grid.ravel() for grid in np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (16, 32)]))
+    sine = np.sin(cone_angle / 2.0) * np.sqrt(a)
+    cone = np.column_stack([sine * np.cos(2 * np.pi * b), sine * np.sin(2 * np.pi * b), np.sqrt(1.0 - sine**2)])
+    tangents, visibility = orthonormal(normals), np.empty(len(points))
+    for row, (point, normal) in enumerate(zip(points, normals, strict=True)):
+        directions = cone @ np.stack([tangents[0][row], tangents[1][row], normal])
+        _, t = nearest(np.tile(point + 1e-5 * normal, (len(directions), 1)), directions, triangles)
+        square = np.minimum(t / radius, 1.0) ** 2
+        visibility[row] = 1.0 - np.where(t <= radius, (1.0 - square) ** attenuation, 0.0).mean()
+    return visibility
+
+
 def nrmse(picture: np.ndarray, truth: np.ndarray) -> float:
     """Root mean square difference, relative to the mean of the reference image."""
     return float(np.sqrt(((picture - truth) ** 2).mean()) / truth.mean())

@@ -71,8 +71,8 @@ MUTATIONS = (
     ),
     Mutation(
         "another world leaves the picture as it was",
-        "*(Change.WORLD, Change.VIEW),",
-        "*(Change.VIEW,),",
+        '*(Change.WORLD, Change.VIEW, "ssao"),',
+        '*(Change.VIEW, "ssao"),',
         ("test_edits", "test_reuse"),
     ),
     Mutation(

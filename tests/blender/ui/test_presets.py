@@ -9,6 +9,7 @@ import pytest
 
 from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
+from ism_addon.choices import OcclusionSampling
 from ism_addon.settings import FINAL, VIEWPORT, Method
 from ism_addon.ui.presets import PRESET_PROPERTIES, ISM_RENDER_PT_presets
 from tests.tools.new_file import open_empty_file
@@ -50,6 +51,7 @@ def current_values():
 def change_all(scene):
     """Set everything that presets set to other values than the defaults."""
     scene.ism.shadow.method = "SHADOW_MAPS"
+    scene.ism.ssao.sampling = "POINTS"
     scene.ism.viewport.resolution = "25"
     for group in (scene.ism.render, scene.ism.viewport):
         for member, _ in settings.setting_fields(settings.Quality):
@@ -84,6 +86,7 @@ def test_the_report_of_2013(scene):
     render, viewport = (read_settings.read(scene, use) for use in ("render", "viewport"))
     assert render == viewport
     assert render.shadow.method is Method.SHADOW_MAPS
+    assert render.ssao.sampling is OcclusionSampling.POINTS
     assert astuple(render.quality) == pytest.approx(astuple(settings.Quality(samples=1)))
 
 

@@ -1,37 +1,53 @@
-// The fraction of sample points, in a cone about the normal, that are not behind the visible surfaces.
+// The visible fraction of a cone about the normal, by horizons of the visible surfaces in slices through the direction to
+// the camera (Jimenez et al. 2016). A bit mask has the occluded parts of a slice, so that light passes behind thin
+// surfaces (Therrien et al. 2023). Its bits are equal parts of the cosine-weighted solid angle.
 #include "maths/octahedron.glsl"
 #include "textures/half_resolution.glsl"
 #include "maths/orthonormal_basis.glsl"
+#include "surfaces/camera_ray.glsl"
+#include "maths/project.glsl"
 
-uniform sampler2D depth;
 uniform sampler2D position;
 uniform usampler2D normal; // see surfaces/surface.glsl
 uniform sampler2D random;
-uniform vec3 directions[POINTS]; // in [0,1): two for the direction in the cone, one for the distance
-uniform vec2 rotation; // of a sample: of the angle and of the distance
+uniform vec2 rotation; // of a sample: of the slices' angles, and of the distances
 uniform float radius;
-uniform float cone_sine;
-uniform float intensity;
+uniform float cone_cosine; // of half of the cone's angle
 uniform float attenuation;
+uniform float thickness; // m, of surfaces, along the direction to the camera
 out float raw_occlusion; // 1 is open
 
-// Position in pixels, and clip-space w: positive in front of the camera.
-vec3 project(vec3 p) {
-    vec4 clip = clip_from_anchor * vec4(p, 1.0);
-    return vec3((0.5 * clip.xy / clip.w + 0.5) * picture_size.xy, clip.w);
+const float PI = 3.141592653589793;
+const float BITS = 32.0;
+
+// The directions of a slice by their angle from the direction to the camera; n: that of the normal in the slice.
+struct Slice { vec3 to_camera; vec3 across; float n; float low; float high; float before_low; float all; };
+
+// The integral from 0 to `angle` of cos(x - n) |sin x|.
+float weight_to(float angle, float n) {
+    float integral = 0.25 * (cos(n) - cos(2.0 * angle - n) + 2.0 * angle * sin(n));
+    return angle < 0.0 ? -integral : integral;
 }
 
-// Occlusion by the surface at point s on the screen. `subpixel_offset`: of this sample, from the pixels' centres.
-float occlusion_by(vec3 p, vec3 geometric_normal, vec2 subpixel_offset, vec3 s) {
-    vec3 screen = project(s);
-    ivec2 at = ivec2(floor(screen.xy - subpixel_offset));
-    if (screen.z <= 0.0 || any(lessThan(at, ivec2(0))) || any(greaterThan(at, last_pixel()))) return 0.0;
-    if (fetch(depth, at).x >= -(view_from_anchor * vec4(s, 1.0)).z) return 0.0;
-    vec3 offset = fetch(position, at).xyz - p;
-    float square = dot(offset, offset) / (radius * radius);
-    // Surfaces in the pixel's plane occlude nothing, nor do those further away than the radius.
-    return square > 1.0 || dot(offset, geometric_normal) <= 0.02 * length(offset)
-        ? 0.0 : 1.0 / (1.0 + attenuation * square);
+// The bits of a slice between two angles.
+uint bits_between(Slice slice, float from, float to) {
+    vec2 ends = vec2(weight_to(clamp(from, slice.low, slice.high), slice.n), weight_to(clamp(to, slice.low, slice.high), slice.n));
+    uvec2 bits = uvec2(clamp((ends - slice.before_low) / slice.all, 0.0, 1.0) * BITS + 0.5);
+    uint count = bits.y > bits.x ? bits.y - bits.x : 0u;
+    return count == 0u ? 0u : (count == 32u ? 0xffffffffu : ((1u << count) - 1u) << bits.x);
+}
+
+// Of a receiver's normal, in the slice through a vector parallel to the screen. Its weight is |projected normal| * all.
+Slice slice_of(vec3 to_camera, vec3 along, vec3 n, out float weight) {
+    vec3 across = normalize(along - dot(along, to_camera) * to_camera);
+    vec2 projected = vec2(dot(n, across), dot(n, to_camera));
+    float size = max(length(projected), 1e-6), angle = atan(projected.x, projected.y);
+    float reach = acos(clamp(cone_cosine / size, 0.0, 1.0));
+    Slice slice = Slice(to_camera, across, angle, angle - reach, angle + reach, 0.0, 0.0);
+    slice.before_low = weight_to(slice.low, angle);
+    slice.all = weight_to(slice.high, angle) - slice.before_low;
+    weight = size * slice.all;
+    return slice;
 }
 
 void main() {
@@ -39,19 +55,39 @@ void main() {
     vec4 receiver = fetch(position, at);
     raw_occlusion = 1.0;
     if (receiver.w == 0.0) return;
+    vec3 p = receiver.xyz, to_camera = direction_to_camera(p);
     uvec2 octahedra = fetch(normal, at).xy;
     vec3 n = direction_from_octahedron(unpack_octahedron(octahedra.x));
     vec3 geometric_normal = direction_from_octahedron(unpack_octahedron(octahedra.y));
-    vec2 subpixel_offset = project(receiver.xyz).xy - (vec2(at) + 0.5);
-    mat3 cone = basis(n);
-    vec3 shift = vec3(0.0, fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + rotation);
-    float occlusion = 0.0;
-    for (int k = 0; k < POINTS; ++k) {
-        vec3 c = fract(directions[k] + shift);
-        float sine = cone_sine * sqrt(c.x), angle = 6.283185307179586 * c.y;
-        vec3 direction = cone * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - sine * sine));
-        occlusion += occlusion_by(
-            receiver.xyz, geometric_normal, subpixel_offset, receiver.xyz + direction * radius * sqrt(c.z));
+    vec2 subpixel_offset = project(p).xy - (vec2(at) + 0.5);
+    mat3 screen = basis(to_camera);
+    vec2 shift = fract(fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + rotation);
+    vec2 sums = vec2(0.0); // occluded, all
+    for (int k = 0; k < SLICES; ++k) {
+        float turn = PI * (float(k) + shift.x) / float(SLICES), weight;
+        vec3 along = screen * vec3(cos(turn), sin(turn), 0.0);
+        Slice slice = slice_of(to_camera, along, n, weight);
+        if (weight <= 1e-6) continue;
+        uint mask = 0u;
+        float occluded = 0.0;
+        for (int j = 0; j < 2 * STEPS; ++j) {
+            float side = (j & 1) == 0 ? 1.0 : -1.0, t = (float(j / 2) + shift.y) / float(STEPS);
+            vec3 pixel = project(p + along * (side * radius * t * t));
+            ivec2 from = ivec2(floor(pixel.xy - subpixel_offset));
+            if (from == at || pixel.z <= 0.0 || any(lessThan(from, ivec2(0))) || any(greaterThan(from, last_pixel()))) continue;
+            vec4 occluder = fetch(position, from);
+            vec3 front = occluder.xyz - p, back = front - thickness * to_camera;
+            float distance = length(front);
+            // Surfaces in the pixel's plane occlude nothing, nor do those further away than the radius.
+            if (occluder.w == 0.0 || distance > radius || dot(front, geometric_normal) <= 0.02 * distance) continue;
+            float near = atan(dot(front, slice.across), dot(front, to_camera));
+            float far = atan(dot(back, slice.across), dot(back, to_camera));
+            uint bits = bits_between(slice, min(near, far), max(near, far)) & ~mask;
+            mask |= bits;
+            float square = distance * distance / (radius * radius);
+            occluded += float(bitCount(bits)) * pow(max(1.0 - square, 0.0), attenuation);
+        }
+        sums += weight * vec2(occluded / BITS, 1.0);
     }
-    raw_occlusion = clamp(1.0 - intensity * occlusion / float(POINTS), 0.0, 1.0);
+    raw_occlusion = 1.0 - sums.x / max(sums.y, 1e-6);
 }

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Screen-space ambient occlusion at half resolution.
+"""Screen-space ambient occlusion at half resolution, in two ways.
 
-Beck-Norén & Valter 2013, sections 2.2 and 3.3, after Mittring 2007: points within a radius and a cone about the normal
-are projected to the screen. A point behind the visible surface there is occluded; attenuation reduces that by the
-occluder's distance. A tiled 64×64 random texture rotates the points from pixel to pixel. Their density is in proportion
-to the cosine, so that without attenuation the result is the visible fraction of a uniform world's irradiance.
+By horizons: how much of a cone about the normal the visible surfaces within a radius hide, see ambient_occlusion.frag.
+
+By points, as in Beck-Norén & Valter 2013, sections 2.2 and 3.3, after Mittring 2007: points within a radius and a cone
+about the normal are projected to the screen. A point behind the visible surface there is occluded. Most points are near
+the receiver, so this is too faint beside rays of the same radius.
+
+Both weight by the cosine, and attenuate by the occluder's distance. A tiled 64×64 random texture rotates the slices or
+the points from pixel to pixel, and each sample rotates them further.
 """
 
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import moderngl
 import numpy as np
 
+from ....choices import OcclusionSampling
 from ....resources import DEPTH, INSTANCE_BUFFERS, NORMAL, POSITION
 from ....resources.world import RAW_OCCLUSION
 from ....sampling.dimensions import Dimension, draw, white_noise
@@ -27,8 +32,9 @@ from ...lights.world.table import has_world
 #: Side of the random texture, as in the report.
 NOISE_SIZE = 64
 
-#: Points per pixel and sample, about as many as in the report.
-SAMPLES = 16
+#: Points per pixel and sample, about as many as in the report; slices, and steps to each side of one: as many taps.
+POINTS = 16
+SLICES, STEPS = 2, 4
 
 #: px. Points closer than this to a pixel's centre, in x and in y, are in the pixel, with a margin for rounding.
 SUBPIXEL_RADIUS = 0.49
@@ -41,9 +47,13 @@ class AmbientOcclusion(Pass):
     outputs = outputs(RAW_OCCLUSION)
 
     @cached_property
-    def pixels(self) -> moderngl.VertexArray:
-        directions = draw(Dimension.OCCLUSION, direction=np.arange(SAMPLES))
-        pixels = self.full_screen_program(points=SAMPLES, tile=NOISE_SIZE)
+    def horizons(self) -> moderngl.VertexArray:
+        return self.full_screen_program(slices=SLICES, steps=STEPS, tile=NOISE_SIZE)
+
+    @cached_property
+    def points(self) -> moderngl.VertexArray:
+        directions = draw(Dimension.OCCLUSION, direction=np.arange(POINTS))
+        pixels = self.full_screen_program(suffix="points", points=POINTS, tile=NOISE_SIZE)
         cast(moderngl.Uniform, pixels.program["directions"]).write(directions.astype("f4"))
         return pixels
 
@@ -63,20 +73,23 @@ class AmbientOcclusion(Pass):
 
     def execute(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
+        shader, uniforms = self.horizons, dict[str, Any]()
+        if ssao.sampling is OcclusionSampling.HORIZONS:
+            uniforms |= {"cone_cosine": np.cos(ssao.cone_angle / 2.0), "thickness": ssao.thickness * ssao.radius}
+        else:
+            shader, uniforms = self.points, {"cone_sine": np.sin(ssao.cone_angle / 2.0), "depth": frame[DEPTH]}
         frame.device.overwrite()
         bind(
-            self.pixels.program,
-            depth=frame[DEPTH],
+            shader.program,
+            **uniforms,
             position=frame[POSITION],
             normal=frame[NORMAL],
             random=self.random,
             rotation=tuple(draw(Dimension.OCCLUSION_ROTATION, sample=frame.sample)),
             radius=ssao.radius,
-            cone_sine=np.sin(ssao.cone_angle / 2.0),
-            intensity=ssao.intensity,
             attenuation=ssao.attenuation,
         )
-        draw_pixels(frame, frame.framebuffer(RAW_OCCLUSION), self.pixels)
+        draw_pixels(frame, frame.framebuffer(RAW_OCCLUSION), shader)
 
 
 def projected_radius(frame: Frame, radius: float) -> float:

@@ -8,6 +8,8 @@
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
 uniform sampler2D ambient_occlusion;
+uniform float occlusion_intensity;
+uniform float occlusion_power;
 uniform sampler2D background; // a few black texels, unless the radiance of the world varies
 uniform vec3 even_background;
 uniform vec3 ambient; // the world's radiance, if it is not one of the lights
@@ -26,7 +28,7 @@ float ambient_visibility(ivec2 at, Surface surface) {
         sum += other.weight * fetch(ambient_occlusion, other.at).x;
         weights += other.weight;
     }
-    return sum / weights;
+    return pow(clamp(1.0 - occlusion_intensity * (1.0 - sum / weights), 0.0, 1.0), occlusion_power);
 #else
     return 1.0;
 #endif

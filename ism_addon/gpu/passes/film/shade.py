@@ -35,7 +35,7 @@ class Shade(Pass):
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
         *(TRANSMITTED_COLOR, BACKGROUND),
-        *(Change.WORLD, Change.VIEW),
+        *(Change.WORLD, Change.VIEW, "ssao"),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
@@ -55,6 +55,8 @@ class Shade(Pass):
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],
             ambient_occlusion=frame[AMBIENT_OCCLUSION],
+            occlusion_intensity=frame.settings.ssao.intensity,
+            occlusion_power=frame.settings.ssao.power,
             background=frame[BACKGROUND],
             even_background=tuple(world.background * (world.graph[1] < 0)),
             ambient=tuple(world.radiance * (not has_world(frame.scene.lights))),
