@@ -25,7 +25,7 @@ from .sun import SunLight
 from .world.environment import EnvironmentLight
 from .world.even import WorldLight
 from .world.map_sun import MapSunLight
-from .world.table import ENVIRONMENT
+from .world.table import ENVIRONMENT, WORLD
 
 #: All light types. A shape belongs to one of them.
 LIGHT_TYPES: tuple[LightType, ...] = (
@@ -196,7 +196,7 @@ def glsl(constants: shader_compiler.Constants) -> str:
     """The generated file lights/light.glsl: the interface of the types that mixed_variant names."""
     types, gloss = [each for each in LIGHT_TYPES if constants.get(f"has_{each.name}", 1)], constants.get("gloss", 0)
     lines = [LIGHT_SAMPLE, LIGHT_TABLES]
-    names = modulation.GLSL_CONSTANTS | map_tables.GLSL_CONSTANTS | {"environment": ENVIRONMENT}
+    names = modulation.GLSL_CONSTANTS | map_tables.GLSL_CONSTANTS | {"world": WORLD, "environment": ENVIRONMENT}
     lines += [f"#define {name.upper()} {value}" for name, value in names.items()]
     lines += [f"#define HAS_{each.name.upper()} 1" for each in types if f"has_{each.name}" not in constants]
     lines += [f"#define REFLECTED {gloss}"]

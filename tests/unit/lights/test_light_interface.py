@@ -17,7 +17,7 @@ from ism_addon.gpu.gl.render_targets import pixels
 from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
 from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
-from ism_addon.gpu.lights.world.table import WORLD, MapLight, with_world
+from ism_addon.gpu.lights.world.table import ENVIRONMENT, WORLD, MapLight, with_world
 from ism_addon.gpu.passes.environment.bake_world import map_uniforms
 from ism_addon.gpu.passes.light_selection.scene_portals import ScenePortals
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
@@ -119,6 +119,7 @@ def a_map_sun() -> MapSun:
 
 
 WORLD_OF_MAP = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, a_map_sun()))
+EXAMPLES["environment through portals"] = [WORLD_OF_MAP.select(slice(1, 2))]
 EXAMPLES["map_sun"], EXAMPLES["environment"] = [WORLD_OF_MAP.select(slice(0, 1))], [WORLD_OF_MAP.select(slice(1, 2))]
 #: Windows above and beside the origin, and one behind it.
 PORTALS = Portals(
@@ -146,7 +147,12 @@ def evaluate():
         device = open_device()
         with device.gl as gl:
             programs = []
-            for constants in ({"mesh_colors": 0}, {"mesh_colors": 1}, {"mesh_colors": 0, "portals": WORLD}):
+            for constants in (
+                {"mesh_colors": 0},
+                {"mesh_colors": 1},
+                {"mesh_colors": 0, "portals": WORLD},
+                {"mesh_colors": 0, "portals": ENVIRONMENT},
+            ):
                 begin = head(LIGHT_RECORDS, {"side": SIDE, **constants})
                 source = begin + expand(FOLDER / "glsl/lights/light.glsl", [], constants) + MAIN
                 vertex_shader = begin + (FOLDER / "glsl/full_screen.vert").read_text()
@@ -156,12 +162,14 @@ def evaluate():
             framebuffer = gl.framebuffer(targets)
 
             def run(of: Lights, normal: np.ndarray, through_portals: bool = False) -> np.ndarray:
-                program = programs[2 if through_portals else lights.mixed_variant(of)["mesh_colors"]]
+                shape = int(of.shape[0])
+                mesh_colors = lights.mixed_variant(of)["mesh_colors"]
+                program = programs[(2 if shape == WORLD else 3) if through_portals else mesh_colors]
                 triangle, records = gl.vertex_array(program, []), device.scene_records()
                 at_map = device, records, MAP, map_tables, a_map_sun()
                 buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(*at_map)
                 if through_portals:
-                    buffers = buffers | ScenePortals.upload(records, 0, PORTALS).uniforms
+                    buffers = buffers | ScenePortals.upload(records, 0, shape, PORTALS).uniforms
                 used = {name: table for name, table in buffers.items() if name in program}
                 gl.enable_only(moderngl.NOTHING)
                 framebuffer.use()

@@ -1,6 +1,4 @@
 // Samples of the world's directions through portals, see culling/portals.py. A portal is a rectangle like an area light.
-#include "maths/orthonormal_basis.glsl"
-#include "sampling/cosine_hemisphere.glsl"
 #include "sampling/discrete.glsl"
 uniform int portals;              // rows of LIGHT
 uniform int portal_count;         // at most MAX_EXACT_TRIANGLES
@@ -22,19 +20,24 @@ PortalWeights portal_weights(vec3 p, vec3 n) {
     return weights;
 }
 
-float portals_pdf(PortalWeights weights, vec3 p, vec3 n, vec3 wi) {
-    float cosine_pdf = cosine_hemisphere_pdf(max(dot(n, wi), 0.0));
-    if (weights.sum <= 0.0) return cosine_pdf;
+// `beside`: the density of samples that go through none.
+float portals_pdf(PortalWeights weights, vec3 p, vec3 n, vec3 wi, float beside) {
+    if (weights.sum <= 0.0) return beside;
     float pdf = 0.0;
     for (int k = 0; k < portal_count; ++k)
         if (weights.irradiance[k] > 0.0) pdf += weights.irradiance[k] / weights.sum * area_pdf(fetch_portal(k), p, n, wi);
-    return mix(cosine_pdf, pdf, portal_probability);
+    return mix(beside, pdf, portal_probability);
+}
+
+// Whether a sample goes through a portal; uv becomes what is left to choose it by.
+bool goes_through(PortalWeights weights, inout vec2 uv) {
+    float through = weights.sum > 0.0 ? portal_probability : 0.0;
+    bool goes = uv.x < through;
+    uv.x = goes ? uv.x / through : (uv.x - through) / (1.0 - through);
+    return goes;
 }
 
 vec3 sample_portals(PortalWeights weights, vec3 p, vec3 n, vec2 uv) {
-    float through = weights.sum > 0.0 ? portal_probability : 0.0;
-    if (uv.x >= through) return basis(n) * cosine_hemisphere(vec2((uv.x - through) / (1.0 - through), uv.y));
-    uv.x /= through;
     int chosen = sample_discrete(weights.irradiance, portal_count, uv.x).index;
     return area_sample(fetch_portal(chosen), p, n, uv).wi;
 }

@@ -57,7 +57,8 @@ float environment_irradiance(Light light, vec3 p, vec3 n) { return luminance(env
 // Where a ray has left the scene.
 vec3 environment_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
 
-LightSample environment_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+// A direction by the product of the map and the cosine, and its density.
+vec4 environment_direction(vec3 n, vec2 uv) {
     int nodes = environment_nodes(n);
     ivec2 node = ivec2(0);
     float probability = 1.0;
@@ -76,8 +77,7 @@ LightSample environment_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     }
     float side = float(1 << ALL_LEVELS);
     vec3 wi = direction_from_octahedron(2.0 * (vec2(node) + clamp(uv, 0.0, 1.0)) / side - 1.0);
-    float pdf = probability * side * side * square_pdf(wi);
-    return LightSample(environment_point(p, wi), wi, luminance(environment_radiance(wi, 0)), max(pdf, 1e-37), -1);
+    return vec4(wi, probability * side * side * square_pdf(wi));
 }
 
 float sum_of(vec4 v) { return v.x + v.y + v.z + v.w; }
@@ -87,7 +87,8 @@ float environment_node(int nodes, int level, ivec2 node) {
     return environment_children(nodes, level - 1, node >> 1)[(node.x & 1) + 2 * (node.y & 1)];
 }
 
-float environment_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
+// Of these, and so of samples that go through no portal.
+float environment_pdf_beside(vec3 n, vec3 wi) {
     if (dot(n, wi) <= 0.0) return 0.0;
     int nodes = environment_nodes(n);
     float side = float(1 << ALL_LEVELS);
@@ -97,6 +98,30 @@ float environment_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
     probability *= environment_node(nodes, ALL_LEVELS, cell) / sum_of(environment_children(nodes, COARSE_LEVELS, coarse));
     return probability * side * side * square_pdf(wi);
 }
+
+#if PORTALS == ENVIRONMENT
+#include "lights/portals.glsl"
+
+float environment_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
+    return portals_pdf(portal_weights(p, n), p, n, wi, environment_pdf_beside(n, wi));
+}
+
+LightSample environment_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+    PortalWeights weights = portal_weights(p, n);
+    bool through = goes_through(weights, uv);
+    vec3 wi = through ? sample_portals(weights, p, n, uv) : environment_direction(n, uv).xyz;
+    float pdf = portals_pdf(weights, p, n, wi, environment_pdf_beside(n, wi));
+    return LightSample(environment_point(p, wi), wi, luminance(environment_radiance(wi, 0)), max(pdf, 1e-37), -1);
+}
+#else
+float environment_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return environment_pdf_beside(n, wi); }
+
+LightSample environment_sample(Light light, vec3 p, vec3 n, vec2 uv) {
+    vec4 chosen = environment_direction(n, uv);
+    float radiance = luminance(environment_radiance(chosen.xyz, 0));
+    return LightSample(environment_point(p, chosen.xyz), chosen.xyz, radiance, max(chosen.w, 1e-37), -1);
+}
+#endif
 
 float environment_emitted(Light light, vec3 p, vec3 wi) { return luminance(environment_radiance(wi, 0)); }
 

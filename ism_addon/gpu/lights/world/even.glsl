@@ -7,23 +7,30 @@ float world_irradiance(Light light, vec3 p, vec3 n) { return 3.141592653589793; 
 // Where a ray has left the scene.
 vec3 world_point(vec3 p, vec3 wi) { return p + 2.0 * scene_extent.x * wi; }
 
-#if PORTALS
+// Of samples that go through no portal.
+float world_pdf_beside(vec3 n, vec3 wi) { return cosine_hemisphere_pdf(max(dot(n, wi), 0.0)); }
+
+#if PORTALS == WORLD
 #include "lights/portals.glsl"
 
 LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     PortalWeights weights = portal_weights(p, n);
-    vec3 wi = sample_portals(weights, p, n, uv);
-    return LightSample(world_point(p, wi), wi, 1.0, max(portals_pdf(weights, p, n, wi), 1e-37), -1);
+    bool through = goes_through(weights, uv);
+    vec3 wi = through ? sample_portals(weights, p, n, uv) : basis(n) * cosine_hemisphere(uv);
+    float pdf = portals_pdf(weights, p, n, wi, world_pdf_beside(n, wi));
+    return LightSample(world_point(p, wi), wi, 1.0, max(pdf, 1e-37), -1);
 }
 
-float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return portals_pdf(portal_weights(p, n), p, n, wi); }
+float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) {
+    return portals_pdf(portal_weights(p, n), p, n, wi, world_pdf_beside(n, wi));
+}
 #else
 LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 wi = basis(n) * cosine_hemisphere(uv);
     return LightSample(world_point(p, wi), wi, 1.0, max(cosine_hemisphere_pdf(dot(n, wi)), 1e-37), -1);
 }
 
-float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return cosine_hemisphere_pdf(max(dot(n, wi), 0.0)); }
+float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return world_pdf_beside(n, wi); }
 #endif
 
 float world_emitted(Light light, vec3 p, vec3 wi) { return 1.0; }

@@ -1,10 +1,10 @@
 // The rays to the world that trace_blocks has traced: where they start, their directions, and which were unoccluded.
 #include "surfaces/surface.glsl"
 #include "sampling/pixel_sequence.glsl"
-#include "maths/orthonormal_basis.glsl"
-#include "sampling/cosine_hemisphere.glsl"
+#include "lights/light.glsl"
 uniform sampler2D rays; // unoccluded, traced
 uniform uvec2 light_uv; // of the first texel
+uniform int world;      // row of LIGHT
 uniform int spacing;    // px, from the pixel of a texel to that of the next
 layout(location = 0) out vec4 start;    // in alpha, whether there is a ray
 layout(location = 1) out vec4 direction; // in alpha, whether it was unoccluded
@@ -13,7 +13,8 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     Surface surface = surface_at(min(spacing * at + spacing / 2, last_pixel()));
     vec2 counts = fetch(rays, at).xy;
-    vec3 wi = basis(surface.normal) * cosine_hemisphere(pixel_sequence(at, light_uv));
+    Light light = fetch_Light(scene_records, lights + world);
+    vec3 wi = light_sample(light, surface.position, surface.normal, pixel_sequence(at, light_uv)).wi;
     start = vec4(surface.position, surface.exists ? counts.y : 0.0);
     direction = vec4(wi, counts.x);
 }

@@ -2,9 +2,7 @@
 """Openings that the world's light comes through, if it reaches little of what is visible: see culling/portals.py."""
 
 import math
-from functools import cached_property
-
-import moderngl
+from typing import Any
 
 from ....resource_types import Target
 from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, POSITION, TLAS
@@ -16,7 +14,9 @@ from ...drawing import draw_pixels
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, pixels
 from ...gl.shader_compiler import bind
-from ...lights.world.table import WORLD, world_row
+from ...gl.shader_records import LIGHT_RECORDS
+from ...lights import mixed_variant
+from ...lights.world.table import has_world, world_row
 from ...surface_inputs import SURFACE
 from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 from .scene_portals import ScenePortals
@@ -35,19 +35,16 @@ class FindPortals(Pass):
     inputs = *SURFACE, LIGHT_BUFFERS, TLAS, POINT_GRAPHS, LIGHT_INFLUENCE, Change.LIGHTS, Change.VIEW, "shortcuts"
     outputs = outputs(PORTALS)
 
-    @cached_property
-    def rays(self) -> moderngl.VertexArray:
-        return self.full_screen_program()
-
     def needed(self, frame: Frame) -> bool:
-        return frame.settings.shortcuts and frame.casts_shadows and bool((frame.scene.lights.shape == WORLD).any())
+        return frame.settings.shortcuts and frame.casts_shadows and has_world(frame.scene.lights)
 
     def execute(self, frame: Frame) -> None:
         world, found = world_row(frame.scene.lights), None
         influence = frame[LIGHT_INFLUENCE].get(world)
         if influence is not None and influence.coarse_visibility[influence.contributes].mean() < MAX_INDOORS_VISIBILITY:
             found = find_portals(self.trace(frame, world))
-        frame[PORTALS] = None if found is None else ScenePortals.upload(frame.scene_records, world, found)
+        shape = int(frame.scene.lights.shape[world])
+        frame[PORTALS] = None if found is None else ScenePortals.upload(frame.scene_records, world, shape, found)
 
     def trace(self, frame: Frame, world: int) -> Rays:
         """Rays to the world from pixels evenly distributed over the picture."""
@@ -57,9 +54,13 @@ class FindPortals(Pass):
         steps = fixed_increments(Dimension.PORTAL_POINT, "probe")
         grid = ProbeGrid((columns, rows), spacing, (spacing // 2, spacing // 2), steps)
         traced = trace_blocks(frame, block, grid)
+        constants: dict[str, Any] = mixed_variant(frame.scene.lights, [world])
+        shader = self.full_screen_program(*LIGHT_RECORDS, **constants)
         targets = [create(gl, target, (columns, rows)) for target in (RAY_ORIGIN, RAY_DIRECTION)]
         bind(
-            self.rays.program,
+            shader.program,
+            **frame[LIGHT_BUFFERS],
+            world=world,
             position=frame[POSITION],
             normal=frame[NORMAL],
             rays=traced,
@@ -68,7 +69,7 @@ class FindPortals(Pass):
             pixel_steps=steps,
         )
         self.device.overwrite()
-        draw_pixels(frame, gl.framebuffer(targets), self.rays)
+        draw_pixels(frame, gl.framebuffer(targets), shader)
         self.device.wait()
         origins, directions = (pixels(target)[:rows, :columns].reshape(-1, 4) for target in targets)
         exist = origins[:, 3] > 0.0

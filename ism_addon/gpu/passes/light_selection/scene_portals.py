@@ -12,7 +12,6 @@ from ...culling.portals import Portals
 from ...frame import Frame
 from ...gl.buffer_texture import RecordTable, SceneRecords
 from ...gl.shader_records import LIGHT
-from ...lights.world.table import WORLD
 
 #: As PROBE, of a light that is sampled through portals: a ray may count for more or less than one.
 WEIGHTED_PROBE = replace(PROBE, format="rg16f")
@@ -23,18 +22,19 @@ class ScenePortals:
     """Portals of the world."""
 
     light: int  # the world's row in the table of lights
+    shape: int  # its
     portals: Portals
     table: RecordTable  # rows of LIGHT: rectangles like area lights
 
     @classmethod
-    def upload(cls, records: SceneRecords, light: int, portals: Portals) -> Self:
+    def upload(cls, records: SceneRecords, light: int, shape: int, portals: Portals) -> Self:
         """Write them into the scene's records."""
-        return cls(light, portals, LIGHT.write(records, "portals", light_table(portals)))
+        return cls(light, shape, portals, LIGHT.write(records, "portals", light_table(portals)))
 
     @property
     def constants(self) -> dict[str, int]:
         """Constants of shaders that sample the world."""
-        return {"portals": WORLD}
+        return {"portals": self.shape}
 
     @property
     def uniforms(self) -> dict[str, Any]:
