@@ -17,6 +17,7 @@ from tests.scenes import corridor, dense, dim_atrium, lamps, objects, thin
 from tests.scenes.cycles import direct_light
 from tests.scenes.lights import garden, lanterns, stage, street
 from tests.scenes.materials import kitchen, products, tree
+from tests.scenes.worlds import court, figures, interior
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,9 @@ SCENES = {
     "products": Script(products.build, light_tree=True),
     "tree": Script(tree.build, light_tree=False),
     "kitchen": Script(kitchen.build, light_tree=True),
+    "figures": Script(figures.build, light_tree=False),
+    "court": Script(court.build, light_tree=False),
+    "interior": Script(interior.build, light_tree=False),
 }
 #: Seeds of the two reference images. The renders that are measured have others.
 SEEDS = (1_000_001, 1_000_002)

@@ -12,7 +12,7 @@ out vec2 rays;              // unoccluded, traced
 
 // If the sampled point is below the horizon, but not all of the light, visibility is unknown: half of the ray counts as
 // unoccluded. No ray is counted if all of the light is below the horizon, or if a light BVH has led to triangles that do
-// not emit towards the surface.
+// not emit towards the surface; nor of the world, as a direction below the horizon says nothing of those above.
 vec2 probe(Surface surface, Light light, vec2 light_uv) {
     if (!surface.exists) return vec2(0.0);
     if (!is_lit_by(surface, light)) return vec2(0.0, 1.0);
@@ -21,7 +21,7 @@ vec2 probe(Surface surface, Light light, vec2 light_uv) {
         float visible = mean(shadow_transmittance(surface, from.point, light));
         return vec2(visible * ray_weight(light, surface.normal, from), 1.0);
     }
-    if (light.leaves > 0) return vec2(0.0);
+    if (light.leaves > 0 || light.shape == WORLD || light.shape == ENVIRONMENT) return vec2(0.0);
     return light_irradiance(light, surface.position, surface.normal) > 0.0 ? vec2(0.5, 1.0) : vec2(0.0);
 }
 
