@@ -71,4 +71,4 @@ def set_up_camera() -> None:
 def set_up_occlusion(ism: bpy.types.PropertyGroup) -> None:
     """As in the report, ambient occlusion darkens the world's light; it is set for a building of this size."""
     ism.shadow.world, ssao = False, ism.ssao
-    ssao.radius, ssao.intensity, ssao.attenuation = 1.5, 2.0, 0.5
+    ssao.sampling, ssao.radius, ssao.intensity, ssao.attenuation = "POINTS", 1.5, 2.0, 0.5
