@@ -18,7 +18,7 @@ TILE = np.dtype(
         ("ray_probability", "f4"),  # with which rays are traced; 0: each pixel has a different one
         ("light", "i4"),  # index
         ("visibility", "f4"),  # predicted, of all of its pixels; below 0: each pixel has a different one
-        ("tolerance", "f4"),  # deviation of luminance that is as visible as 1 where the mean luminance is
+        ("tolerance", "f4"),  # change of luminance that is as visible as 1 where the picture's mean is
     ]
 )
 

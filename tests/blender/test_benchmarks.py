@@ -78,7 +78,7 @@ def test_spheres_of_shaders_are_measured_beside_cycles(tmp_path):
     command = [sys.executable, "-m", "tests.benchmark.spheres", "--output", str(tmp_path), "--lights", "sun"]
     subprocess.run([*command, "--samples", "2", "--truth", "1", "--finest", "10"], cwd=ROOT, timeout=120, check=True)
     cases = json.loads((tmp_path / "spheres.json").read_text())["cases"]["sun"]
-    assert (tmp_path / "spheres-sun-1.png").exists() and (tmp_path / "spheres-sun-10.png").exists()
+    assert (tmp_path / "spheres-sun-0-1.png").exists() and (tmp_path / "spheres-sun-1-10.png").exists()
     assert max(each["error"] for each in cases["Principled BSDF"].values()) < 0.05
     assert {len(by_roughness) for by_roughness in cases.values()} == {8}
     assert {each["truth"] for by_roughness in cases.values() for each in by_roughness.values()} == {1, 10}

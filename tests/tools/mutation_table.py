@@ -201,9 +201,9 @@ MUTATIONS = (
         ("test_world_light",),
     ),
     Mutation(
-        "dark tiles are drawn as if all were as bright",
-        "deviation / selection.tolerance",
-        "deviation",
+        "rays in dark tiles are as rare as in bright ones",
+        "deviation / (tile_tolerance * ray_threshold)",
+        "deviation / ray_threshold",
         ("test_select_tiles",),
     ),
 )

@@ -18,7 +18,7 @@ flat out float sample_index;               // among the tile's samples
 flat out float tile_probability;           // with which it is drawn; 0 if each pixel has a different one
 flat out int tile_light;                   // index of the light that is drawn
 flat out float tile_visibility;            // predicted for all of its pixels; below 0 if each pixel has a different one
-flat out float tile_tolerance;             // deviation of luminance that is as visible as 1 at the picture's mean
+flat out float tile_tolerance;             // change of luminance that is as visible as 1 where the picture's mean is
 
 void main() {
     gl_Position = vec4((in_tile + 0.5) / tile_counts * 2.0 - 1.0, 0.0, 1.0);

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adaptive sampling: which tiles take part in a sample.
 
-After the first samples, the probability of a tile follows the standard deviation of its samples as it is visible, which
-minimises the error for a given number of pixels (Neyman allocation, Neyman 1934). A tile's value is the mean of the
-samples in which it took part. A converged tile takes part only for neighbours whose pixels its samples are filtered to.
+After the first samples, the probability of a tile follows the standard deviation of its samples, which minimises the
+error for a given number of pixels (Neyman allocation, Neyman 1934). A tile's value is the mean of the samples in which
+it took part. A converged tile takes part only for neighbours whose pixels its samples are filtered to.
 """
 
 from dataclasses import dataclass
@@ -71,9 +71,11 @@ MIN_NEIGHBOUR_RATIO = 0.25
 SUM_ROUNDING = 5e-4
 FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
-#: In tiles darker than the picture's mean, smaller deviations are visible: in proportion to the root of the luminance,
-#: as after display encoding, and as Cycles' adaptive sampling weights errors. Below this fraction of the mean, equal
-#: ones. With 0.5, what a sky lights in the shadow of its sun has half as much error again after 16 samples.
+#: In tiles darker than the picture's mean, smaller changes are visible, in proportion to the root of the luminance, as
+#: after display encoding, and as Cycles' adaptive sampling weights errors. So rays that change a pixel by less are
+#: traced there. Below this fraction of the mean, as in tiles of it. With 0.5, what a sky lights in the shadow of its sun
+#: has half as much error again after 16 samples. To draw dark tiles in more samples too leaves more error at bright
+#: edges.
 DARKEST = 0.1
 
 
@@ -83,7 +85,7 @@ class TileSelection:
 
     sample_counts: np.ndarray  # samples so far, including those of a converged tile for its neighbours
     probabilities: np.ndarray
-    tolerance: np.ndarray  # of deviations, see DARKEST
+    tolerance: np.ndarray  # of changes, see DARKEST
     excess_lights: float = 1.0  # lights of a tile, on average, over FULL_RATE_LIGHTS; at least 1
 
     def is_worth_predicting(self, sample: int) -> bool:
@@ -118,7 +120,7 @@ class SelectTiles(Pass):
             if frame.is_adaptive and frame.sample >= UNIFORM_SAMPLES and not converged.all():
                 selection.excess_lights = max(lights_per_tile(frame) / FULL_RATE_LIGHTS, 1.0)
                 selection.probabilities = allocate(
-                    deviation / selection.tolerance, frame[MEAN_LUMINANCE], ~converged, selection.excess_lights
+                    deviation, frame[MEAN_LUMINANCE], ~converged, selection.excess_lights
                 )
         random = draw(Dimension.TILE_TURN, sample=frame.sample, tile=np.arange(columns * rows))
         takes_part = random.reshape(rows, columns) < selection.probabilities
@@ -169,7 +171,7 @@ def lights_per_tile(frame: Frame) -> float:
 
 
 def tolerance(luminance: np.ndarray) -> np.ndarray:
-    """(rows,columns): deviations that are as visible as 1 where the luminance (rows,columns) is the mean."""
+    """(rows,columns): changes that are as visible as 1 where the luminance (rows,columns) is the mean."""
     return np.sqrt(np.clip(luminance / max(float(luminance.mean()), FLOAT32_TINY), DARKEST, 1.0))
 
 
