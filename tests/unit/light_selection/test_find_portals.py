@@ -40,7 +40,7 @@ def room():
 
 
 def test_the_world_is_sampled_through_a_window(device, room, monkeypatch):
-    """With fewer rays, and a third of the error that as many rays would leave at most; and the mean is the same."""
+    """With a third of the error at least, for fewer rays; and the mean is the same."""
     reference = draw(device, room, VIEW, with_quality(replace(SETTINGS, shortcuts=False), samples=1024)).color[..., :3]
     errors, rays = {}, {}
     for gain in (np.inf, portals.MIN_GAIN):
@@ -52,8 +52,7 @@ def test_the_world_is_sampled_through_a_window(device, room, monkeypatch):
         found = drawn.renderer.graph[PORTALS]
         assert (found is None) == (gain == np.inf)
     assert picture.mean() == pytest.approx(reference.mean(), rel=0.01)
-    as_many_rays = np.sqrt(rays[portals.MIN_GAIN] / rays[np.inf])
-    assert errors[portals.MIN_GAIN] * as_many_rays < errors[np.inf] / 3.0
+    assert errors[portals.MIN_GAIN] < errors[np.inf] / 3.0
     assert rays[portals.MIN_GAIN] < rays[np.inf]
 
 

@@ -73,8 +73,8 @@ FLOAT32_TINY = float(np.finfo(np.float32).tiny)
 
 #: In tiles darker than the picture's mean, smaller changes are visible, in proportion to the root of the luminance, as
 #: after display encoding, and as Cycles' adaptive sampling weights errors. So rays that change a pixel by less are
-#: traced there. Below this fraction of the mean, as in tiles of it. With 0.5, what a sky lights in the shadow of its sun
-#: has half as much error again after 16 samples. To draw dark tiles in more samples too leaves more error at bright
+#: traced there. Below this fraction of the mean, as in tiles of it. With 0.5, what a sky lights in the shadow of its
+#: sun has half as much error again after 16 samples. To draw dark tiles in more samples too leaves more error at bright
 #: edges.
 DARKEST = 0.1
 
