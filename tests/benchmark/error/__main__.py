@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against time of every engine on ten scenes: `dev.py bench error`.
+"""Error against time of every engine on sixteen scenes: `dev.py bench error`.
 
 It writes error.md and error.json, and asserts nothing.
 """

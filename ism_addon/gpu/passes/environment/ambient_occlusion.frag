@@ -31,7 +31,8 @@ float weight_to(float angle, float n) {
 
 // The bits of a slice between two angles.
 uint bits_between(Slice slice, float from, float to) {
-    vec2 ends = vec2(weight_to(clamp(from, slice.low, slice.high), slice.n), weight_to(clamp(to, slice.low, slice.high), slice.n));
+    vec2 angles = clamp(vec2(from, to), slice.low, slice.high);
+    vec2 ends = vec2(weight_to(angles.x, slice.n), weight_to(angles.y, slice.n));
     uvec2 bits = uvec2(clamp((ends - slice.before_low) / slice.all, 0.0, 1.0) * BITS + 0.5);
     uint count = bits.y > bits.x ? bits.y - bits.x : 0u;
     return count == 0u ? 0u : (count == 32u ? 0xffffffffu : ((1u << count) - 1u) << bits.x);
@@ -61,10 +62,15 @@ void main() {
     vec3 geometric_normal = direction_from_octahedron(unpack_octahedron(octahedra.y));
     vec2 subpixel_offset = project(p).xy - (vec2(at) + 0.5);
     mat3 screen = basis(to_camera);
+    // In narrow cones, only the slices around the normal's own: others miss the cone.
+    vec2 tilt = (n * screen).xy;
+    float tilt_sine = length(tilt), cone_sine = sqrt(max(1.0 - cone_cosine * cone_cosine, 0.0));
+    float middle = tilt_sine > 0.0 ? atan(tilt.y, tilt.x) : 0.0;
+    float range = cone_sine < tilt_sine ? asin(cone_sine / tilt_sine) : 0.5 * PI;
     vec2 shift = fract(fetch(random, ivec2(gl_FragCoord.xy) % TILE).xy + rotation);
     vec2 sums = vec2(0.0); // occluded, all
     for (int k = 0; k < SLICES; ++k) {
-        float turn = PI * (float(k) + shift.x) / float(SLICES), weight;
+        float turn = middle + range * (2.0 * (float(k) + shift.x) / float(SLICES) - 1.0), weight;
         vec3 along = screen * vec3(cos(turn), sin(turn), 0.0);
         Slice slice = slice_of(to_camera, along, n, weight);
         if (weight <= 1e-6) continue;
@@ -74,7 +80,8 @@ void main() {
             float side = (j & 1) == 0 ? 1.0 : -1.0, t = (float(j / 2) + shift.y) / float(STEPS);
             vec3 pixel = project(p + along * (side * radius * t * t));
             ivec2 from = ivec2(floor(pixel.xy - subpixel_offset));
-            if (from == at || pixel.z <= 0.0 || any(lessThan(from, ivec2(0))) || any(greaterThan(from, last_pixel()))) continue;
+            bool is_inside = all(greaterThanEqual(from, ivec2(0))) && all(lessThanEqual(from, last_pixel()));
+            if (from == at || pixel.z <= 0.0 || !is_inside) continue;
             vec4 occluder = fetch(position, from);
             vec3 front = occluder.xyz - p, back = front - thickness * to_camera;
             float distance = length(front);
