@@ -11,14 +11,21 @@ def coordinates(directions: np.ndarray) -> np.ndarray:
     return np.stack([u, 1.0 - np.arccos(np.clip(z, -1.0, 1.0)) / np.pi], -1)
 
 
+def directions_at(rows: np.ndarray, columns: np.ndarray, height: int, width: int) -> np.ndarray:
+    """(R,C,3) unit vectors of the texels in rows (R,) and columns (C,) of a map."""
+    polar = (np.pi * (1.0 - (rows + 0.5) / height))[:, None]
+    azimuth = np.pi - 2.0 * np.pi * (columns + 0.5) / width
+    sine, cosine = np.sin(polar), np.broadcast_to(np.cos(polar), (len(rows), len(columns)))
+    return np.stack((sine * np.cos(azimuth), sine * np.sin(azimuth), cosine), -1)
+
+
 def texel_directions(height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Of the texels of a map, row by row, float32: unit vectors (P,3), and solid angles (P,1) sr."""
-    polar = np.pi * (1.0 - (np.arange(height) + 0.5) / height)
-    azimuth = np.pi - 2.0 * np.pi * (np.arange(width) + 0.5) / width
-    sine, shape = np.sin(polar)[:, None], (height, width)
-    axes = sine * np.cos(azimuth), sine * np.sin(azimuth), np.broadcast_to(np.cos(polar)[:, None], shape)
-    solid_angles = np.broadcast_to(sine * (np.pi / height) * (2.0 * np.pi / width), shape)
-    return np.stack(axes, -1).reshape(-1, 3).astype(np.float32), solid_angles.reshape(-1, 1).astype(np.float32)
+    rows = np.arange(height)
+    sine = np.sin(np.pi * (rows + 0.5) / height)[:, None]
+    solid_angles = np.broadcast_to(sine * (np.pi / height) * (2.0 * np.pi / width), (height, width))
+    directions = directions_at(rows, np.arange(width), height, width)
+    return directions.reshape(-1, 3).astype(np.float32), solid_angles.reshape(-1, 1).astype(np.float32)
 
 
 def interpolated(values: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ from math import pi
 
 import numpy as np
 
+from .equirectangular import directions_at
+
 #: A sun is brighter than this multiple of the map's mean, and gives at least this fraction of its light.
 MIN_CONTRAST, MIN_FRACTION = 16.0, 0.05
 #: It has texels within this angle of its middle, rad, of at least this fraction of the brightest one's luminance. The
@@ -47,13 +49,12 @@ class Window:
         angle = 2.0 * RADIUS + SURROUNDINGS
         reach = int(np.ceil(angle * height / pi))
         rows = np.arange(max(row - reach, 0), min(row + reach + 1, height))[:, None]
-        polar = pi * (1.0 - (rows + 0.5) / height)
-        across = int(min(np.ceil(angle / np.sin(polar).min() * width / (2.0 * pi)), (width - 1) // 2))
+        sine = np.sin(pi * (rows + 0.5) / height)
+        across = int(min(np.ceil(angle / sine.min() * width / (2.0 * pi)), (width - 1) // 2))
         columns = np.arange(column - across, column + across + 1) % width
-        azimuth = pi - 2.0 * pi * (columns + 0.5) / width
-        sides = pi / height, 2.0 * pi / width * np.sin(polar)
-        axes = np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar) + 0.0 * azimuth
-        return cls(rows, columns, np.stack(axes, -1), sides[0] * sides[1], 0.5 * (sides[0] ** 2 + sides[1] ** 2))
+        sides = pi / height, 2.0 * pi / width * sine
+        directions = directions_at(rows[:, 0], columns, height, width)
+        return cls(rows, columns, directions, sides[0] * sides[1], 0.5 * (sides[0] ** 2 + sides[1] ** 2))
 
 
 def without_sun(radiance: np.ndarray, luminance: np.ndarray) -> tuple[np.ndarray, MapSun | None]:

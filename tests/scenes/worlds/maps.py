@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from ism_addon.gpu.environment.equirectangular import directions_at
 from tests.scenes.parts.node_tree import world_of
 from tests.scenes.parts.textures import noise
 
@@ -18,11 +19,7 @@ Radiance = np.ndarray  # (HEIGHT,WIDTH,3) float32, bottom row first
 
 def directions() -> np.ndarray:
     """(HEIGHT,WIDTH,3) unit vectors of the texels of Blender's Environment Texture."""
-    polar = np.pi * (1.0 - (np.arange(HEIGHT) + 0.5) / HEIGHT)[:, None]
-    azimuth = np.pi - 2.0 * np.pi * (np.arange(WIDTH) + 0.5) / WIDTH
-    shape = HEIGHT, WIDTH
-    axes = np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.broadcast_to(np.cos(polar), shape)
-    return np.stack(axes, -1)
+    return directions_at(np.arange(HEIGHT), np.arange(WIDTH), HEIGHT, WIDTH)
 
 
 def skyline(seed: int, lowest: float, highest: float, parts: int) -> np.ndarray:

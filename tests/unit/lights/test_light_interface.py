@@ -104,15 +104,13 @@ MAP = np.random.default_rng(0).random((32, 64, 3)).astype(np.float32) ** 6 + np.
 SUN_TEXELS = (slice(20, 24), slice(21, 26))  # around (1, 1, 1)
 
 
-def a_map_sun() -> MapSun:
+def a_map_sun(texels: tuple[slice, slice] = SUN_TEXELS) -> MapSun:
     """A sun of many directions, of which each texel has another radiance."""
-    directions, solid_angles = (
-        each.reshape(*MAP.shape[:2], -1)[SUN_TEXELS] for each in texel_directions(*MAP.shape[:2])
-    )
+    directions, solid_angles = (each.reshape(*MAP.shape[:2], -1)[texels] for each in texel_directions(*MAP.shape[:2]))
     radiance = np.random.default_rng(1).random(solid_angles.shape)
     vector = (radiance * solid_angles * directions).sum((0, 1))
     irradiance, of_texels = np.linalg.norm(vector), (radiance * solid_angles)[..., 0]
-    first = SUN_TEXELS[0].start, SUN_TEXELS[1].start
+    first = texels[0].start, texels[1].start
     probability = (of_texels / of_texels.sum()).astype(np.float32)
     tables = (radiance[..., 0] / irradiance).astype(np.float32), probability
     return MapSun(vector / irradiance, np.ones(3), 0.5, first, *tables)
@@ -161,12 +159,14 @@ def evaluate():
             targets = [gl.texture((SIDE, SIDE), count, dtype="f4") for count in (4, 4, 2)]
             framebuffer = gl.framebuffer(targets)
 
-            def run(of: Lights, normal: np.ndarray, through_portals: bool = False) -> np.ndarray:
+            def run(
+                of: Lights, normal: np.ndarray, through_portals: bool = False, sun: MapSun | None = None
+            ) -> np.ndarray:
                 shape = int(of.shape[0])
                 mesh_colors = lights.mixed_variant(of)["mesh_colors"]
                 program = programs[(2 if shape == WORLD else 3) if through_portals else mesh_colors]
                 triangle, records = gl.vertex_array(program, []), device.scene_records()
-                at_map = device, records, MAP, map_tables, a_map_sun()
+                at_map = device, records, MAP, map_tables, sun or a_map_sun()
                 buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(*at_map)
                 if through_portals:
                     buffers = buffers | ScenePortals.upload(records, 0, shape, PORTALS).uniforms
@@ -234,6 +234,15 @@ def test_the_pdf_integrates_to_one_and_emitted_radiance_to_the_irradiance(evalua
         assert 0.97 - evaluated["without a point"] < pdf.mean() < 1.03
         rel = 0.01 if evaluated["exact"] else 0.03
         assert emitted.mean() == pytest.approx(evaluated["irradiance"], rel=rel, abs=evaluated["slack"])
+
+
+@pytest.mark.parametrize("first", [0, 59])
+def test_a_sun_at_the_edge_of_the_map_is_sampled_as_elsewhere(evaluate, first):
+    """Texels at an edge are interpolated with those at the other one, where the sun has none."""
+    sun = a_map_sun((slice(20, 24), slice(first, first + 5)))
+    of = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, sun)).select(slice(0, 1))
+    radiance, cosine, pdf, irradiance, *_ = evaluate(of, NORMALS[0], sun=sun).T
+    assert (radiance * cosine / pdf).mean() == pytest.approx(irradiance[0], rel=5e-3)
 
 
 @pytest.mark.parametrize("shape", [LightShape.RECTANGLE, LightShape.ELLIPSE])

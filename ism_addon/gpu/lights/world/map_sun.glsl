@@ -28,7 +28,7 @@ vec2 map_sun_interpolated(MapSunPatch area, vec2 at) {
 vec2 map_sun_in_direction(vec3 wi) {
     MapSunPatch area = map_sun_patch();
     vec2 at = map_from_direction(wi) * vec2(environment_size) - vec2(area.corner);
-    if (at.x < -0.5) at.x += float(environment_size.x); // across the map's edge
+    at.x -= float(environment_size.x) * floor((at.x + 0.5) / float(environment_size.x)); // across the map's edge
     vec2 texel = vec2(2.0 * HALF_TURN, HALF_TURN) / vec2(environment_size);
     float solid_angle = max(texel.x * texel.y * sqrt(max(1.0 - wi.z * wi.z, 0.0)), 1e-37);
     return map_sun_interpolated(area, at) / vec2(1.0, solid_angle);

@@ -92,7 +92,7 @@ void main() {
             uint bits = bits_between(slice, min(near, far), max(near, far)) & ~mask;
             mask |= bits;
             float square = distance * distance / (radius * radius);
-            occluded += float(bitCount(bits)) * pow(max(1.0 - square, 0.0), attenuation);
+            occluded += float(bitCount(bits)) * pow(max(1.0 - square, 1e-6), attenuation);
         }
         sums += weight * vec2(occluded / BITS, 1.0);
     }
