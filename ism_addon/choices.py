@@ -37,18 +37,48 @@ class Method(Choice):
 
 
 class OcclusionSampling(Choice):
-    """How surfaces that darken others are found on the screen."""
+    """How surfaces that darken others are found."""
 
     HORIZONS = (
         "HORIZONS",
         "Horizons",
-        "How high the surfaces around rise in some directions. Near to what rays of the same radius find",
+        "How high the surfaces around rise on the screen. Near to what rays of the same radius find",
     )
     POINTS = (
         "POINTS",
         "Points",
-        "Points around the surface, as in the report of 2013. About a third as dark, except in narrow creases",
+        "Points around the surface, compared with the screen, as in the report of 2013. About a third as dark, "
+        "except in narrow creases",
     )
+    TRACED = (
+        "TRACED",
+        "Ray Traced",
+        "A ray in each pixel and sample, filtered. Exact in the end, also for what the camera does not see; takes "
+        "longer. Changes of radius, intensity and attenuation trace no new rays",
+    )
+
+
+class OccludedLight(Choice):
+    """Which light ambient occlusion darkens."""
+
+    UNSHADOWED = (
+        "UNSHADOWED",
+        "Unshadowed World",
+        "The world's light where no shadow rays are traced to the world: occlusion stands for its shadows",
+    )
+    WORLD = (
+        "WORLD",
+        "World",
+        "The world's light. With World Shadows, surfaces are darker in creases than they are in reality",
+    )
+    ALL = "ALL", "All Lights", "The light of the world and of all lights. Creases are darker than they are in reality"
+
+
+class RadiusUnit(Choice):
+    """In what the radius of ambient occlusion is measured."""
+
+    METERS = "METERS", "Meters", "The same on all surfaces"
+    PIXELS = "PIXELS", "Pixels", "The same in the picture: larger on surfaces far away"
 
 
 class Resolution(Choice):
@@ -81,6 +111,8 @@ class DebugView(Choice):
     RAW_OCCLUSION = _view(resources.world.RAW_OCCLUSION)
     HALF_BLURRED_OCCLUSION = _view(resources.world.HALF_BLURRED_OCCLUSION)
     AMBIENT_OCCLUSION = _view(resources.world.AMBIENT_OCCLUSION)
+    OCCLUSION_DISTANCE = _view(resources.world.OCCLUSION_DISTANCE)
+    TRACED_OCCLUSION = _view(resources.world.TRACED_OCCLUSION)
     SAMPLE_RESIDUAL = _view(resources.SAMPLE_RESIDUAL)
     SAMPLE_HEADROOM = _view(resources.SAMPLE_HEADROOM)
     SAMPLE_EMISSION = _view(resources.SAMPLE_EMISSION)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from .resource_types import Target
 from .resources import DEPTH, IMAGE, NORMAL
+from .resources.world import OCCLUSION_IMAGE
 
 
 @dataclass(frozen=True)
@@ -27,11 +28,14 @@ class RenderPass:
 
 
 COMBINED = RenderPass("Combined", "", "RGBA", "COLOR", IMAGE, filtered=True)
+#: What ambient occlusion leaves of white light.
+OCCLUSION = RenderPass("AO", "use_pass_ambient_occlusion", "RGB", "COLOR", OCCLUSION_IMAGE, filtered=True)
 
 RENDER_PASSES = (
     COMBINED,
     RenderPass("Depth", "use_pass_z", "Z", "VALUE", DEPTH),  # m along the view's axis; background: 1e10
     RenderPass("Normal", "use_pass_normal", "XYZ", "VECTOR", NORMAL),
+    OCCLUSION,
 )
 
 

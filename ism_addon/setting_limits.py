@@ -14,7 +14,8 @@ from typing import Any
 
 from .scene import Image, View
 from .scene.quoting import shortened
-from .settings import SECTIONS, Control, Settings, setting_fields
+from .settings import SECTIONS, Settings
+from .settings.setting_fields import Control, setting_fields
 
 #: Maximum filter width, px. Wider filters are slow and only blur; Blender allows 500.
 WIDEST_FILTER = 50.0
@@ -31,7 +32,7 @@ def within_limits(settings: Settings) -> Settings:
     """Settings clamped to their ranges."""
     for name in SECTIONS:
         section = getattr(settings, name)
-        nearest = {member.name: value for member, _, value in _beyond_limits(section)}
+        nearest = {member.name: value for member, _, _, value in _beyond_limits(section)}
         settings = replace(settings, **{name: replace(section, **nearest)})
     return settings
 
@@ -39,9 +40,9 @@ def within_limits(settings: Settings) -> Settings:
 def beyond_limits(settings: Settings) -> tuple[str, ...]:
     """A sentence for each setting that within_limits changes."""
     return tuple(
-        f"{control.label} cannot be {shortened(f'{getattr(section, member.name):,}')}: {nearest:,} is used instead."
+        f"{control.label} cannot be {shortened(_text(value))}: {_text(nearest)} is used instead."
         for section in (getattr(settings, name) for name in SECTIONS)
-        for member, control, nearest in _beyond_limits(section)
+        for _, control, value, nearest in _beyond_limits(section)
     )
 
 
@@ -101,12 +102,25 @@ def lines_for(size: tuple[int, ...], halved: int) -> int:
     return -(-texels // TEXTURE_WIDTH)
 
 
-def _beyond_limits(section: Any) -> Iterator[tuple[Field, Control, int | float]]:
-    """The settings of a section that are out of their range, with the nearest allowed value."""
+def _text(value: Any) -> str:
+    return ", ".join(map(_text, value)) if isinstance(value, tuple) else f"{value:,}"
+
+
+def _beyond_limits(section: Any) -> Iterator[tuple[Field, Control, Any, Any]]:
+    """The settings of a section that are out of their range, their values, and the nearest allowed ones."""
     for member, control in setting_fields(type(section)):
-        if control.low is not None and control.high is not None:
-            value = getattr(section, member.name)
-            nearest = min(control.high, max(control.low, value))  # `low` for NaN
-            # Blender stores limits as float32.
-            if value != nearest and (isinstance(value, int) or not math.isclose(value, nearest, rel_tol=1e-6)):
-                yield member, control, nearest
+        value = getattr(section, member.name)
+        nearest = _nearest(value, control)
+        if value != nearest:
+            yield member, control, value, nearest
+
+
+def _nearest(value: Any, control: Control) -> Any:
+    """The nearest allowed value; the same if it is allowed."""
+    if control.low is None or control.high is None:
+        return value
+    if isinstance(value, tuple):
+        return tuple(_nearest(each, control) for each in value)
+    nearest = min(control.high, max(control.low, value))  # `low` for NaN
+    # Blender stores limits as float32.
+    return value if not isinstance(value, int) and math.isclose(value, nearest, rel_tol=1e-6) else nearest

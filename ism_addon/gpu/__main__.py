@@ -13,10 +13,12 @@ import numpy as np
 
 from .. import render_passes, snapshot
 from ..atomic_files import atomic_write
+from ..choices import Choice, DebugView
 from ..render_passes import COMBINED, RenderPass
 from ..scene import View
 from ..setting_limits import beyond_limits, images_beyond_limits, view_beyond_limits
-from ..settings import SECTIONS, Choice, Control, DebugView, Settings, help_text, setting_fields
+from ..settings import SECTIONS, Settings
+from ..settings.setting_fields import Control, help_text, setting_fields
 from .jobs.job import Job, Picture, Request
 from .jobs.png import display_from_linear, write_png
 from .jobs.render_thread import RenderThread
@@ -70,6 +72,8 @@ def add_flag(group: Any, section: str, member: Field, control: Control) -> None:
         options = {"action": argparse.BooleanOptionalAction}
     elif isinstance(member.default, Choice):
         options = {"type": choice(type(member.default)), "choices": list(type(member.default))}
+    elif isinstance(member.default, tuple):
+        options = {"type": float, "nargs": len(member.default)}
     meaning = help_text(member, control).replace("%", "%%")
     group.add_argument(flag, dest=f"{section}.{member.name}", help=meaning, **options)
 
@@ -98,7 +102,7 @@ def chosen(settings: Settings, options: argparse.Namespace) -> Settings:
     """The snapshot's settings with those of the command line."""
     for name in SECTIONS:
         given = {
-            key.removeprefix(f"{name}."): value
+            key.removeprefix(f"{name}."): tuple(value) if isinstance(value, list) else value
             for key, value in vars(options).items()
             if key.startswith(f"{name}.") and value is not None
         }

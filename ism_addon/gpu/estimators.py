@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimators of components of the light: direct light by one of two methods, the world's, and emission that is seen.
+"""Estimators of components of the light: what ambient occlusion leaves of it, direct light by one of two methods, the
+world that is seen, and emission that is seen.
 
 An estimator says which passes a sample needs. Estimators of the same component write the same targets.
 """
@@ -18,12 +19,17 @@ from .passes.direct.trace_shadows import TraceShadows
 from .passes.emission.filter_emission import FilterEmission
 from .passes.emission.find_emission_edges import FindEmissionEdges
 from .passes.emission.shade_emission import ShadeEmission
-from .passes.environment.ambient_occlusion import AmbientOcclusion
-from .passes.environment.blur import BlurOcclusion
 from .passes.environment.shade_background import ShadeBackground
+from .passes.film.accumulate import AccumulateOcclusion
+from .passes.film.resolve import ResolveOcclusion
 from .passes.light_selection.find_portals import FindPortals
 from .passes.light_selection.probe_visibility import ProbeVisibility
 from .passes.light_selection.retest_occluded import RetestOccluded
+from .passes.occlusion.ambient_occlusion import AmbientOcclusion
+from .passes.occlusion.blur import BlurOcclusion
+from .passes.occlusion.filter_occlusion import FilterOcclusion
+from .passes.occlusion.shade_occlusion import ShadeOcclusion
+from .passes.occlusion.trace_occlusion import TraceOcclusion
 from .passes.shadow_maps.atlas import batches
 from .passes.shadow_maps.fill_holes import FillHoles
 from .passes.shadow_maps.gather import GatherLight
@@ -79,14 +85,36 @@ class ShadowMappedDirect:
             yield from self.FOR_EACH_ATLAS
 
 
-class WorldLight:
-    """The world's light, reduced by ambient occlusion, and the background."""
+class Occlusion:
+    """Ambient occlusion."""
 
     traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion, ShadeBackground)
+    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion, TraceOcclusion, FilterOcclusion)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Occlusion, then the blur of its noise; and what the camera sees of the world."""
+        """Occlusion, from the screen or by rays, then a filter of its noise."""
+        yield from self.pass_types
+
+
+class OcclusionPass:
+    """The render pass AO."""
+
+    traces_rays, adaptive = False, True
+    pass_types: tuple[type[Pass], ...] = (ShadeOcclusion, AccumulateOcclusion, ResolveOcclusion)
+
+    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
+        """A sample, and the sums of all samples. They are resolved when the image is read back."""
+        yield from (ShadeOcclusion, AccumulateOcclusion)
+
+
+class SeenWorld:
+    """The background."""
+
+    traces_rays, adaptive = False, True
+    pass_types: tuple[type[Pass], ...] = (ShadeBackground,)
+
+    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
+        """What the camera sees of the world."""
         yield from self.pass_types
 
 
@@ -105,11 +133,15 @@ DIRECT: dict[Method, Estimator] = {
     Method.RAY_TRACED: RayTracedDirect(),
     Method.SHADOW_MAPS: ShadowMappedDirect(),
 }
-WORLD_LIGHT: Estimator = WorldLight()
+OCCLUSION: Estimator = Occlusion()
+OCCLUSION_PASS: Estimator = OcclusionPass()
+SEEN_WORLD: Estimator = SeenWorld()
 EMISSION: Estimator = SeenEmission()
+ALL_ESTIMATORS = OCCLUSION, *DIRECT.values(), SEEN_WORLD, EMISSION, OCCLUSION_PASS
 
 
 def estimators(scene: Scene, settings: Settings) -> tuple[Estimator, ...]:
     """The estimators of a scene's picture with these settings."""
     has_emission = scene.has_emission_graphs or scene.materials.emission.any() or scene.lights.visible_camera.any()
-    return DIRECT[settings.shadow.method], WORLD_LIGHT, *((EMISSION,) if has_emission else ())
+    optional = ((has_emission, EMISSION), (settings.occlusion_pass, OCCLUSION_PASS))
+    return OCCLUSION, DIRECT[settings.shadow.method], SEEN_WORLD, *(each for wanted, each in optional if wanted)

@@ -2,7 +2,7 @@
 """Estimates the memory of a render before it is allocated: Linux kills processes that run out of memory."""
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Collection
 from pathlib import Path
 
 import moderngl
@@ -16,10 +16,12 @@ from ..resources import (
     VISIBILITY_BUFFER,
     VISIBILITY_DEPTH,
 )
+from ..resources.world import OCCLUSION_DISTANCE, WORLD_PREDICTION, WORLD_RESIDUAL
 from ..sampling.pixel_grid import has_wide_filter
 from ..scene import View
 from .material_inputs import ALL_LOBES
 from .passes.film.accumulate import ROWS, SAMPLES
+from .passes.occlusion.trace_occlusion import SAMPLES_KEPT
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
 #: Bytes per pixel: of the targets of one light, with an irradiance cache, and of images on the CPU while they are read
@@ -33,7 +35,7 @@ NEGLIGIBLE_BYTES = 1 << 28
 CURRENT_AVAILABLE = 0x9049
 
 
-def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
+def needed(targets: Collection[Target], view: View, fine_pixels: int, lights: int, map_texels: int) -> float:
     """Bytes that a render with these targets takes.
 
     `fine_pixels`: of the visibility buffer. `lights`: that rays are traced to. `map_texels`: of the shadow map atlas.
@@ -44,12 +46,13 @@ def needed(targets: Iterable[Target], view: View, fine_pixels: int, lights: int,
     texels |= {target: map_texels / 4**level for level, target in enumerate([SHADOW_MAPS, *PULLED])}
     texels |= {target: map_texels / 4**level for level, target in enumerate(PUSHED, 1)}
     texels |= dict.fromkeys((*SAMPLES, *ROWS), pixels if wide else 0) | dict.fromkeys(
-        (SUBSAMPLE_EMISSION, *ALL_LOBES), pixels
+        (SUBSAMPLE_EMISSION, *ALL_LOBES, WORLD_PREDICTION, WORLD_RESIDUAL), pixels
     )
     target_bytes = sum(
         target.texel_bytes * (pixels / target.divisor**2 if target.divisor else texels[target]) for target in targets
     )
-    return target_bytes + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES)
+    kept = SAMPLES_KEPT * OCCLUSION_DISTANCE.texel_bytes if OCCLUSION_DISTANCE in targets else 0
+    return target_bytes + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES + kept)
 
 
 def free(gl: moderngl.Context) -> int | None:

@@ -9,7 +9,7 @@ from ..scene import Scene
 
 #: Counts of an image, in addition to the statistics of its passes.
 COUNTS = (
-    *("triangles_drawn", "pixels_drawn", "lights_used", "pairs_traced", "retests"),
+    *("triangles_drawn", "pixels_drawn", "lights_used", "pairs_traced", "occlusion_rays", "retests"),
     *("virtual_lights", "map_points", "bytes_uploaded", "render_target_bytes"),
 )
 

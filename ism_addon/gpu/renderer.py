@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Generator, Iterator
 
 import numpy as np
 
-from ..render_passes import COMBINED, RenderPass
+from ..render_passes import COMBINED, OCCLUSION, RenderPass
 from ..resource_types import Target
 from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
 from ..resources.world import BACKGROUND, BAKED_WORLD
@@ -21,18 +21,19 @@ from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
 from .convergence import Convergence
 from .emission.scene_lights import SceneLights
-from .estimators import DIRECT, EMISSION, WORLD_LIGHT, Estimator, estimators
+from .estimators import ALL_ESTIMATORS, Estimator, estimators
 from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
 from .material_inputs import ALL_LOBES, lobe_targets
 from .memory_estimate import check, needed
+from .occlusion import unused_targets
 from .passes.environment.bake_world import BakeWorld
 from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
 from .passes.film.estimate_error import EstimateError, is_due
-from .passes.film.resolve import Resolve
+from .passes.film.resolve import Resolve, ResolveOcclusion
 from .passes.film.shade import Shade
 from .passes.light_selection.cache_irradiance import CacheIrradiance
 from .passes.light_selection.cull_lights import CullLights
@@ -74,7 +75,6 @@ FILM = Shade, DebugImage, Accumulate
 
 #: Passes of every image.
 COMMON = *UPLOAD, *BAKES, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
-ALL_ESTIMATORS = *DIRECT.values(), WORLD_LIGHT, EMISSION
 PASSES: tuple[type[Pass], ...] = (
     *COMMON,
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
@@ -227,6 +227,7 @@ class Renderer:
         targets -= set(ALL_LOBES) - set(lobe_targets(scene))
         targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
         targets -= {BACKGROUND} if scene.world.graph[1] < 0 else set()
+        targets -= unused_targets(settings)
         required = needed(targets, view, fine_pixels, lights, map_texels)
         check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 
@@ -240,6 +241,8 @@ class Renderer:
         frame, profile = self.last
         if any(each.filtered for each in requested):
             self.graph.step(Resolve, frame, profile)
+            if OCCLUSION in requested:
+                self.graph.step(ResolveOcclusion, frame, profile)
             self.submission.finish()
         images = {each.name: image(self.graph.targets, each, frame.anchor) for each in requested}
         self.device.check()  # after an error the images might be uninitialised memory

@@ -5,7 +5,8 @@
 import bpy
 
 from .. import render_passes, settings
-from ..choices import Method
+from ..choices import Method, OccludedLight, OcclusionSampling, RadiusUnit
+from ..settings.setting_fields import setting_fields
 from .presets import ISM_RENDER_PT_presets
 
 
@@ -50,7 +51,7 @@ class SectionPanel(ISMPanel):
         """Names of the settings that the panel shows in this scene, without its switch in the header."""
         return [
             member.name
-            for member, control in settings.setting_fields(cls.section)
+            for member, control in setting_fields(cls.section)
             if member.name != "enabled" and control.method in (None, scene.ism.shadow.method)
         ]
 
@@ -100,9 +101,18 @@ class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
 
     @classmethod
     def is_used(cls, scene: bpy.types.Scene) -> bool:
-        """Not where shadow rays are traced to the world."""
+        """Not where it darkens only what shadow rays are traced to."""
         shadow = scene.ism.shadow
-        return not (shadow.enabled and shadow.world and shadow.method == Method.RAY_TRACED)
+        traced = shadow.enabled and shadow.world and shadow.method == Method.RAY_TRACED
+        return not (traced and scene.ism.ssao.light == OccludedLight.UNSHADOWED)
+
+    @classmethod
+    def shown(cls, scene: bpy.types.Scene) -> list[str]:
+        """Without what the sampling and the unit do not use."""
+        ssao = scene.ism.ssao
+        unused = {"radius" if ssao.unit == RadiusUnit.PIXELS else "radius_pixels"}
+        unused |= {"thickness"} - ({"thickness"} if ssao.sampling == OcclusionSampling.HORIZONS else set())
+        return [name for name in super().shown(scene) if name not in unused]
 
 
 class ISM_RENDER_PT_film(ISMPanel, bpy.types.Panel):

@@ -14,6 +14,7 @@ from bl_ui.utils import PresetPanel
 
 from .. import old_names, settings
 from ..atomic_files import atomic_write
+from ..settings.setting_fields import setting_fields
 from . import redraw
 
 #: Contains the folder `presets`, where Blender looks for preset_subdir.
@@ -24,8 +25,8 @@ FOLDER = str(Path(__file__).parents[1])
 PRESET_PROPERTIES = [
     ("shadow", "method"),
     ("ssao", "sampling"),
-    *(("render", member.name) for member, _ in settings.setting_fields(type(settings.FINAL))),
-    *(("viewport", member.name) for member, _ in settings.setting_fields(type(settings.VIEWPORT))),
+    *(("render", member.name) for member, _ in setting_fields(type(settings.FINAL))),
+    *(("viewport", member.name) for member, _ in setting_fields(type(settings.VIEWPORT))),
 ]
 
 

@@ -11,20 +11,24 @@ from typing import Any
 import bpy
 
 from .. import settings
+from ..choices import Choice
 from ..scene.limits import MAX_SOFTNESS
+from ..settings.setting_fields import Control, setting_fields
 from . import redraw
 
 
-def _property(member: Field, control: settings.Control, default: Any) -> Any:
+def _property(member: Field, control: Control, default: Any) -> Any:
     """The bpy property for a field. `bool` is tested first, because it is a subclass of `int`."""
     facts = {"name": control.label, "description": control.meaning, "default": default, "update": redraw.viewports}
     if isinstance(default, bool):
         return bpy.props.BoolProperty(**facts)
-    if isinstance(default, settings.Choice):
+    if isinstance(default, Choice):
         items = [(choice.value, choice.label, choice.meaning) for choice in type(default)]
         return bpy.props.EnumProperty(items=items, **facts)
     ranges = {"min": control.low, "max": control.high, "soft_max": control.soft_high}
     facts |= {name: limit for name, limit in ranges.items() if limit is not None}
+    if isinstance(default, tuple):
+        return bpy.props.FloatVectorProperty(subtype=control.unit, size=len(default), **facts)
     if isinstance(default, int):
         return bpy.props.IntProperty(subtype=control.unit, **facts)
     return bpy.props.FloatProperty(subtype=control.unit, precision=3, **facts)
@@ -34,7 +38,7 @@ def _group(name: str, defaults: Any) -> type:
     """A PropertyGroup class with the fields of `defaults`' section, and its values as defaults."""
     members = {
         member.name: _property(member, control, getattr(defaults, member.name))
-        for member, control in settings.setting_fields(type(defaults))
+        for member, control in setting_fields(type(defaults))
     }
     return type(name, (bpy.types.PropertyGroup,), {"__annotations__": members, "__doc__": type(defaults).__doc__})
 
@@ -52,7 +56,7 @@ class ISMSettings(bpy.types.PropertyGroup):
     ssao: bpy.props.PointerProperty(type=ISMSSAO)
     render: bpy.props.PointerProperty(type=ISMRender)
     viewport: bpy.props.PointerProperty(type=ISMViewport)
-    debug_view: _property(*next(settings.setting_fields(settings.Settings)), settings.Settings.debug_view)
+    debug_view: _property(*next(setting_fields(settings.Settings)), settings.Settings.debug_view)
 
 
 class ISMLight(bpy.types.PropertyGroup):

@@ -2,9 +2,11 @@
 """The tables of docs/settings.md, made from settings.py."""
 
 from dataclasses import Field
+from typing import Any
 
 from ism_addon.choices import Choice
-from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Control, Settings, setting_fields
+from ism_addon.settings import FINAL, SECTIONS, VIEWPORT, Settings
+from ism_addon.settings.setting_fields import Control, setting_fields
 
 #: By the path in scripts: the title of a group of settings, and the class that declares them.
 GROUPS = {
@@ -53,8 +55,10 @@ def value_text(control: Control, value: object) -> str:
     return f"`{value}`" if isinstance(value, str) else quantity(control, value)
 
 
-def quantity(control: Control, value: float) -> str:
+def quantity(control: Control, value: Any) -> str:
     """A value with its unit."""
+    if isinstance(value, tuple):
+        return ", ".join(quantity(control, each) for each in value)
     if control.unit == "ANGLE":
         return f"{value:.4g} rad"
     text = f"{value:,.0f}" if value == int(value) else f"{value:g}"

@@ -130,7 +130,7 @@ def test_the_other_method_keeps_uploaded_data(again):
     [
         ("ssao", {"radius": 0.2}, OCCLUSION_PASSES | FILM_PASSES, OCCLUSION_PASSES | FILM_PASSES),
         ("ssao", {"intensity": 2.0}, OCCLUSION_PASSES | FILM_PASSES, OCCLUSION_PASSES | FILM_PASSES),
-        ("ssao", {"enabled": False}, FILM_PASSES, FILM_PASSES),
+        ("ssao", {"enabled": False}, {"CullMeshes"} | FILM_PASSES, {"CullMeshes"} | FILM_PASSES),
         ("shadow", {"bias": 2.0}, set(), {"GatherLight"} | FILM_PASSES),
         ("shadow", {"fill_threshold": 0.1}, set(), {"FillHoles", "GatherLight"} | FILM_PASSES),
         ("shadow", {"fill_holes": False}, set(), {"GatherLight"} | FILM_PASSES),

@@ -10,7 +10,8 @@ import pytest
 from ism_addon import snapshot
 from ism_addon.gpu.jobs.job import Request
 from ism_addon.setting_limits import beyond_limits, within_limits
-from ism_addon.settings import SECTIONS, Quality, Settings, setting_fields
+from ism_addon.settings import SECTIONS, Quality, Settings
+from ism_addon.settings.setting_fields import setting_fields
 from tests.scenes.small import box_over_plane
 from tests.support.jobs import wait_for_end, wait_for_picture
 from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw

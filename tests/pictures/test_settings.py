@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.choices import Choice, DebugView
 from ism_addon.resources import DEBUG_VIEWS
-from ism_addon.settings import SECTIONS, Choice, DebugView, Method, Settings, ViewportQuality, help_text, setting_fields
+from ism_addon.settings import SECTIONS, Method, Settings, ViewportQuality
+from ism_addon.settings.setting_fields import help_text, setting_fields
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, with_quality
 

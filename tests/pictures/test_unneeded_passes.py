@@ -11,7 +11,7 @@ from ism_addon.gpu import renderer
 from ism_addon.gpu.gl import driver_variants
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.frame_uniforms import clip_from_anchor
-from ism_addon.gpu.passes.environment.ambient_occlusion import projected_radius
+from ism_addon.gpu.passes.occlusion.ambient_occlusion import projected_radius
 from ism_addon.resources import MATERIAL_BUFFERS
 from ism_addon.scene import World
 from ism_addon.settings import SSAO, Method

@@ -4,7 +4,7 @@
 import pytest
 
 from ism_addon import resources
-from ism_addon.gpu.estimators import DIRECT, WORLD_LIGHT
+from ism_addon.gpu.estimators import DIRECT, OCCLUSION, SEEN_WORLD
 from ism_addon.gpu.frame import Frame, Pass, Schedule, UndeclaredResourceError, outputs
 from ism_addon.gpu.gl.shader_compiler import UndeclaredUniformError, bind
 from ism_addon.gpu.profile import Profile
@@ -18,7 +18,8 @@ from tests.support.small_scenes import SMALL_SETTINGS, draw, first_frame
 
 def plan(direct) -> list[type[Pass]]:
     """All passes of a sample, in order."""
-    return [*UPLOAD, *SURFACES, *SELECTION, *direct.pass_types, *WORLD_LIGHT.pass_types, *FILM, Resolve, EstimateError]
+    passes = *OCCLUSION.pass_types, *direct.pass_types, *SEEN_WORLD.pass_types
+    return [*UPLOAD, *SURFACES, *SELECTION, *passes, *FILM, Resolve, EstimateError]
 
 
 class Undeclared(Pass):

@@ -6,13 +6,14 @@ from typing import Any
 import bpy
 
 from ... import settings
+from ...settings.setting_fields import setting_fields
 
 
 def _section(cls: type, group: bpy.types.PropertyGroup) -> Any:
     values = {}
-    for member, _control in settings.setting_fields(cls):
+    for member, _control in setting_fields(cls):
         type_: type = type(member.default)
-        values[member.name] = type_(getattr(group, member.name))  # a choice is a string in Blender
+        values[member.name] = type_(getattr(group, member.name))  # a choice is a string in Blender, a color an array
     return cls(**values)
 
 

@@ -123,7 +123,9 @@ def draw_into(target: moderngl.Framebuffer) -> None:
 
 def pixels(texture: moderngl.Texture) -> np.ndarray:
     """(H,W,components) float32 of a texture of floats, or of bytes, divided by 255; uint32 of one of integers."""
-    dtype = {"f1": np.uint8, "u4": np.uint32}.get(texture.dtype, np.float32)
+    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
     values: np.ndarray = np.empty((*texture.size[::-1], texture.components), dtype)
     texture.read_into(values, alignment=1)
+    if texture.dtype == "f2":
+        return values.astype(np.float32)
     return values / np.float32(255) if texture.dtype == "f1" else values

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...render_passes import COMBINED, RenderPass
+from ...render_passes import COMBINED, OCCLUSION, RenderPass
 from ...scene import Scene, View
 from ...setting_limits import view_within_limits, within_limits
 from ...settings import Settings
@@ -47,6 +47,7 @@ class Job:
 
     def __init__(self, request: Request, changed: threading.Condition):
         view, settings = view_within_limits(request.view), within_limits(request.settings)
+        settings = replace(settings, occlusion_pass=OCCLUSION in request.passes)
         self.request = replace(request, view=view, settings=settings)
         self.samples = self.request.settings.quality.samples  # upper limit; it grows where they leave much noise
         self.samples_done = 0

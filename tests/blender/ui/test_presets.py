@@ -11,6 +11,7 @@ from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
 from ism_addon.choices import OcclusionSampling
 from ism_addon.settings import FINAL, VIEWPORT, Method
+from ism_addon.settings.setting_fields import setting_fields
 from ism_addon.ui.presets import PRESET_PROPERTIES, ISM_RENDER_PT_presets
 from tests.tools.new_file import open_empty_file
 
@@ -54,7 +55,7 @@ def change_all(scene):
     scene.ism.ssao.sampling = "POINTS"
     scene.ism.viewport.resolution = "25"
     for group in (scene.ism.render, scene.ism.viewport):
-        for member, _ in settings.setting_fields(settings.Quality):
+        for member, _ in setting_fields(settings.Quality):
             setattr(group, member.name, getattr(group, member.name) + 3)
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from ism_addon import addon, settings
 from ism_addon.blender.render import read_settings
+from ism_addon.choices import Choice
+from ism_addon.settings.setting_fields import setting_fields
 from ism_addon.ui import panels, properties
 from tests.tools.new_file import open_empty_file
 
@@ -21,7 +23,7 @@ GROUPS = {
 ALL_SETTINGS = [
     pytest.param(name, member, control, id=f"{name}.{member.name}")
     for name, defaults in GROUPS.items()
-    for member, control in settings.setting_fields(type(defaults))
+    for member, control in setting_fields(type(defaults))
 ]
 
 
@@ -42,14 +44,14 @@ def other_value(control, default):
     """A value within the range, other than the default."""
     if isinstance(default, bool):
         return not default
-    if isinstance(default, settings.Choice):
+    if isinstance(default, Choice):
         return next(choice for choice in type(default) if choice is not default)
     return type(default)(default + 1) if default + 1 <= control.high else type(default)((default + control.low) / 2)
 
 
 def change_all(scene):
     for name, defaults in GROUPS.items():
-        for member, control in settings.setting_fields(type(defaults)):
+        for member, control in setting_fields(type(defaults)):
             setattr(group_of(scene, name), member.name, other_value(control, getattr(defaults, member.name)))
 
 

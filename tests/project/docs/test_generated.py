@@ -5,7 +5,8 @@ import re
 
 import pytest
 
-from ism_addon.settings import SECTIONS, setting_fields
+from ism_addon.settings import SECTIONS
+from ism_addon.settings.setting_fields import setting_fields
 from tests.docs import generated, plot, record
 from tests.tools import project
 

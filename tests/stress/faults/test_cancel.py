@@ -13,7 +13,7 @@ from ism_addon.blender import engine
 from ism_addon.blender.render import final_render
 from ism_addon.blender.sync.geometry import instances
 from ism_addon.gpu import graph, renderer
-from ism_addon.gpu.estimators import RayTracedDirect, WorldLight
+from ism_addon.gpu.estimators import Occlusion, RayTracedDirect, SeenWorld
 from ism_addon.gpu.jobs.job import Request
 from tests.scenes.small import box_over_plane
 from tests.support import exr
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.alone
 #: Passes that are left out here: Resolve waits for more samples, and there is no emission by nodes to bake.
 LEFT_OUT = {renderer.Resolve, *renderer.BAKES}
 #: Passes of each ray-traced sample.
-PASS_TYPES = {*renderer.COMMON, *RayTracedDirect.pass_types, *WorldLight.pass_types} - LEFT_OUT
+PASS_TYPES = {*renderer.COMMON, *RayTracedDirect.pass_types, *Occlusion.pass_types, *SeenWorld.pass_types} - LEFT_OUT
 PASS_NAMES = sorted(pass_type.__name__ for pass_type in PASS_TYPES)
 
 #: s from the key press until the render has ended.

@@ -22,7 +22,7 @@ from tests.support.small_scenes import (
     view_from_above,
     with_quality,
 )
-from tests.unit.environment.test_ambient_occlusion import (
+from tests.unit.occlusion.test_ambient_occlusion import (
     HEMISPHERE_SSAO,
     corner,
     half_resolution_surface,

@@ -9,6 +9,7 @@
 #include "textures/scene_records.glsl"
 #if TRANSPARENCY
 #include "surfaces/transparency.glsl"
+#include "maths/random_bits.glsl"
 uniform int transparent_hits; // with more, a shadow ray is occluded
 #endif
 uniform usamplerBuffer blas_nodes; // and after them the first triangles of leaves, four a texel
@@ -103,9 +104,12 @@ vec3 transparency_at(Intersection hit, mat3 blas_from_anchor, vec3 position, vec
 }
 #endif
 
+// For `blockers`: what the camera sees, or all that casts shadows.
+const int CAMERA = -2, CASTERS = -1;
+
 // The nearest intersection of the segment with the instances of the group `blockers`; if `any_is_enough`, one of them.
-// The triangle of the instance where it starts is ignored. Camera rays do not see instances that are invisible. Shadow
-// rays, for which any intersection is enough, pass transparent surfaces; `passed` is the light's fraction that does.
+// The triangle of the instance where it starts is ignored. Shadow rays, for which any intersection is enough, pass
+// transparent surfaces; `passed` is the light's fraction that does. Others to CASTERS meet them with that probability.
 Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blockers, bool any_is_enough,
                       inout vec3 passed) {
 #if TRANSPARENCY
@@ -125,7 +129,7 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
         vec3 origin = blas_from_anchor * vec4(from, 1.0);
         vec3 ray = avoid_zero(blas_from_anchor * vec4(anchor_ray, 0.0)), inverse_ray = 1.0 / ray;
         int ignored = caster.instance == instance ? triangle : -1;
-        bool is_seen = is_linked(caster.link_groups, blockers) && (any_is_enough || caster.instance >= 0);
+        bool is_seen = is_linked(caster.link_groups, blockers) && (blockers != CAMERA || caster.instance >= 0);
         TraversalState state = TraversalState(is_seen ? 1 : 0, uvec2(0u));
         int next = 0, last = 0; // triangles of a leaf
         while (state.node > 0 || next < last) {
@@ -153,6 +157,14 @@ Intersection traverse(vec3 from, vec3 to, int triangle, int instance, int blocke
                 if (hits <= transparent_hits && passed != vec3(0.0)) continue;
             }
 #endif
+#if TRANSPARENCY
+            if (!any_is_enough && blockers == CASTERS && has_transparency(fetch_triangle(hit.triangle).material)) {
+                vec3 position = mix(from, to, hit.distance), on_mesh = origin + hit.distance * ray;
+                vec3 passes = transparency_at(hit, mat3(blas_from_anchor), position, anchor_ray, on_mesh);
+                uint random = random_bits(floatBitsToUint(to), uint(hit.triangle)).x ^ uint(hit.instance) * 0x9e3779b9u;
+                if (dot(passes, vec3(1.0 / 3.0)) > float(random >> 8) / 16777216.0) continue;
+            }
+#endif
             nearest = hit;
             end = nearest.distance;
             if (any_is_enough) break;
@@ -172,5 +184,11 @@ vec3 transmittance(vec3 from, vec3 to, int triangle, int instance, int blockers)
 // The nearest intersection with what the camera sees. The triangle where the segment starts is ignored.
 Intersection nearest_hit(vec3 from, vec3 to, int triangle, int instance) {
     vec3 passed = vec3(1.0);
-    return traverse(from, to, triangle, instance, -1, false, passed);
+    return traverse(from, to, triangle, instance, CAMERA, false, passed);
+}
+
+// The fraction of the segment's length to the nearest intersection with what casts shadows, 1 if there is none.
+float occluder_distance(vec3 from, vec3 to, int triangle, int instance) {
+    vec3 passed = vec3(1.0);
+    return traverse(from, to, triangle, instance, CASTERS, false, passed).distance;
 }

@@ -16,6 +16,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from ....resource_types import Target
 from ....resources import (
     CACHE_CONSTANTS,
     CONTRIBUTING_LIGHTS,
@@ -38,7 +39,7 @@ from ....resources import (
     TILES,
     TLAS,
 )
-from ....resources.world import PORTALS
+from ....resources.world import PORTALS, WORLD_PREDICTION, WORLD_RESIDUAL
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -48,8 +49,10 @@ from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
+from ...lights.world.table import is_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
+from ...occlusion import separates_world
 from ...surface_inputs import SURFACE, surface_samplers
 from ..light_selection.scene_portals import portals_of
 from .faint_lights import ESTIMATE_NODES, drawn_pairs
@@ -72,6 +75,16 @@ MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
 
 
+#: The prediction of all lights and its correction; of the world, where ambient occlusion darkens it alone.
+DIRECT = DIRECT_PREDICTION, DIRECT_RESIDUAL
+WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
+
+
+def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
+    """Where a light is drawn."""
+    return WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
+
+
 class TraceShadows(Pass):
     """Predicted radiance W/(sr m²), and the residuals that correct it."""
 
@@ -79,8 +92,9 @@ class TraceShadows(Pass):
         *(*SURFACE, *MATERIAL, TILES, LIGHT_BUFFERS, TLAS, LIGHT_INFLUENCE),
         *(POINT_GRAPHS, PORTALS, CONTRIBUTING_LIGHTS, IRRADIANCE_CACHE, FAINT_LIGHTS, TILE_VISIBILITY),
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
+        "ssao.light",
     )
-    outputs = outputs(DIRECT_PREDICTION, DIRECT_RESIDUAL, RAY_COUNTS, LIGHTS_USED)
+    outputs = outputs(*DIRECT, *WORLD, RAY_COUNTS, LIGHTS_USED)
 
     def __init__(self, device: Device):
         super().__init__(device)
@@ -92,7 +106,10 @@ class TraceShadows(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame[RAY_COUNTS] = self.ray_counts(frame)
-        frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL).clear()
+        for target in WORLD if separates_world(frame) else ():
+            frame.allocate(target, frame.size)
+        for targets in (DIRECT, WORLD) if separates_world(frame) else (DIRECT,):
+            frame.framebuffer(*targets).clear()
         self.device.add()
         used = self.draw_lights(frame) | self.draw_faint_lights(frame)
         frame[LIGHTS_USED] = frozenset(used)
@@ -115,8 +132,7 @@ class TraceShadows(Pass):
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
         # In the first sample, reflections are as predicted, without noise.
         correct = int(frame.scene.has_gloss and frame.sample > 0)
-        targets = (DIRECT_PREDICTION, DIRECT_RESIDUAL) if correct else (DIRECT_PREDICTION,)
-        predicted, traced_draws, used = frame.framebuffer(*targets), [], set()
+        traced_draws, used = [], set()
         surfaces, programs, tiles = self.surfaces(frame), set[moderngl.Program](), TilesOfLights(frame)
         shared, caches = self.shared_uniforms(frame), frame.get(IRRADIANCE_CACHE) or {}
 
@@ -142,7 +158,7 @@ class TraceShadows(Pass):
                 occluders = surfaces if variant["hard"] else OPAQUE
                 program = self.prediction_program(variant, correct, occluders)
                 bind_light(program, occluders, **uniforms, **(sequences if correct else {}))
-                draw_tiles(frame, predicted, program, untraced)
+                draw_tiles(frame, frame.framebuffer(*targets_of(frame, light)[: 1 + correct]), program, untraced)
             frame.counts["pairs_traced"] += len(traced) * TILE_SIZE**2
             if len(traced):
                 if portals := portals_of(frame, light):
@@ -201,7 +217,8 @@ class TraceShadows(Pass):
 
     def framebuffer(self, frame: Frame, light: int) -> moderngl.Framebuffer:
         """Framebuffer for the rays to a light, cached while its textures are the same."""
-        textures = frame[DIRECT_PREDICTION], frame[DIRECT_RESIDUAL], frame[RAY_COUNTS][light]
+        prediction, residual = targets_of(frame, light)
+        textures = frame[prediction], frame[residual], frame[RAY_COUNTS][light]
         cached = self.framebuffers.get(light)
         if cached is None or cached.color_attachments != textures:
             for unused in self.framebuffers.keys() - frame[RAY_COUNTS].keys():
@@ -214,13 +231,16 @@ class TraceShadows(Pass):
         tiles = self.faint_tiles(frame)
         lights: list[int] = np.unique(tiles["light"]).tolist()
         variants = {light: self.variant(frame, light, is_faint=True) for light in lights}
-        for variant in {tuple(each.items()): each for each in variants.values()}.values():
-            variant_tiles = tiles[np.isin(tiles["light"], [light for light in lights if variants[light] == variant])]
+        draws: dict[tuple[Any, ...], list[int]] = {}
+        for light, variant in variants.items():
+            draws.setdefault((targets_of(frame, light), *variant.items()), []).append(light)
+        for (targets, *_), drawn in draws.items():
+            variant, variant_tiles = variants[drawn[0]], tiles[np.isin(tiles["light"], drawn)]
             if frame.sample == 0:  # by the programs of other lights, as a first picture waits for all programs
-                program, target = self.prediction_program(variant, 0, OPAQUE), frame.framebuffer(DIRECT_PREDICTION)
+                program, target = self.prediction_program(variant, 0, OPAQUE), frame.framebuffer(targets[0])
                 bind(program, **self.shared_uniforms(frame), prediction=self.all_visible)
             else:
-                target = frame.framebuffer(DIRECT_PREDICTION, DIRECT_RESIDUAL)
+                target = frame.framebuffer(*targets)
                 program = self.faint_program(frame, variant)
                 frame.counts["pairs_traced"] += frame.casts_shadows * len(variant_tiles) * TILE_SIZE**2
             draw_tiles(frame, target, program, variant_tiles)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world's light and its ambient occlusion."""
+"""The world: its map, and what the camera sees of it."""

@@ -11,7 +11,9 @@ That widens the filter by a pixel, so its radius is reduced accordingly.
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
+
+import moderngl
 
 from ....resource_types import Lifetime, Target
 from ....resources import (
@@ -29,10 +31,19 @@ from ....resources import (
     TILE_SIZE,
     TILES,
 )
+from ....resources.world import (
+    SAMPLE_OCCLUSION,
+    SAMPLE_OCCLUSION_HEADROOM,
+    SAMPLE_OCCLUSION_RESIDUAL,
+    SUM_OCCLUSION,
+    SUM_OCCLUSION_HEADROOM,
+    SUM_OCCLUSION_RESIDUAL,
+    SUM_OCCLUSION_WEIGHTS,
+)
 from ....sampling.pixel_grid import filter_margin, has_wide_filter
 from ....scene import Change
 from ...drawing import draw_pixels, draw_tiles
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Input, Pass, outputs
 from ...gl.draw_limit import TEXELS_PER_RAY
 from ...gl.shader_compiler import bind
 
@@ -65,34 +76,42 @@ def rays_for(samples: int) -> float:
 class Accumulate(Pass):
     """The sums of all samples so far: of predictions, residuals, headroom and weights."""
 
-    inputs = (
+    SUMS: ClassVar[tuple[Target, ...]] = SUMS
+    inputs: ClassVar[tuple[Input, ...]] = (
         *(TILES, TILE_PROBABILITIES, SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM, DEBUG_IMAGE),
         *(SAMPLE_EMISSION, FILTERED_EMISSION, Change.SAMPLE, "debug_view"),
     )
     outputs = outputs(*SUMS, *SAMPLES, *ROWS)
 
-    def execute(self, frame: Frame) -> None:
-        is_first, is_render = frame.sample == 0, frame.settings.debug_view == SAMPLE_COLOR.name
-        margin = filter_margin(frame.view.filter_width)
-        begin_sums = self.device.overwrite if is_first else self.device.add
-        has_residual = int(is_render and not is_first)  # the first sample has only predictions
-        emission = int(is_render and not frame.is_neutral(SAMPLE_EMISSION))
-        constants: dict[str, Any] = {"has_residual": has_residual, "emission": emission}
-        samples: dict[str, Any] = {
-            "sample_color": frame[SAMPLE_COLOR if is_render else DEBUG_IMAGE],
+    def samplers(self, frame: Frame) -> dict[str, moderngl.Texture]:
+        """What is summed: the render, or the debug view."""
+        if frame.settings.debug_view != SAMPLE_COLOR.name:
+            return {"sample_color": frame[DEBUG_IMAGE], "sample_headroom": frame[SAMPLE_HEADROOM]}
+        emission = {"sample_emission": SAMPLE_EMISSION, "filtered_emission": FILTERED_EMISSION}
+        return {
+            "sample_color": frame[SAMPLE_COLOR],
             "sample_residual": frame[SAMPLE_RESIDUAL],
             "sample_headroom": frame[SAMPLE_HEADROOM],
-            "tile_probabilities": frame[TILE_PROBABILITIES],
-            **({"sample_emission": frame[SAMPLE_EMISSION]} if emission else {}),
+            **{name: frame[target] for name, target in emission.items() if not frame.is_neutral(target)},
         }
-        if not has_wide_filter(frame.view.filter_width):
-            filtered = int(emission and not frame.is_neutral(FILTERED_EMISSION))
-            samples |= {"filtered_emission": frame[FILTERED_EMISSION]} if filtered else {}
+
+    def execute(self, frame: Frame) -> None:
+        is_first, margin = frame.sample == 0, filter_margin(frame.view.filter_width)
+        is_wide = has_wide_filter(frame.view.filter_width)
+        begin_sums = self.device.overwrite if is_first else self.device.add
+        samples: dict[str, Any] = self.samplers(frame) | {"tile_probabilities": frame[TILE_PROBABILITIES]}
+        filtered = samples.pop("filtered_emission", None) if is_wide else samples.get("filtered_emission")
+        constants: dict[str, Any] = {
+            "has_residual": int("sample_residual" in samples and not is_first),  # the first one has only predictions
+            "emission": int("sample_emission" in samples),
+        }
+        if not is_wide:
             begin_sums()
-            program = self.tile_program(margin=margin, first_sample=int(is_first), filtered=filtered, **constants)
+            constants |= {"margin": margin, "first_sample": int(is_first), "filtered": int(filtered is not None)}
+            program = self.tile_program(**constants)
             bind(program, **samples, filter_radius=frame.view.filter_width)
             rays = rays_for((2 * margin + 1) ** 2)
-            draw_tiles(frame, frame.framebuffer(*SUMS), program, margin=0 if is_first else margin, rays=rays)
+            draw_tiles(frame, frame.framebuffer(*self.SUMS), program, margin=0 if is_first else margin, rays=rays)
             return
         self.device.overwrite()
         for target in (*SAMPLES, *ROWS):
@@ -104,12 +123,12 @@ class Accumulate(Pass):
         draw_tiles(frame, sample_framebuffer, program, rays=rays_for(1))
         self.draw_lines(frame, SAMPLES, ROWS)
         begin_sums()
-        self.draw_lines(frame, ROWS, SUMS)
+        self.draw_lines(frame, ROWS, self.SUMS)
 
     def draw_lines(self, frame: Frame, source: tuple[Target, ...], destination: tuple[Target, ...]) -> None:
-        """Filter along rows; along columns if the destination is SUMS."""
+        """Filter along rows; from ROWS, along columns."""
         radius = frame.view.filter_width
-        lines = self.full_screen_program(suffix="lines", tile_size=TILE_SIZE, columns=int(destination is SUMS))
+        lines = self.full_screen_program(suffix="lines", tile_size=TILE_SIZE, columns=int(source is ROWS))
         samplers = "lines_color", "lines_residual", "lines_weights", "lines_headroom"
         bind(
             lines.program,
@@ -119,3 +138,21 @@ class Accumulate(Pass):
             margin=filter_margin(radius),
         )
         draw_pixels(frame, frame.framebuffer(*destination), lines, rays_for(2 * filter_margin(radius) + 1))
+
+
+class AccumulateOcclusion(Accumulate):
+    """The same sums of the render pass AO."""
+
+    SUMS = SUM_OCCLUSION, SUM_OCCLUSION_RESIDUAL, SUM_OCCLUSION_WEIGHTS, SUM_OCCLUSION_HEADROOM
+    inputs = (
+        *(TILES, TILE_PROBABILITIES, SAMPLE_OCCLUSION, SAMPLE_OCCLUSION_RESIDUAL, SAMPLE_OCCLUSION_HEADROOM),
+        Change.SAMPLE,
+    )
+    outputs = outputs(*SUMS, *SAMPLES, *ROWS)
+
+    def samplers(self, frame: Frame) -> dict[str, moderngl.Texture]:
+        return {
+            "sample_color": frame[SAMPLE_OCCLUSION],
+            "sample_residual": frame[SAMPLE_OCCLUSION_RESIDUAL],
+            "sample_headroom": frame[SAMPLE_OCCLUSION_HEADROOM],
+        }

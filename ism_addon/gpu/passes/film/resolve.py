@@ -6,10 +6,12 @@ noise dominates and tends to 1, so the prediction's error vanishes in the limit.
 """
 
 from functools import cached_property
+from typing import ClassVar
 
 import moderngl
 import numpy as np
 
+from ....resource_types import Target
 from ....resources import (
     IMAGE,
     NEIGHBOUR_MEAN,
@@ -20,6 +22,13 @@ from ....resources import (
     SUM_WEIGHTS,
     TILE_SAMPLE_COUNTS,
     TILE_SIZE,
+)
+from ....resources.world import (
+    OCCLUSION_IMAGE,
+    SUM_OCCLUSION,
+    SUM_OCCLUSION_HEADROOM,
+    SUM_OCCLUSION_RESIDUAL,
+    SUM_OCCLUSION_WEIGHTS,
 )
 from ....scene import Change, Lights
 from ...drawing import draw_pixels
@@ -38,6 +47,8 @@ SIMILARITY_SHARPNESS = 20.0
 class Resolve(Pass):
     """The sums as one image."""
 
+    SUMS: ClassVar[tuple[Target, ...]] = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM
+    RESULT: ClassVar[Target] = IMAGE
     inputs = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM, TILE_SAMPLE_COUNTS, Change.SAMPLE
     outputs = outputs(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE, IMAGE)
 
@@ -60,10 +71,11 @@ class Resolve(Pass):
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
+        color, residual, weights, headroom = self.SUMS
         sums = {
-            "sum_color": frame[SUM_COLOR],
-            "sum_residual": frame[SUM_RESIDUAL],
-            "sum_weights": frame[SUM_WEIGHTS],
+            "sum_color": frame[color],
+            "sum_residual": frame[residual],
+            "sum_weights": frame[weights],
             "tile_sample_counts": frame[TILE_SAMPLE_COUNTS],
         }
         if frame.sample > 0:  # the first one has no residual
@@ -74,12 +86,21 @@ class Resolve(Pass):
         bind(
             shader.program,
             **sums,
-            sum_headroom=frame[SUM_HEADROOM],
+            sum_headroom=frame[headroom],
             neighbour_mean=frame[NEIGHBOUR_MEAN],
             signal_and_noise=frame[SIGNAL_AND_NOISE],
             min_light=min_light(frame.scene.lights),
         )
-        draw_pixels(frame, frame.framebuffer(IMAGE), shader)
+        draw_pixels(frame, frame.framebuffer(self.RESULT), shader)
+
+
+class ResolveOcclusion(Resolve):
+    """The sums of the render pass AO as one image."""
+
+    SUMS = SUM_OCCLUSION, SUM_OCCLUSION_RESIDUAL, SUM_OCCLUSION_WEIGHTS, SUM_OCCLUSION_HEADROOM
+    RESULT = OCCLUSION_IMAGE
+    inputs = *SUMS, TILE_SAMPLE_COUNTS, Change.SAMPLE
+    outputs = outputs(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE, OCCLUSION_IMAGE)
 
 
 def min_light(lights: Lights) -> float:

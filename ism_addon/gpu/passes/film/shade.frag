@@ -1,15 +1,20 @@
 // Composition in linear light.
+#include "maths/luminance.glsl"
 #include "surfaces/tint.glsl"
-#include "textures/bilateral_upsample.glsl"
+#include "surfaces/surface.glsl"
+#if OCCLUSION
+#include "occlusion/darkening.glsl"
+#endif
 #if GLOSS
 #include "surfaces/camera_ray.glsl"
 #include "materials/lobes.glsl"
 #endif
 uniform sampler2D direct_prediction;
 uniform sampler2D direct_residual;
-uniform sampler2D ambient_occlusion;
-uniform float occlusion_intensity;
-uniform float occlusion_power;
+#if SEPARATE_WORLD
+uniform sampler2D world_prediction;
+uniform sampler2D world_residual;
+#endif
 uniform sampler2D background; // a few black texels, unless the radiance of the world varies
 uniform vec3 even_background;
 uniform vec3 ambient; // the world's radiance, if it is not one of the lights
@@ -18,21 +23,6 @@ flat in vec4 visibility_texel_and_offset;
 layout(location = 0) out vec4 sample_color;
 layout(location = 1) out vec4 sample_residual;  // in alpha, the uncertain luminance
 layout(location = 2) out float sample_headroom; // upper bound of the increase of luminance
-
-// Visibility of the world. Ambient occlusion has half resolution.
-float ambient_visibility(ivec2 at, Surface surface) {
-#if OCCLUDED
-    float sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        UpsampleTap other = upsample_tap(k, at, surface, 2);
-        sum += other.weight * fetch(ambient_occlusion, other.at).x;
-        weights += other.weight;
-    }
-    return pow(clamp(1.0 - occlusion_intensity * (1.0 - sum / weights), 0.0, 1.0), occlusion_power);
-#else
-    return 1.0;
-#endif
-}
 
 // Fetches a target that is a few neutral texels if no pass draws it.
 vec4 fetch_clamped(sampler2D target, ivec2 at) { return fetch(target, min(at, textureSize(target, 0) - 1)); }
@@ -49,7 +39,7 @@ void main() {
         sample_color = vec4(film * tint * world, mix(opaque, 1.0, film));
         return;
     }
-    vec4 direct = fetch_clamped(direct_prediction, at);
+    vec4 prediction = fetch_clamped(direct_prediction, at), residual = fetch_clamped(direct_residual, at);
     // A surface reflects the fraction of its albedo of a world of constant radiance.
     vec3 albedo = surface.base_color;
 #if GLOSS
@@ -59,8 +49,24 @@ void main() {
     albedo += lobes.rare.sheen;
 #endif
 #endif
-    sample_color = vec4(tint * (direct.rgb + albedo * ambient * ambient_visibility(at, surface)), 1.0);
+    vec4 of_world = vec4(albedo * ambient, 0.0), residual_of_world = vec4(0.0);
+#if SEPARATE_WORLD
+    of_world += fetch(world_prediction, at);
+    residual_of_world = fetch(world_residual, at);
+#endif
+#if OCCLUSION
+    Darkening darkening = darkening_at(at, surface);
+#if DARKENS_ALL
+    of_world += prediction;
+    residual_of_world += residual;
+    prediction = residual = vec4(0.0);
+#endif
+    darken(darkening, of_world, residual_of_world);
+#endif
+    prediction += of_world;
+    residual += residual_of_world;
+    sample_color = vec4(tint * prediction.rgb, 1.0);
     float brightest = max(tint.r, max(tint.g, tint.b)); // by which luminance grows at most
-    sample_residual = vec4(tint, brightest) * fetch_clamped(direct_residual, at);
-    sample_headroom = brightest * direct.a;
+    sample_residual = vec4(tint, brightest) * residual;
+    sample_headroom = brightest * prediction.a;
 }

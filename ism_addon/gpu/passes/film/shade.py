@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The radiance of a pixel towards the camera, in linear light.
 
-It is the radiance by the lights, plus the base color times the world's radiance times ambient visibility. In the
-background it is the world's. Accumulate adds what surfaces and lights emit. Occlusion is upsampled to full resolution
-from the half-resolution pixels that show the same surface.
+It is the radiance by the lights, plus the albedo times the world's radiance if that is even and no light. Ambient
+occlusion darkens one or both. In the background it is the world's. Accumulate adds what surfaces and lights emit.
 """
 
 from typing import Any
 
+from ....choices import OccludedLight
 from ....resources import (
     DIRECT_PREDICTION,
     DIRECT_RESIDUAL,
@@ -19,14 +19,18 @@ from ....resources import (
     TILES,
     TRANSMITTED_COLOR,
 )
-from ....resources.world import AMBIENT_OCCLUSION, BACKGROUND
+from ....resources.world import AMBIENT_OCCLUSION, BACKGROUND, TRACED_OCCLUSION, WORLD_PREDICTION, WORLD_RESIDUAL
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
-from ...lights.world.table import has_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
+from ...occlusion import darkens, has_ambient_light, separates_world
+from ...occlusion.inputs import occlusion_constants, occlusion_target, occlusion_uniforms
 from ...surface_inputs import tint_constants, tint_uniforms
+
+#: The world, where ambient occlusion darkens it alone.
+WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
 
 
 class Shade(Pass):
@@ -34,15 +38,18 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(TRANSMITTED_COLOR, BACKGROUND),
+        *(TRACED_OCCLUSION, *WORLD, TRANSMITTED_COLOR, BACKGROUND),
         *(Change.WORLD, Change.VIEW, "ssao"),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
+        occlusion = occlusion_target(frame) if darkens(frame) else None
         constants: dict[str, Any] = {
-            "occluded": int(not frame.is_neutral(AMBIENT_OCCLUSION)),
+            **occlusion_constants(occlusion),
+            "darkens_all": int(frame.settings.ssao.light is OccludedLight.ALL),
+            "separate_world": int(separates_world(frame)),
             **material_constants(frame),
             **tint_constants(frame),
         }
@@ -54,12 +61,11 @@ class Shade(Pass):
             **material_samplers(frame),
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],
-            ambient_occlusion=frame[AMBIENT_OCCLUSION],
-            occlusion_intensity=frame.settings.ssao.intensity,
-            occlusion_power=frame.settings.ssao.power,
+            **(occlusion_uniforms(frame, occlusion) if occlusion else {}),
+            **({target.name: frame[target] for target in WORLD} if separates_world(frame) else {}),
             background=frame[BACKGROUND],
             even_background=tuple(world.background * (world.graph[1] < 0)),
-            ambient=tuple(world.radiance * (not has_world(frame.scene.lights))),
+            ambient=tuple(world.radiance * has_ambient_light(frame)),
             **tint_uniforms(frame),
             film=0.0 if frame.view.transparent else 1.0,
         )

@@ -2,6 +2,7 @@
 // the probability that they are opaque (Enderton et al. 2010): samples of a pixel are stratified for each triangle.
 #include "surfaces/instance_fragment.glsl"
 #if TRANSPARENCY
+#include "maths/random_bits.glsl"
 uniform mat2 pixel_from_fine;
 uniform vec2 first;      // fine pixel of the first pixel
 uniform uvec3 strata; // number of fine pixels in a pixel, a power of two; factor of y that numbers them; of the first
@@ -11,14 +12,6 @@ uniform uint round_seed; // other for each 16 samples
 out uvec2 id;
 
 #if TRANSPARENCY
-// Random bits of four numbers (Jarzynski & Olano 2020: pcg3d, after one step for the fourth).
-uvec3 random_bits(uvec3 v, uint seed) {
-    v = (v ^ seed) * 1664525u + 1013904223u;
-    v += v.yzx * v.zxy;
-    v ^= v >> 16;
-    return v + v.yzx * v.zxy;
-}
-
 // All permutations of 0 to 3: two bits for each digit, four permutations in a number.
 const uint PERMUTATIONS[6] = uint[6](0x78d8b4e4u, 0xb1e16c9cu, 0x2d8d39c9u,
                                      0x36c672d2u, 0x63931e4eu, 0x1b4b2787u);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Acceleration structures for shadow rays: a BVH over each mesh's triangles, and one over instances that cast shadows.
+"""Acceleration structures for rays: a BVH over each mesh's triangles, and one over instances that cast shadows.
 
 There are two levels, so that a mesh keeps its BVH when its instances move.
 """
@@ -19,6 +19,7 @@ from ...accel.tlas import instance_bounds, inverse_of, on_grid
 from ...buffers.instance_buffers import anchor_from_quanta
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.shader_records import CASTER
+from ...occlusion import traces_rays
 
 
 class BuildBLAS(Pass):
@@ -34,7 +35,7 @@ class BuildBLAS(Pass):
     def needed(self, frame: Frame) -> bool:
         """Also without rays, if a BVH has already sorted the triangles: they keep the order of its leaves."""
         previous = frame.get(BLAS)
-        return frame.traces_shadows or (previous is not None and previous.meshes == frame.scene.meshes)
+        return traces_rays(frame) or (previous is not None and previous.meshes == frame.scene.meshes)
 
     def execute(self, frame: Frame) -> None:
         meshes = frame.scene.meshes
@@ -52,7 +53,7 @@ class UploadBLAS(Pass):
     outputs = outputs(BLAS_BUFFERS)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.traces_shadows
+        return traces_rays(frame)
 
     def execute(self, frame: Frame) -> None:
         buffers = BLASBuffers(self.device, frame[BLAS].blases)
@@ -68,7 +69,7 @@ class BuildTLAS(Pass):
     outputs = outputs(TLAS)
 
     def needed(self, frame: Frame) -> bool:
-        return frame.traces_shadows
+        return traces_rays(frame)
 
     def execute(self, frame: Frame) -> None:
         table, buffers, instances = frame[BLAS], frame[BLAS_BUFFERS], frame.scene.instances

@@ -17,6 +17,7 @@ from ...emission.baked_emission import instances_with_graphs
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.frame_uniforms import clip_from_anchor
 from ...lights import by_type
+from ...occlusion import may_trace_occlusion
 
 #: Relative rounding error of positions on the GPU.
 POSITION_ROUNDING = 1e-6
@@ -40,6 +41,7 @@ class CullMeshes(Pass):
     inputs = (
         *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW),
         *("shadow.enabled", "shadow.method", "shortcuts"),
+        *("ssao.sampling", "ssao.enabled", "occlusion_pass"),
     )
     outputs = outputs(RESIDENT_MESHES)
 
@@ -62,7 +64,9 @@ class CullMeshes(Pass):
         boxes = instance_boxes(scene, frame.anchor)
         visible = scene.instances.visible & boxes_in_view(frame, boxes)
         needed, casters = candidates & visible, np.flatnonzero(candidates & scene.instances.casts_shadow & ~visible)
-        if frame.traces_shadows and len(casters) and visible.any():
+        if may_trace_occlusion(frame.settings):  # by all that is anywhere
+            needed[casters] = True
+        elif frame.traces_shadows and len(casters) and visible.any():
             slices = visible_slices(boxes[..., visible], frame.view, frame.anchor)
             needed[casters] = are_occluders(scene, frame.anchor, boxes, slices, casters)
         return needed

@@ -5,32 +5,11 @@ Blender's property groups, the panels' tooltips, the command line's flags and do
 are made from these fields. Sections are frozen dataclasses, so settings compare by value.
 """
 
-import math
-from collections.abc import Iterator
-from dataclasses import Field, dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass
 
-from .choices import Choice, DebugView, Method, OcclusionSampling, Resolution
-
-
-@dataclass(frozen=True)
-class Control:
-    """How a setting appears to the user. Units are Blender's names of property subtypes."""
-
-    label: str
-    meaning: str
-    low: float | None = None
-    high: float | None = None
-    soft_high: float | None = None
-    unit: str = "NONE"
-    method: Method | None = None  # the only method that uses the setting
-
-
-def setting(default: Any, label: str, meaning: str, method: Method | None = None, **control: Any) -> Any:
-    """A dataclass field with its Control as metadata."""
-    if method:
-        meaning += f". For the method {method.label} only"
-    return field(default=default, metadata={"control": Control(label, meaning, method=method, **control)})
+from ..choices import DebugView, Method, Resolution
+from .occlusion import SSAO
+from .setting_fields import setting
 
 
 @dataclass(frozen=True)
@@ -87,75 +66,6 @@ class Shadow:
         soft_high=0.2,
         unit="FACTOR",
         method=Method.SHADOW_MAPS,
-    )
-
-
-@dataclass(frozen=True)
-class SSAO:
-    """Look of the ambient occlusion."""
-
-    enabled: bool = setting(
-        True,
-        "Ambient Occlusion",
-        "Darken the world's light in creases and contacts, in screen space at half resolution. "
-        "Not used while the method Ray Traced draws World Shadows",
-    )
-    sampling: OcclusionSampling = setting(  # noqa: RUF009 (what it returns is a field)
-        OcclusionSampling.HORIZONS,
-        "Sampling",
-        "How occluders are found. Both take about the same time",
-    )
-    radius: float = setting(
-        0.5,
-        "Radius",
-        "How far away a surface can still darken another. Larger darkens wider creases; costs no time",
-        low=0.0,
-        high=1e6,
-        soft_high=10.0,
-        unit="DISTANCE",
-    )
-    cone_angle: float = setting(
-        math.radians(160.0),
-        "Cone Angle",
-        "Opening angle of the cone around the surface's normal that is searched for occluders. "
-        "Narrow finds only what is straight above, wide also what is at the sides",
-        low=math.radians(1.0),
-        high=math.pi,
-        unit="ANGLE",
-    )
-    intensity: float = setting(
-        1.0,
-        "Intensity",
-        "Strength of the darkening. At 0 the pass is left out",
-        low=0.0,
-        high=10.0,
-        soft_high=4.0,
-    )
-    power: float = setting(
-        1.0,
-        "Power",
-        "The exponent of what light is left: above 1, creases are darker and flat parts stay as they are",
-        low=0.1,
-        high=10.0,
-        soft_high=4.0,
-    )
-    attenuation: float = setting(
-        1.0,
-        "Attenuation",
-        "How quickly an occluder's darkening fades with its distance, to nothing at the radius. At 0 it does not fade",
-        low=0.0,
-        high=100.0,
-        soft_high=8.0,
-    )
-    thickness: float = setting(
-        0.5,
-        "Thickness",
-        "How far surfaces reach behind what is seen of them, as a fraction of the radius: light passes behind "
-        "thin ones. "
-        "For the sampling Horizons only",
-        low=0.0,
-        high=10.0,
-        soft_high=1.0,
     )
 
 
@@ -247,8 +157,10 @@ class Settings:
     """All inputs of an image, apart from the scene and the view."""
 
     shadow: Shadow = Shadow()
-    ssao: SSAO = SSAO()
+    ssao: SSAO = SSAO()  # noqa: RUF009 (it is frozen)
     quality: Quality = FINAL
+    #: Whether the render pass AO is asked for.
+    occlusion_pass: bool = False
     #: False: work that does not change the image is not skipped, and nothing is reused from the previous image. For
     #: measurements of the time that shortcuts save.
     shortcuts: bool = True
@@ -261,16 +173,3 @@ class Settings:
 
 #: Sections by the name that scripts and the command line use.
 SECTIONS: dict[str, type] = {"shadow": Shadow, "ssao": SSAO, "quality": Quality}
-
-
-def setting_fields(section: type) -> Iterator[tuple[Field, Control]]:
-    """The fields of a section that are settings, with their Controls."""
-    for member in fields(section):
-        if "control" in member.metadata:
-            yield member, member.metadata["control"]
-
-
-def help_text(member: Field, control: Control) -> str:
-    """The meaning of a setting; of a choice, also that of each value."""
-    choices = type(member.default) if isinstance(member.default, Choice) else ()
-    return ". ".join([control.meaning, *(f"{choice}: {choice.meaning}" for choice in choices)])

@@ -16,7 +16,7 @@ from tests.support import reference
 from tests.support.small_scenes import SMALL_SETTINGS, draw, light, look_at, make_scene, quad, with_quality
 
 HEMISPHERE_SSAO = SSAO(radius=0.5, cone_angle=math.pi, intensity=1.0, attenuation=0.0)
-HORIZONS, POINTS = OcclusionSampling
+HORIZONS, POINTS, TRACED = OcclusionSampling
 
 
 def mean_occlusion(device, scene, view, ssao: SSAO, samples: int = 24, target: str = "raw_occlusion") -> np.ndarray:

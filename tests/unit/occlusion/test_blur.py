@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ism_addon.gpu.passes.environment.blur import BlurOcclusion
+from ism_addon.gpu.passes.occlusion.blur import BlurOcclusion
 from ism_addon.gpu.profile import Profile
 from ism_addon.resources.world import RAW_OCCLUSION
 from ism_addon.settings import SSAO

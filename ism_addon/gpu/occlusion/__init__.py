@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which light ambient occlusion darkens in an image, and whether rays are traced for it."""
+
+from ...choices import OccludedLight, OcclusionSampling, RadiusUnit
+from ...resource_types import Target
+from ...resources.world import (
+    FILTERED_ONCE,
+    OCCLUSION_DISTANCE,
+    TRACED_OCCLUSION,
+    WORLD_PREDICTION,
+    WORLD_RESIDUAL,
+)
+from ...settings import Settings
+from ...settings.occlusion import SSAO
+from ..frame import Frame
+from ..lights.world.table import has_world
+
+
+def radius_of(ssao: SSAO) -> float:
+    """The radius, in the unit that is chosen."""
+    return ssao.radius_pixels if ssao.unit is RadiusUnit.PIXELS else ssao.radius
+
+
+def radius_uniforms(frame: Frame) -> dict[str, float]:
+    """Uniforms of occlusion/radius.glsl."""
+    ssao = frame.settings.ssao
+    in_pixels = ssao.unit is RadiusUnit.PIXELS
+    return {
+        "radius_meters": 0.0 if in_pixels else ssao.radius,
+        "radius_pixels": ssao.radius_pixels if in_pixels else 0.0,
+    }
+
+
+def has_ambient_light(frame: Frame) -> bool:
+    """Whether the world lights surfaces without being one of the lights."""
+    return bool(frame.scene.world.radiance.any()) and not has_world(frame.scene.lights)
+
+
+def darkens(frame: Frame) -> bool:
+    """Whether the image would differ without ambient occlusion."""
+    ssao, lights = frame.settings.ssao, frame.scene.lights
+    if not (ssao.enabled and ssao.intensity > 0.0 and min(ssao.tint) < 1.0):
+        return False
+    with_shadows = {
+        OccludedLight.UNSHADOWED: False,
+        OccludedLight.WORLD: has_world(lights),
+        OccludedLight.ALL: len(lights.shape) > 0,
+    }
+    return with_shadows[ssao.light] or has_ambient_light(frame)
+
+
+def is_needed(frame: Frame) -> bool:
+    """Whether ambient occlusion is drawn: for the image, or for the render pass AO."""
+    return radius_of(frame.settings.ssao) > 0.0 and (frame.settings.occlusion_pass or darkens(frame))
+
+
+def separates_world(frame: Frame) -> bool:
+    """Whether the world is one of the lights, but drawn apart from them, as occlusion may darken it alone."""
+    return frame.settings.ssao.light is OccludedLight.WORLD and has_world(frame.scene.lights)
+
+
+def unused_targets(settings: Settings) -> set[Target]:
+    """Targets that ambient occlusion does not need with these settings, in any scene."""
+    ssao, unused = settings.ssao, set[Target]()
+    if ssao.sampling is not OcclusionSampling.TRACED:
+        unused |= {OCCLUSION_DISTANCE, FILTERED_ONCE, TRACED_OCCLUSION}
+    if ssao.light is not OccludedLight.WORLD:
+        unused |= {WORLD_PREDICTION, WORLD_RESIDUAL}
+    return unused
+
+
+def may_trace_occlusion(settings: Settings) -> bool:
+    """Whether rays are traced for ambient occlusion in some scene, with some radius and intensity."""
+    ssao = settings.ssao
+    return ssao.sampling is OcclusionSampling.TRACED and (ssao.enabled or settings.occlusion_pass)
+
+
+def traces_occlusion(frame: Frame) -> bool:
+    """Whether rays are traced for ambient occlusion that can hit anything."""
+    has_casters = bool(frame.scene.instances.casts_shadow.any())
+    return may_trace_occlusion(frame.settings) and is_needed(frame) and has_casters
+
+
+def traces_rays(frame: Frame) -> bool:
+    """Whether any rays are traced that can hit anything, which needs acceleration structures."""
+    return frame.traces_shadows or traces_occlusion(frame)
