@@ -7,7 +7,7 @@ import bpy
 from .. import render_passes, settings
 from ..choices import Method, OccludedLight, OcclusionSampling, RadiusUnit
 from ..settings.setting_fields import setting_fields
-from .presets import ISM_RENDER_PT_presets
+from .presets import ISM_RENDER_PT_occlusion_presets, ISM_RENDER_PT_presets
 
 
 class ISMPanel:
@@ -98,6 +98,9 @@ class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
     bl_label = "Ambient Occlusion"
     section = settings.SSAO
     name = "ssao"
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        ISM_RENDER_PT_occlusion_presets.draw_panel_header(self.layout)
 
     @classmethod
     def is_used(cls, scene: bpy.types.Scene) -> bool:

@@ -173,8 +173,9 @@ IRRELEVANT: dict[str, dict[str, str]] = {
         "this engine has its own setting of samples": "samples",
         "of hair, volumes and grease pencil, which are reported; Cycles' occlusion": "use_strand use_volumes "
         "use_grease_pencil use_ao",
-        "read by the engine's update_render_passes": "use_pass_combined use_pass_normal use_pass_z",
-        PASSES: "aovs lightgroups pass_alpha_threshold pass_cryptomatte_depth use_pass_ambient_occlusion "
+        "read by the engine's update_render_passes": "use_pass_ambient_occlusion use_pass_combined "
+        "use_pass_normal use_pass_z",
+        PASSES: "aovs lightgroups pass_alpha_threshold pass_cryptomatte_depth "
         "use_pass_cryptomatte_accurate use_pass_cryptomatte_asset use_pass_cryptomatte_material "
         "use_pass_cryptomatte_object use_pass_diffuse_color use_pass_diffuse_direct use_pass_diffuse_indirect "
         "use_pass_emit use_pass_environment use_pass_glossy_color use_pass_glossy_direct use_pass_glossy_indirect "

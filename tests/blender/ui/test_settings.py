@@ -46,6 +46,8 @@ def other_value(control, default):
         return not default
     if isinstance(default, Choice):
         return next(choice for choice in type(default) if choice is not default)
+    if isinstance(default, tuple):
+        return tuple((each + control.high) / 2 for each in default)
     return type(default)(default + 1) if default + 1 <= control.high else type(default)((default + control.low) / 2)
 
 
@@ -57,7 +59,7 @@ def change_all(scene):
 
 def approximately(value):
     """Equals a value up to the precision of float32, in which Blender stores its properties."""
-    return pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
+    return pytest.approx(value, rel=1e-6) if isinstance(value, float | tuple) else value
 
 
 def is_equal(ours, theirs):
@@ -79,12 +81,13 @@ def test_a_property_has_the_name_limits_and_unit_of_its_field(scene, name, membe
     default = getattr(GROUPS[name], member.name)
     assert (rna.name, rna.description) == (control.label, control.meaning)
     assert rna.is_animatable
-    assert rna.default == approximately(default)
+    assert (tuple(rna.default_array) if isinstance(default, tuple) else rna.default) == approximately(default)
     if rna.type == "ENUM":
         items = [(item.identifier, item.name, item.description) for item in rna.enum_items]
         assert items == [(choice.value, choice.label, choice.meaning) for choice in type(default)]
         return
-    assert {"BOOLEAN": bool, "INT": int, "FLOAT": float}[rna.type] is type(default)
+    type_ = type(default[0]) if isinstance(default, tuple) else type(default)
+    assert {"BOOLEAN": bool, "INT": int, "FLOAT": float}[rna.type] is type_
     if rna.type != "BOOLEAN":
         assert (rna.hard_min, rna.hard_max) == pytest.approx((control.low, control.high))
         assert rna.soft_max == pytest.approx(control.high if control.soft_high is None else control.soft_high)
@@ -110,8 +113,9 @@ def test_values_are_read_back_within_their_range(scene, name, member, control):
     assert read_back() == approximately(other_value(control, default))
     if control.high is not None:
         for out_of_range, limit in ((control.low - 1, control.low), (min(control.high * 2, 2**31 - 1), control.high)):
-            setattr(group, member.name, type(default)(out_of_range))
-            assert read_back() == pytest.approx(limit)
+            is_color = isinstance(default, tuple)
+            setattr(group, member.name, (out_of_range,) * 3 if is_color else type(default)(out_of_range))
+            assert read_back() == pytest.approx((limit,) * 3 if is_color else limit)
 
 
 def test_an_unknown_choice_is_refused(scene):
@@ -183,7 +187,8 @@ def test_keyframes_animate_settings(scene, name, member, control):
     for frame, value in ((1, default), (11, other_value(control, default))):
         scene.frame_set(frame)
         evaluated = bpy.context.evaluated_depsgraph_get().scene_eval
-        assert getattr(group_of(evaluated, name), member.name) == approximately(value)
+        evaluated_value = getattr(group_of(evaluated, name), member.name)
+        assert (tuple(evaluated_value) if isinstance(value, tuple) else evaluated_value) == approximately(value)
 
 
 def test_undo_restores_the_old_value(scene):

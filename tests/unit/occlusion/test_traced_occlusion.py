@@ -79,10 +79,10 @@ def test_the_same_again_traces_no_rays(device):
     """With tiles that take part in different samples."""
     scene, view = corner()
     view = replace(view, filter_width=1.5)
-    drawn = draw(device, scene, view, settings(samples=12))
+    drawn = draw(device, scene, view, settings(samples=16))
     before = drawn.color
-    assert drawn.profile.counts["occlusion_rays"] < 0.9 * 12 * view.width * view.height
-    again = draw(device, scene, view, settings(samples=12), drawn.renderer)
+    assert drawn.profile.counts["occlusion_rays"] < 0.9 * 16 * view.width * view.height
+    again = draw(device, scene, view, settings(samples=16), drawn.renderer)
     assert again.profile.counts["occlusion_rays"] == 0
     assert np.array_equal(again.color, before)
 
