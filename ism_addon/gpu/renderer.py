@@ -198,7 +198,7 @@ class Renderer:
         traced = settings.shadow.enabled and settings.shadow.world and any(each.traces_rays for each in chosen)
         traces_world = traced and bool(scene.world.radiance.any() and scene.instances.casts_shadow.any())
         baked = self.graph.get(BAKED_WORLD) if scene.world.graph[0] >= 0 else None
-        of_map = baked.light if baked is not None else None
+        of_map = baked.world_light if baked is not None else None
         return self.scene_lights.lit(scene, traces_world, of_map, self.graph.get(BAKED_EMISSION))
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:

@@ -2,8 +2,8 @@
 # ruff: noqa: N801 (Blender's rule for the names of panels and operators)
 """Presets of quality and of ambient occlusion: scripts, as in Blender. Ours are in the package.
 
-Those of users are in Blender's folder. Before a preset is run, all properties that its kind sets are reset. So ours only
-set what differs from the defaults.
+Those of users are in Blender's folder. Before a preset is run, all properties that its kind sets are reset.
+So ours only set what differs from the defaults.
 """
 
 from pathlib import Path

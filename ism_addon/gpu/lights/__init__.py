@@ -53,6 +53,7 @@ uniform int emissive_triangles; // rows of EMISSIVE_TRIANGLE
 uniform int emissive_colors;    // rows of EMISSIVE_COLOR, if there are any
 uniform sampler2D environment_map; // see map_texture.py; and tables of scene_records' texels, see map_tables.py
 uniform ivec2 environment_size;
+uniform mat3 environment_rotation; // from directions of the world to those of the map
 uniform int environment_product;
 uniform int environment_fine;
 uniform int environment_irradiance_table;

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The GLSL functions of every light type agree: samples, their pdf, emitted radiance, and irradiance."""
 
+from dataclasses import replace
+
 import moderngl
 import numpy as np
 import pytest
@@ -18,10 +20,11 @@ from ism_addon.gpu.gl.shader_compiler import FOLDER, bind, expand, head
 from ism_addon.gpu.gl.shader_records import LIGHT_RECORDS
 from ism_addon.gpu.lights.emissive_mesh import has_light_bvh
 from ism_addon.gpu.lights.world.table import ENVIRONMENT, WORLD, MapLight, with_world
-from ism_addon.gpu.passes.environment.bake_world import map_uniforms
+from ism_addon.gpu.passes.environment.bake_world import map_uniforms, rotation_uniform
 from ism_addon.gpu.passes.light_selection.scene_portals import ScenePortals
 from ism_addon.gpu.passes.upload.upload_lights import light_buffers
 from ism_addon.scene import Lights, LightShape, World
+from ism_addon.shading.vectors import euler_matrix
 from tests.scenes.small import sphere, subdivided_box
 from tests.support.emission import textured
 from tests.support.small_scenes import light, make_scene, quad
@@ -116,7 +119,10 @@ def a_map_sun(texels: tuple[slice, slice] = SUN_TEXELS) -> MapSun:
     return MapSun(vector / irradiance, np.ones(3), 0.5, first, *tables)
 
 
-WORLD_OF_MAP = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, a_map_sun()))
+#: From directions of the world to those of the map.
+ROTATION = euler_matrix(np.array([0.2, -0.1, 0.5]))
+TURNED_SUN = replace(a_map_sun(), direction=a_map_sun().direction @ ROTATION)
+WORLD_OF_MAP = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, TURNED_SUN))
 EXAMPLES["environment through portals"] = [WORLD_OF_MAP.select(slice(1, 2))]
 EXAMPLES["map_sun"], EXAMPLES["environment"] = [WORLD_OF_MAP.select(slice(0, 1))], [WORLD_OF_MAP.select(slice(1, 2))]
 #: Windows above and beside the origin, and one behind it.
@@ -168,6 +174,7 @@ def evaluate():
                 triangle, records = gl.vertex_array(program, []), device.scene_records()
                 at_map = device, records, MAP, map_tables, sun or a_map_sun()
                 buffers = light_buffers(records, of, np.zeros(3)) | map_uniforms(*at_map)
+                buffers = buffers | rotation_uniform(ROTATION)
                 if through_portals:
                     buffers = buffers | ScenePortals.upload(records, 0, shape, PORTALS).uniforms
                 used = {name: table for name, table in buffers.items() if name in program}
@@ -240,7 +247,8 @@ def test_the_pdf_integrates_to_one_and_emitted_radiance_to_the_irradiance(evalua
 def test_a_sun_at_the_edge_of_the_map_is_sampled_as_elsewhere(evaluate, first):
     """Texels at an edge are interpolated with those at the other one, where the sun has none."""
     sun = a_map_sun((slice(20, 24), slice(first, first + 5)))
-    of = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, sun)).select(slice(0, 1))
+    turned = replace(sun, direction=sun.direction @ ROTATION)
+    of = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, turned)).select(slice(0, 1))
     radiance, cosine, pdf, irradiance, *_ = evaluate(of, NORMALS[0], sun=sun).T
     assert (radiance * cosine / pdf).mean() == pytest.approx(irradiance[0], rel=5e-3)
 

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ....color import REC709, between_spaces, linear_from_srgb, srgb_from_linear
+from ....parallel import parallel_map
 from ....scene import Encoding, Image, texel_files
 from .large_png import LargePng, UnsupportedPng
 
@@ -138,14 +139,19 @@ def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_b
 
     Returns whether alpha is below 1 anywhere.
     """
-    rows, passes = texels.reshape(-1, 4), False
-    opaque = 1.0 if texels.dtype == np.float16 else 255
-    for first in range(0, len(rows), TEXELS_AT_A_TIME):
+    rows, opaque = texels.reshape(-1, 4), 1.0 if texels.dtype == np.float16 else 255
+    multiplies = on_black and _has_straight_alpha(image, image.is_float)
+    # Threads read nothing of Blender.
+    kind = image.is_float, multiplies, image.colorspace_settings.name, working_space()
+
+    def fill(first: int) -> bool:
         batch = slice(first, min(first + TEXELS_AT_A_TIME, len(rows)))
-        rows[batch] = _encoded(image, _four_channels(pixels[batch]), on_black)
-        passes |= bool((rows[batch, 3] < opaque).any())
+        rows[batch] = _encoded(_four_channels(pixels[batch]), *kind)
+        return bool((rows[batch, 3] < opaque).any())
+
+    passes = parallel_map(fill, range(0, len(rows), TEXELS_AT_A_TIME), len(rows))
     texel_files.release_memory(texels)
-    return passes
+    return any(passes)
 
 
 def read_frame(image: bpy.types.Image, path: str, repeat: bool, on_black: bool) -> Image | None:
@@ -193,15 +199,17 @@ def _encoding(image: bpy.types.Image, is_float: bool) -> Encoding:
     return Encoding.LINEAR if keeps_values else Encoding.SRGB
 
 
-def _encoded(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.ndarray:
-    """(N,4) texels from the values (N,4) of some of the image's pixels, which are overwritten."""
+def _encoded(pixels: np.ndarray, is_float: bool, multiplies: bool, space: str, working: str) -> np.ndarray:
+    """(N,4) texels from the values (N,4) of some of an image's pixels, which are overwritten.
+
+    `multiplies`: whether colors are multiplied by alpha; `space`: the image's, `working`: the scene's.
+    """
     color, alpha = pixels[:, :3], pixels[:, 3:]
-    if on_black and _has_straight_alpha(image, image.is_float) and (alpha < 1.0).any():
+    if multiplies and (alpha < 1.0).any():
         color *= alpha
-    if image.is_float:
+    if is_float:
         alpha[:] = _clipped(alpha, 1.0)
         return _clipped(pixels, MAX_FLOAT16).astype(np.float16)
-    space, working = image.colorspace_settings.name, working_space()
     if space not in DATA and working != REC709:
         linear = color if space in LINEAR else linear_from_srgb(color)
         color[:] = srgb_from_linear(_clipped(linear @ between_spaces(working, REC709).T, 1.0))
@@ -212,7 +220,7 @@ def _encoded(image: bpy.types.Image, pixels: np.ndarray, on_black: bool) -> np.n
 
 def _clipped(values: np.ndarray, upper: float) -> np.ndarray:
     """Values clipped to 0 … `upper`; NaN becomes 0."""
-    return np.clip(np.nan_to_num(values, nan=0.0), 0.0, upper)
+    return np.fmin(np.fmax(values, np.float32(0.0)), np.float32(upper))
 
 
 def _four_channels(pixels: np.ndarray) -> np.ndarray:

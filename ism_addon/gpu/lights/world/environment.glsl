@@ -5,11 +5,15 @@
 #include "maths/equirectangular.glsl"
 #include "maths/octahedron.glsl"
 
+// Directions of the world and of the map: without rotation, the tables hold for all rotations.
+vec3 to_map(vec3 wi) { return environment_rotation * wi; }
+vec3 from_map(vec3 wi) { return wi * environment_rotation; }
+
 // Of a mip level, interpolated linearly.
 vec3 environment_radiance(vec3 wi, int level) {
     ivec2 size = max(environment_size >> level, ivec2(1));
     ivec2 corner = level == 0 ? ivec2(0) : ivec2(environment_size.x - (2 * environment_size.x >> level), environment_size.y);
-    vec2 at = map_from_direction(wi) * vec2(size) - 0.5, low = floor(at), part = at - low;
+    vec2 at = map_from_direction(to_map(wi)) * vec2(size) - 0.5, low = floor(at), part = at - low;
     int left = (int(low.x) + size.x) % size.x, right = (left + 1) % size.x;
     int below = max(int(low.y), 0), above = min(int(low.y) + 1, size.y - 1);
     vec3 lower = mix(texelFetch(environment_map, corner + ivec2(left, below), 0).rgb,
@@ -26,7 +30,7 @@ int nodes_before(int level) { return ((1 << 2 * level) - 1) / 3; }
 
 // The first texel of a normal's nodes: one for each of COARSE_NODES.
 int environment_nodes(vec3 n) {
-    ivec2 cell = min(ivec2((0.5 * octahedron_from_direction(n) + 0.5) * float(MAP_NORMALS)), MAP_NORMALS - 1);
+    ivec2 cell = min(ivec2((0.5 * octahedron_from_direction(to_map(n)) + 0.5) * float(MAP_NORMALS)), MAP_NORMALS - 1);
     return environment_product + (cell.y * MAP_NORMALS + cell.x) * nodes_before(COARSE_LEVELS);
 }
 
@@ -43,7 +47,7 @@ float square_pdf(vec3 wi) {
 }
 
 vec3 environment_irradiance_at(vec3 n) {
-    vec2 at = (0.5 * octahedron_from_direction(n) + 0.5) * float(IRRADIANCE_CELLS);
+    vec2 at = (0.5 * octahedron_from_direction(to_map(n)) + 0.5) * float(IRRADIANCE_CELLS);
     ivec2 cell = min(ivec2(at), IRRADIANCE_CELLS - 1);
     vec2 part = at - vec2(cell);
     int first = environment_irradiance_table + cell.y * (IRRADIANCE_CELLS + 1) + cell.x;
@@ -77,7 +81,7 @@ vec4 environment_direction(vec3 n, vec2 uv) {
     }
     float side = float(1 << ALL_LEVELS);
     vec3 wi = direction_from_octahedron(2.0 * (vec2(node) + clamp(uv, 0.0, 1.0)) / side - 1.0);
-    return vec4(wi, probability * side * side * square_pdf(wi));
+    return vec4(from_map(wi), probability * side * side * square_pdf(wi));
 }
 
 float sum_of(vec4 v) { return v.x + v.y + v.z + v.w; }
@@ -92,11 +96,12 @@ float environment_pdf_beside(vec3 n, vec3 wi) {
     if (dot(n, wi) <= 0.0) return 0.0;
     int nodes = environment_nodes(n);
     float side = float(1 << ALL_LEVELS);
-    ivec2 cell = min(ivec2((0.5 * octahedron_from_direction(wi) + 0.5) * side), (1 << ALL_LEVELS) - 1);
+    vec3 in_map = to_map(wi);
+    ivec2 cell = min(ivec2((0.5 * octahedron_from_direction(in_map) + 0.5) * side), (1 << ALL_LEVELS) - 1);
     ivec2 coarse = cell >> (ALL_LEVELS - COARSE_LEVELS);
     float probability = environment_node(nodes, COARSE_LEVELS, coarse) / sum_of(environment_children(nodes, 0, ivec2(0)));
     probability *= environment_node(nodes, ALL_LEVELS, cell) / sum_of(environment_children(nodes, COARSE_LEVELS, coarse));
-    return probability * side * side * square_pdf(wi);
+    return probability * side * side * square_pdf(in_map);
 }
 
 #if PORTALS == ENVIRONMENT

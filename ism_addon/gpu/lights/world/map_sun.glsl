@@ -27,6 +27,7 @@ vec2 map_sun_interpolated(MapSunPatch area, vec2 at) {
 // The same, with the density by solid angle.
 vec2 map_sun_in_direction(vec3 wi) {
     MapSunPatch area = map_sun_patch();
+    wi = environment_rotation * wi;
     vec2 at = map_from_direction(wi) * vec2(environment_size) - vec2(area.corner);
     at.x -= float(environment_size.x) * floor((at.x + 0.5) / float(environment_size.x)); // across the map's edge
     vec2 texel = vec2(2.0 * HALF_TURN, HALF_TURN) / vec2(environment_size);
@@ -49,7 +50,7 @@ LightSample map_sun_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     vec3 texel = map_sun_texel(first);
     uv.x = clamp(1.0 - (texel.z - uv.x) / max(texel.y, 1e-30), 0.0, 1.0);
     vec2 at = vec2(first % area.size.x, first / area.size.x) + 0.5 + tent_sample(uv);
-    vec3 wi = direction_from_map((vec2(area.corner) + at) / vec2(environment_size));
+    vec3 wi = direction_from_map((vec2(area.corner) + at) / vec2(environment_size)) * environment_rotation;
     vec2 found = map_sun_in_direction(wi);
     return LightSample(sun_point(p, wi), wi, found.x, max(found.y, 1e-37), -1);
 }

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluates the graph of a world's radiance in all directions, and makes the tables by which it lights surfaces."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ...drawing import draw_pixels
 from ...environment.map_sun import MapSun, without_sun
 from ...environment.map_tables import MapTables
 from ...environment.map_texture import with_mip_levels
+from ...environment.rotation import without_rotation
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl import driver_variants
 from ...gl.buffer_texture import SceneRecords
@@ -33,8 +35,16 @@ class BakedWorld:
     """The light of a world, and what it was made of."""
 
     key: tuple[object, ...]  # see key_of
-    light: MapLight | None  # None: the graph cannot be evaluated
+    rotation: np.ndarray  # (3,3), from directions of the world to those of the map
+    light: MapLight | None  # None: the graph cannot be evaluated; its sun is in directions of the map
     uniforms: dict[str, Any]  # of lights/world/environment.glsl
+
+    @cached_property
+    def world_light(self) -> MapLight | None:
+        """The light, its sun in directions of the world. The same object each time."""
+        if self.light is None or self.light.sun is None:
+            return self.light
+        return self.light._replace(sun=replace(self.light.sun, direction=self.light.sun.direction @ self.rotation))
 
 
 class BakeWorld(Pass):
@@ -48,23 +58,32 @@ class BakeWorld(Pass):
         return bool(frame.scene.world.graph[0] >= 0)
 
     def execute(self, frame: Frame) -> None:
-        key, last = key_of(frame.scene), frame.get(BAKED_WORLD)
+        graph, last = frame.scene.graphs[frame.scene.world.graph[0]], frame.get(BAKED_WORLD)
+        rotation, constants = without_rotation(graph, light_constants(frame.scene))
+        key = key_of(frame.scene, constants)
         if last is not None and last.key == key:
+            if (last.rotation != rotation).any():
+                uniforms = last.uniforms | rotation_uniform(rotation)
+                frame[BAKED_WORLD] = replace(last, rotation=rotation, uniforms=uniforms)
             return
-        radiance = self.radiance(frame)
+        radiance = self.radiance(frame, constants)
         if radiance is None:
-            frame[BAKED_WORLD] = BakedWorld(key, None, {})
+            frame[BAKED_WORLD] = BakedWorld(key, rotation, None, {})
             return
         weights = luminance(frame.scene.working_space)
         radiance, sun = without_sun(radiance, weights)
         tables = MapTables.of(radiance, weights)
         uniforms = map_uniforms(self.device, frame.scene_records, radiance, tables, sun)
-        frame[BAKED_WORLD] = BakedWorld(key, MapLight(tables.peak, sun), uniforms)
+        uniforms |= rotation_uniform(rotation)
+        frame[BAKED_WORLD] = BakedWorld(key, rotation, MapLight(tables.peak, sun), uniforms)
 
-    def radiance(self, frame: Frame) -> np.ndarray | None:
-        """(H,W,3) float32: the map, bottom row first. None if the driver cannot compile the graph."""
-        scene, world, texels = frame.scene, frame.scene.world, frame[MATERIAL_BUFFERS].texels
-        graph, constants = scene.graphs[world.graph[0]], dict[str, Any]()
+    def radiance(self, frame: Frame, numbers: np.ndarray) -> np.ndarray | None:
+        """(H,W,3) float32: the map by the graph's constants `numbers`, bottom row first.
+
+        None if the driver cannot compile the graph.
+        """
+        scene, texels = frame.scene, frame[MATERIAL_BUFFERS].texels
+        graph, constants = scene.graphs[scene.world.graph[0]], dict[str, Any]()
         reads_images = graph.uses("image")
         if reads_images:
             constants |= image_constants(scene.images)
@@ -80,8 +99,8 @@ class BakeWorld(Pass):
         bind(
             shader.program,
             map_size=size,
-            first_constant=int(world.first_constant[0]),
-            graph_constants=self.device.buffer_from(world.constants),
+            first_constant=0,
+            graph_constants=self.device.buffer_from(numbers),
             **(texels.samplers if reads_images else {}),
         )
         draw_pixels(frame, self.device.gl.framebuffer([target]), shader)
@@ -118,8 +137,7 @@ def sun_texels(sun: MapSun) -> np.ndarray:
 
 def map_size(scene: Scene) -> tuple[int, int]:
     """Columns and rows of the map."""
-    graph, first = scene.graphs[scene.world.graph[0]], int(scene.world.first_constant[0])
-    rows, columns = scene.world.constants[first : first + graph.rows], [MIN_COLUMNS]
+    graph, rows, columns = scene.graphs[scene.world.graph[0]], light_constants(scene), [MIN_COLUMNS]
     for (row, number), type_ in zip(graph.locations, graph.constants, strict=True):
         if type_ == "image":
             columns.append(scene.images[int(rows[row, number])].texels.shape[1])
@@ -127,8 +145,20 @@ def map_size(scene: Scene) -> tuple[int, int]:
     return width, width // 2
 
 
-def key_of(scene: Scene) -> tuple[object, ...]:
-    """What the light of a world depends on."""
-    world, graph = scene.world, scene.graphs[scene.world.graph[0]]
+def light_constants(scene: Scene) -> np.ndarray:
+    """(R,4) float32: the constants of the graph of a world's light."""
+    first = int(scene.world.first_constant[0])
+    rows: np.ndarray = scene.world.constants[first : first + scene.graphs[scene.world.graph[0]].rows]
+    return rows
+
+
+def key_of(scene: Scene, constants: np.ndarray) -> tuple[object, ...]:
+    """What a map and its tables depend on; `constants` (R,4): of the graph without its rotation."""
+    graph = scene.graphs[scene.world.graph[0]]
     images = scene.images if graph.uses("image") else ()
-    return graph, int(world.first_constant[0]), world.constants.tobytes(), scene.working_space, *images
+    return graph, constants.tobytes(), scene.working_space, *images
+
+
+def rotation_uniform(rotation: np.ndarray) -> dict[str, Any]:
+    """The uniform by which lights/world/*.glsl turn directions to those of the map."""
+    return {"environment_rotation": tuple(rotation.T.ravel())}
