@@ -142,11 +142,11 @@ def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_b
     rows, opaque = texels.reshape(-1, 4), 1.0 if texels.dtype == np.float16 else 255
     multiplies = on_black and _has_straight_alpha(image, image.is_float)
     # Threads read nothing of Blender.
-    kind = image.is_float, multiplies, image.colorspace_settings.name, working_space()
+    properties = image.is_float, multiplies, image.colorspace_settings.name, working_space()
 
     def fill(first: int) -> bool:
         batch = slice(first, min(first + TEXELS_AT_A_TIME, len(rows)))
-        rows[batch] = _encoded(_four_channels(pixels[batch]), *kind)
+        rows[batch] = _encoded(_four_channels(pixels[batch]), *properties)
         return bool((rows[batch, 3] < opaque).any())
 
     passes = parallel_map(fill, range(0, len(rows), TEXELS_AT_A_TIME), len(rows))
