@@ -29,6 +29,7 @@ from .passes.occlusion.ambient_occlusion import AmbientOcclusion
 from .passes.occlusion.blur import BlurOcclusion
 from .passes.occlusion.filter_occlusion import FilterOcclusion
 from .passes.occlusion.shade_occlusion import ShadeOcclusion
+from .passes.occlusion.steady_occlusion import SteadyOcclusion
 from .passes.occlusion.trace_occlusion import TraceOcclusion
 from .passes.shadow_maps.atlas import batches
 from .passes.shadow_maps.fill_holes import FillHoles
@@ -89,7 +90,9 @@ class Occlusion:
     """Ambient occlusion."""
 
     traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (AmbientOcclusion, BlurOcclusion, TraceOcclusion, FilterOcclusion)
+    pass_types: tuple[type[Pass], ...] = (
+        *(AmbientOcclusion, BlurOcclusion, TraceOcclusion, FilterOcclusion, SteadyOcclusion),
+    )
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """Occlusion, from the screen or by rays, then a filter of its noise."""

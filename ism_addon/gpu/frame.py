@@ -67,6 +67,7 @@ class Frame:
     view: View
     settings: Settings
     sample: int
+    low_latency: bool  # whether the first sample is finished earlier
     anchor: np.ndarray  # (3,) float64 world
     graph: Graph
     estimators: tuple[Estimator, ...]

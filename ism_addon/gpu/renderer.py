@@ -180,6 +180,7 @@ class Renderer:
             view=view,
             settings=settings,
             sample=sample,
+            low_latency=low_latency,
             anchor=self.placed[2],
             graph=self.graph,
             estimators=chosen,

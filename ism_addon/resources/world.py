@@ -44,6 +44,9 @@ TRACED_OCCLUSION = Target(
     neutral=(1.0, 1.0),
     label="Traced Occlusion",
 )
+STEADY_OCCLUSION = Target(
+    "steady_occlusion", "traced_occlusion, blended over the last views", format="rg16f", neutral=(1.0, 1.0)
+)
 WORLD_PREDICTION = Target(
     "world_prediction", "direct_prediction of the world alone, where occlusion darkens only it", divisor=0
 )

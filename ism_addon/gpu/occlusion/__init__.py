@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which light ambient occlusion darkens in an image, and whether rays are traced for it."""
 
+from dataclasses import replace
+
 from ...choices import OccludedLight, OcclusionSampling, RadiusUnit
 from ...resource_types import Target
 from ...resources.world import (
@@ -19,6 +21,11 @@ from ..lights.world.table import has_world
 def radius_of(ssao: SSAO) -> float:
     """The radius, in the unit that is chosen."""
     return ssao.radius_pixels if ssao.unit is RadiusUnit.PIXELS else ssao.radius
+
+
+def look_of(ssao: SSAO) -> SSAO:
+    """The settings without those that only count what is open otherwise."""
+    return replace(ssao, enabled=True, light=SSAO.light, intensity=1.0, power=1.0, tint=SSAO.tint)
 
 
 def radius_uniforms(frame: Frame) -> dict[str, float]:

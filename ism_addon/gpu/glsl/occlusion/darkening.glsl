@@ -1,5 +1,5 @@
 // What ambient occlusion leaves of the light at a pixel.
-uniform sampler2D ambient_occlusion; // of rays, the filtered visibility and that by the own ray; else at half resolution
+#include "occlusion/openness.glsl"
 uniform float occlusion_intensity;
 uniform float occlusion_power;
 uniform vec3 occlusion_tint; // of full occlusion
@@ -16,25 +16,11 @@ vec2 left_by(float open) {
     return vec2(pow(clamp(base, 0.0, 1.0), occlusion_power), base > 0.0 ? change : 0.0);
 }
 
-#if TRACED_OCCLUSION
 Darkening darkening_at(ivec2 at, Surface surface) {
-    vec2 open = fetch(ambient_occlusion, at).xy, left = left_by(open.x);
+    vec2 open = openness_at(at, surface), left = left_by(open.x);
     vec3 range = 1.0 - occlusion_tint;
     return Darkening(occlusion_tint + range * left.x, range * left.y * (open.y - open.x));
 }
-#else
-#include "textures/bilateral_upsample.glsl"
-
-Darkening darkening_at(ivec2 at, Surface surface) {
-    float sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        UpsampleTap other = upsample_tap(k, at, surface, 2);
-        sum += other.weight * fetch(ambient_occlusion, other.at).x;
-        weights += other.weight;
-    }
-    return Darkening(mix(occlusion_tint, vec3(1.0), left_by(sum / weights).x), vec3(0.0));
-}
-#endif
 
 // Darkens a prediction, with the most that its luminance can rise in alpha, and its residual, with the uncertain
 // luminance in alpha. The correction is by other random numbers than the residual, so that of the product has their mean.

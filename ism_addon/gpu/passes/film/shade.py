@@ -19,7 +19,14 @@ from ....resources import (
     TILES,
     TRANSMITTED_COLOR,
 )
-from ....resources.world import AMBIENT_OCCLUSION, BACKGROUND, TRACED_OCCLUSION, WORLD_PREDICTION, WORLD_RESIDUAL
+from ....resources.world import (
+    AMBIENT_OCCLUSION,
+    BACKGROUND,
+    STEADY_OCCLUSION,
+    TRACED_OCCLUSION,
+    WORLD_PREDICTION,
+    WORLD_RESIDUAL,
+)
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -38,7 +45,7 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(TRACED_OCCLUSION, *WORLD, TRANSMITTED_COLOR, BACKGROUND),
+        *(TRACED_OCCLUSION, STEADY_OCCLUSION, *WORLD, TRANSMITTED_COLOR, BACKGROUND),
         *(Change.WORLD, Change.VIEW, "ssao"),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)

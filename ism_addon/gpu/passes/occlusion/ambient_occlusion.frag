@@ -115,5 +115,5 @@ void main() {
     }
     // The mean of the weights of all slices.
     float all_slices = 0.5 * PI * cone_sine * cone_sine / range;
-    raw_occlusion = 1.0 - weight * occluded / (BITS * all_slices);
+    raw_occlusion = max(1.0 - weight * occluded / (BITS * all_slices), 0.0);
 }

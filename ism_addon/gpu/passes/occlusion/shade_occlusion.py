@@ -9,6 +9,7 @@ from ....resources.world import (
     SAMPLE_OCCLUSION,
     SAMPLE_OCCLUSION_HEADROOM,
     SAMPLE_OCCLUSION_RESIDUAL,
+    STEADY_OCCLUSION,
     TRACED_OCCLUSION,
 )
 from ...drawing import draw_tiles
@@ -20,7 +21,7 @@ from ...occlusion.inputs import occlusion_constants, occlusion_target, occlusion
 class ShadeOcclusion(Pass):
     """A sample of the render pass AO, its residual and its headroom."""
 
-    inputs = TILES, POSITION, NORMAL, TERMINATOR_OFFSET, AMBIENT_OCCLUSION, TRACED_OCCLUSION, "ssao"
+    inputs = TILES, POSITION, NORMAL, TERMINATOR_OFFSET, AMBIENT_OCCLUSION, TRACED_OCCLUSION, STEADY_OCCLUSION, "ssao"
     outputs = outputs(SAMPLE_OCCLUSION, SAMPLE_OCCLUSION_RESIDUAL, SAMPLE_OCCLUSION_HEADROOM)
 
     def execute(self, frame: Frame) -> None:
