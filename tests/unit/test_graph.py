@@ -129,6 +129,7 @@ def test_every_resource_is_written_and_read():
         "emission_contrast",
         "subsample_emission",
         "baked_emission",
+        *("filtered_once", "occlusion_image"),
     }
 
 
