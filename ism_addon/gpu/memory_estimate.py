@@ -2,11 +2,13 @@
 """Estimates the memory of a render before it is allocated: Linux kills processes that run out of memory."""
 
 import ctypes
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 import moderngl
 
+from ..choices import Method
 from ..resource_types import Target
 from ..resources import (
     SHADOW_MAP_SPLATS,
@@ -16,12 +18,17 @@ from ..resources import (
     VISIBILITY_BUFFER,
     VISIBILITY_DEPTH,
 )
-from ..resources.world import OCCLUSION_DISTANCE, WORLD_PREDICTION, WORLD_RESIDUAL
+from ..resources.world import BACKGROUND, OCCLUSION_DISTANCE, WORLD_PREDICTION, WORLD_RESIDUAL
 from ..sampling.pixel_grid import has_wide_filter
-from ..scene import View
-from .material_inputs import ALL_LOBES
+from ..scene import Scene, View
+from ..settings import Settings
+from .frame import Pass
+from .gl.context import Device
+from .material_inputs import ALL_LOBES, lobe_targets
+from .occlusion import unused_targets
 from .passes.film.accumulate import ROWS, SAMPLES
 from .passes.occlusion.trace_occlusion import SAMPLES_KEPT
+from .passes.shadow_maps.atlas import batches
 from .passes.shadow_maps.fill_holes import PULLED, PUSHED
 
 #: Bytes per pixel: of the targets of one light, with an irradiance cache, and of images on the CPU while they are read
@@ -53,6 +60,25 @@ def needed(targets: Collection[Target], view: View, fine_pixels: int, lights: in
     )
     kept = SAMPLES_KEPT * OCCLUSION_DISTANCE.texel_bytes if OCCLUSION_DISTANCE in targets else 0
     return target_bytes + pixels * (TARGETS_PER_LIGHT * lights + FULL_SIZE_IMAGES + kept)
+
+
+def required_bytes(
+    device: Device, scene: Scene, view: View, settings: Settings, pass_types: Iterable[type[Pass]], fine_pixels: int
+) -> tuple[float, int]:
+    """Bytes that an image of these passes takes, and the number of lights that rays are traced to."""
+    casting = int(scene.lights.casts_shadow.sum()) if settings.shadow.enabled else 0
+    traced, map_texels = settings.shadow.method is Method.RAY_TRACED, 0
+    if casting and not traced:
+        points = max(settings.quality.virtual_lights, casting)
+        atlas, *_ = batches(points, settings.quality.map_size, device.texture_size)
+        map_texels = math.prod(atlas.size)
+    lights = casting if traced else 0
+    targets = {output for pass_type in pass_types for output in pass_type.outputs if isinstance(output, Target)}
+    targets -= set(ALL_LOBES) - set(lobe_targets(scene))
+    targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
+    targets -= {BACKGROUND} if scene.world.graph[1] < 0 else set()
+    targets -= unused_targets(settings)
+    return needed(targets, view, fine_pixels, lights, map_texels), lights
 
 
 def free(gl: moderngl.Context) -> int | None:

@@ -6,15 +6,14 @@ al. 2008; Beck-Norén & Valter 2013, "Soft shadows in real time by imperfect sha
 occlusion").
 """
 
-import math
 from collections.abc import Callable, Collection, Generator, Iterator
 
 import numpy as np
 
 from ..render_passes import COMBINED, OCCLUSION, RenderPass
 from ..resource_types import Target
-from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION, TRANSMITTED_COLOR
-from ..resources.world import BACKGROUND, BAKED_WORLD
+from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION
+from ..resources.world import BAKED_WORLD
 from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
 from ..scene import Scene, View
 from ..settings import DebugView, Settings
@@ -26,9 +25,7 @@ from .frame import Frame, Pass
 from .gl import frame_uniforms
 from .gl.context import Device
 from .graph import Graph
-from .material_inputs import ALL_LOBES, lobe_targets
-from .memory_estimate import check, needed
-from .occlusion import unused_targets
+from .memory_estimate import check, required_bytes
 from .passes.environment.bake_world import BakeWorld
 from .passes.film.accumulate import Accumulate
 from .passes.film.debug_image import DebugImage
@@ -37,7 +34,6 @@ from .passes.film.resolve import Resolve, ResolveOcclusion
 from .passes.film.shade import Shade
 from .passes.light_selection.cache_irradiance import CacheIrradiance
 from .passes.light_selection.cull_lights import CullLights
-from .passes.shadow_maps.atlas import batches
 from .passes.surfaces.find_graphs import FindGraphs
 from .passes.surfaces.gbuffer import GBuffer
 from .passes.surfaces.select_tiles import SelectTiles
@@ -172,8 +168,10 @@ class Renderer:
             self.placed = scene, view, anchor
         grid = self.grid(view, settings, sample, low_latency)
         if sample == 0:
-            self.estimate_memory(scene, view, settings, chosen, int(grid.bounds(view.width, view.height)[1].prod()))
-            self.graph.begin(pass_types_of(chosen))
+            pass_types, fine_pixels = pass_types_of(chosen), int(grid.bounds(view.width, view.height)[1].prod())
+            required, lights = required_bytes(self.device, scene, view, settings, pass_types, fine_pixels)
+            check(self.device.gl, required - self.graph.targets.bytes, view, lights)
+            self.graph.begin(pass_types)
         return Frame(
             device=self.device,
             scene=scene,
@@ -209,28 +207,6 @@ class Renderer:
         count = samples_per_visibility_buffer(view, settings.quality.samples, self.device.texture_size)
         count = 1 if low_latency and sample == 0 else count
         return pixel_grid(sample // count, count)
-
-    def estimate_memory(
-        self, scene: Scene, view: View, settings: Settings, chosen: tuple[Estimator, ...], fine_pixels: int
-    ) -> None:
-        """Raises MemoryError if an image would take more memory than is free."""
-        casting = int(scene.lights.casts_shadow.sum()) if settings.shadow.enabled else 0
-        traced = any(estimator.traces_rays for estimator in chosen)
-        map_texels = 0
-        if casting and not traced:
-            points = max(settings.quality.virtual_lights, casting)
-            atlas, *_ = batches(points, settings.quality.map_size, self.device.texture_size)
-            map_texels = math.prod(atlas.size)
-        lights = casting if traced else 0
-        targets = {
-            output for pass_type in pass_types_of(chosen) for output in pass_type.outputs if isinstance(output, Target)
-        }
-        targets -= set(ALL_LOBES) - set(lobe_targets(scene))
-        targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
-        targets -= {BACKGROUND} if scene.world.graph[1] < 0 else set()
-        targets -= unused_targets(settings)
-        required = needed(targets, view, fine_pixels, lights, map_texels)
-        check(self.device.gl, required - self.graph.targets.bytes, view, lights)
 
     def picture(self) -> np.ndarray:
         """(H,W,4): the image of all samples so far, alpha premultiplied, bottom row first. Raises as Device.check."""

@@ -29,7 +29,7 @@ LARGE_MAPS = with_quality(SMALL_SHADOW_MAPS, virtual_lights=40, map_size=256)
 def test_the_estimate_is_what_a_picture_takes(device, monkeypatch, settings, filter_width):
     """Render targets only, whose bytes are counted: textures per light and images being read back are subtracted."""
     calls, estimate = [], memory_estimate.needed
-    monkeypatch.setattr("ism_addon.gpu.renderer.needed", lambda *args: calls.append(args) or estimate(*args))
+    monkeypatch.setattr("ism_addon.gpu.memory_estimate.needed", lambda *args: calls.append(args) or estimate(*args))
     scene, view = box_over_plane(256, 160)
     view = replace(view, filter_width=filter_width)
     drawn = draw(device, scene, view, replace(with_quality(settings, samples=4), ssao=SSAO()))
