@@ -191,7 +191,7 @@ class Frame:
                 if any(graph.emits and graph.reads_view for graph in self.scene.graphs)
                 else None
             ),
-            Change.GLOSS: self.scene.has_gloss,
+            Change.GLOSS: (self.scene.has_gloss, self.scene.traces_graphs),
             Change.LIGHTS: (
                 self.scene.lights,
                 self.scene.light_profiles,

@@ -35,7 +35,7 @@ from .passes.film.shade import Shade
 from .passes.light_selection.cache_irradiance import CacheIrradiance
 from .passes.light_selection.cull_lights import CullLights
 from .passes.surfaces.find_graphs import FindGraphs
-from .passes.surfaces.gbuffer import GBuffer
+from .passes.surfaces.gbuffer import GBuffer, TracingGBuffer
 from .passes.surfaces.select_tiles import SelectTiles
 from .passes.surfaces.transmitted_color import TransmittedColor
 from .passes.surfaces.visibility_buffer import VisibilityBuffer
@@ -72,7 +72,7 @@ FILM = Shade, DebugImage, Accumulate
 #: Passes of every image.
 COMMON = *UPLOAD, *BAKES, *SURFACES, *SELECTION, *FILM, Resolve, EstimateError
 PASSES: tuple[type[Pass], ...] = (
-    *COMMON,
+    *(*COMMON, TracingGBuffer),
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
 )
 
@@ -110,7 +110,7 @@ class Renderer:
         self.submission.begin(sample, cancelled)
         run = self.graph.run
         frame = yield from self.uploaded(scene, view, settings, sample, profile, low_latency)
-        yield from run(SURFACES, frame, profile)
+        yield from run(surfaces(scene), frame, profile)
         yield from run(SELECTION, frame, profile)
         for estimator in frame.estimators:
             yield from run(estimator.passes(frame), frame, profile)
@@ -128,7 +128,7 @@ class Renderer:
         """Draw only the visible surfaces, as `sample` does. A picture that begins afterwards reuses them."""
         self.submission.begin(0, cancelled)
         frame = yield from self.uploaded(scene, view, settings, 0, profile)
-        yield from self.graph.run(SURFACES, frame, profile)
+        yield from self.graph.run(surfaces(scene), frame, profile)
 
     def uploaded(
         self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
@@ -168,7 +168,10 @@ class Renderer:
             self.placed = scene, view, anchor
         grid = self.grid(view, settings, sample, low_latency)
         if sample == 0:
-            pass_types, fine_pixels = pass_types_of(chosen), int(grid.bounds(view.width, view.height)[1].prod())
+            pass_types, fine_pixels = (
+                (*pass_types_of(chosen), *surfaces(scene)),
+                int(grid.bounds(view.width, view.height)[1].prod()),
+            )
             required, lights = required_bytes(self.device, scene, view, settings, pass_types, fine_pixels)
             check(self.device.gl, required - self.graph.targets.bytes, view, lights)
             self.graph.begin(pass_types)
@@ -255,6 +258,11 @@ class Renderer:
         """Free the GPU's memory."""
         self.graph.release()
         self.device.free_released()
+
+
+def surfaces(scene: Scene) -> tuple[type[Pass], ...]:
+    """The passes that draw a scene's visible surfaces."""
+    return SURFACES if not scene.traces_graphs else (UploadBLAS, BuildTLAS, *SURFACES[:-1], TracingGBuffer)
 
 
 def pass_types_of(chosen: tuple[Estimator, ...]) -> tuple[type[Pass], ...]:

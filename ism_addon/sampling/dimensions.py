@@ -120,6 +120,8 @@ class Dimension(Enum):
     OCCLUSION_SLICE = {"sample": powers_of_root(1, 1, -3)[::-1], "pixel": (0.5698402909980532, 0.7548776662466927)}
     # The direction of a ray of ambient occlusion. Of 32 random pairs for `pixel`, the best.
     OCCLUSION_RAY = {"sample": powers_of_root(1, -2, 0), "pixel": (0.577895, 0.236398)}
+    # The direction of a ray of a node Ambient Occlusion.
+    NODE_RAY = {"ray": powers_of_root(1, -1, 0), "pixel": (0.897678, 0.844231)}
     # The color of a triangle in the debug view.
     DEBUG_COLOR = {"triangle": powers_of_root(2, 0, -1, -2), "instance": powers_of_root(-1, 2, 0, 1)}
 

@@ -111,6 +111,11 @@ class Scene:
         """Whether the radiance of any material varies."""
         return bool((self.materials.emission_graph >= 0).any())
 
+    @property
+    def traces_graphs(self) -> bool:
+        """Whether the graph of any material traces rays."""
+        return any(graph.traces_rays for graph in self.graphs)
+
     def reusing(self, other: Self) -> Self:
         """This scene, with equal objects replaced by the other's; if all are equal, the other scene itself."""
         tables = {name: getattr(self, name) for name in ("instances", "materials", "lights", "world")}

@@ -40,6 +40,8 @@ at_point("point_inputs", "float", "geometry_backfacing", "ray_length")
 at_point("world", "vec3", "world_direction", "world_window")
 at_point("point_inputs", "float", "fresnel", "layer_weight_fresnel", operands="float vec3", mean=0.1)
 at_point("point_inputs", "float", "layer_weight_facing", operands="float vec3", mean=0.3)
+# The maximum of the distance, and the normal. The parameter is twice the number of rays, and 1 more if they go inside.
+at_point("occlusion", "float", "ambient_occlusion", operands="float vec3", parameter=True, mean=1.0)
 at_point("object", "vec3", "coordinate_object", "coordinate_normal", "object_location")
 at_point("object", "vec4", "object_color")
 at_point("object", "float", "object_index", "object_random")

@@ -117,6 +117,11 @@ class NodeGraph:
         return any(map(self.uses, SIDE_OPERATIONS))
 
     @property
+    def traces_rays(self) -> bool:
+        """Whether rays are traced where it is evaluated."""
+        return self.reflects and self.uses("ambient_occlusion")
+
+    @property
     def reads_objects(self) -> bool:
         """Whether it reads what is known of the object."""
         return any(OPERATIONS[each.operation].file == "object" for each in self.instructions)

@@ -15,7 +15,7 @@ ADDON = project.ROOT / "ism_addon"
 #: Functions, by name, that show users an argument: its index, or its keyword.
 CALLS: dict[str, int | str] = {"warn": 0, "report": 1, "end": 1, "notify": "error", "label": "text", "value": 2}
 #: Variables that hold only messages or issues. Texts of tuples and dictionaries are messages too.
-NAMES = {"issue", "kind", "why", "sentence", "ALWAYS", "PLAIN", "LEFT_OUT", "OWN_VALUE", "NOTE", "note"}
+NAMES = {"issue", "kind", "why", "sentence", "ALWAYS", "PLAIN", "LEFT_OUT", "OWN_VALUE", "OPEN", "NOTE", "note"}
 #: A text with fewer words is a name or a part of a message.
 MIN_WORDS = 3
 #: Exceptions that users never see: programming errors, and those that are always caught.

@@ -19,6 +19,7 @@ class MaterialShader(NamedTuple):
     includes: tuple[Include, ...]
     constants: dict[str, Any]
     has_graph: bool
+    traces_rays: bool
     has_gloss: bool
     has_coat: bool
     has_layers: bool  # lobes that few scenes have
@@ -48,9 +49,11 @@ def material_shader(
             "glossy": int(has_gloss),
             **({"several_graphs": 1} if has_several_graphs(materials, graphs) else {}),
             "images": int(reads_images),
+            **({"traces_nodes": 1, "transparency": 0} if own is not None and own.traces_rays else {}),
             **(image_constants if reads_images else {}),
         },
         has_graph=own is not None,
+        traces_rays=own is not None and own.traces_rays,
         has_gloss=has_gloss,
         has_coat=own is not None and own.has_coat,
         has_layers=own is not None and (own.has_coat or own.has_extra),

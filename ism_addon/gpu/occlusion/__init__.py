@@ -90,4 +90,4 @@ def traces_occlusion(frame: Frame) -> bool:
 
 def traces_rays(frame: Frame) -> bool:
     """Whether any rays are traced that can hit anything, which needs acceleration structures."""
-    return frame.traces_shadows or traces_occlusion(frame)
+    return frame.traces_shadows or traces_occlusion(frame) or frame.scene.traces_graphs

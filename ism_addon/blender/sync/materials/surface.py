@@ -17,7 +17,7 @@ from ..diagnostics import Diagnostics
 from ..node_graphs.reader import UNKNOWN, Closure, GraphReader
 from .lobes import BLACK, ONE, ZERO, Lobe, Lobes
 from .nodes import color
-from .transparency import ADDED_PASS_LIMIT, MAX_POINT_COST, Transparency, covered, passing, transparency
+from .transparency import ADDED_PASS_LIMIT, MAX_POINT_COST, OPEN, Transparency, covered, passing, transparency
 
 #: Limit of a graph's cost: its shader takes Mesa's software driver up to two seconds to compile.
 MAX_COST = 800
@@ -138,6 +138,8 @@ class Surface:
         if self._pass_limit is not None:
             closures.append(builder.call("closure_pass_limit", self._pass_limit))
         graph, constants = builder.finish(closures)
+        if graph.uses("ambient_occlusion"):
+            findings.warn(OPEN, name)
         if graph.cost > MAX_POINT_COST:
             findings.warn("Materials with too many nodes for what they emit emit evenly", name)
             return Emission(radiance)

@@ -18,6 +18,9 @@ ONE, BLACK = constant(1.0), constant((0.0, 0.0, 0.0))
 #: Limit of the cost of a graph that rays read. All shaders that trace such rays contain the graphs of a scene.
 MAX_POINT_COST = 300
 
+#: What is said where a node is not evaluated.
+OPEN = "Ambient Occlusion nodes do not darken what materials emit and what passes through them"
+
 
 #: Difference between a color's components up to which it counts as grey.
 MAX_CHROMA = 0.002
@@ -89,6 +92,8 @@ def transparency(
     for note in builder.notes([color]):
         findings.warn(note, material.name)
     graph, constants = builder.finish([builder.call("closure_transparent", color, parameter=int(tints)), *limits])
+    if graph.uses("ambient_occlusion"):
+        findings.warn(OPEN, material.name)
     if graph.cost > MAX_POINT_COST:
         issue = "Materials with too many nodes for what passes through them are evenly transparent"
         findings.warn(issue, material.name)

@@ -11,6 +11,9 @@ from .reader import Converter, NodeView
 
 ZERO, ONE = constant(0.0), constant(1.0)
 
+#: Rays that a node Ambient Occlusion traces in each sample of a pixel.
+MAX_RAYS = 4
+
 #: Outputs of the nodes Camera Data and Light Path.
 CAMERA_DATA = "View Vector", "View Z Depth", "View Distance"
 
@@ -99,7 +102,18 @@ def light_path(view: NodeView) -> Mapping[str, Value]:
     return outputs | {view.reader.ray.value: ONE, "Ray Length": view.call("ray_length")}
 
 
+def ambient_occlusion(view: NodeView) -> Mapping[str, Value]:
+    """Ambient Occlusion. Its rays are spread over the samples of a pixel."""
+    rays = 2 * min(max(view.node.samples, 1), MAX_RAYS) + int(view.node.inside)
+    openness = view.call("ambient_occlusion", view.value("Distance"), normal_of(view), parameter=rays)
+    if view.node.only_local:
+        note = "Ambient Occlusion nodes of Only Local see all objects"
+        openness = view.builder.substitute(openness, note)
+    return {"Color": view.call("vector_scale", view.value("Color"), openness), "AO": openness}
+
+
 CONVERTERS: dict[str, Converter] = {
+    "ShaderNodeAmbientOcclusion": ambient_occlusion,
     "ShaderNodeAttribute": attribute,
     "ShaderNodeVertexColor": color_attribute,
     "ShaderNodeNewGeometry": geometry,

@@ -27,6 +27,7 @@ NOTE = "Worlds whose {1} is given by a node '{0}' have the socket's own value"
 OF_MESHES = {
     *("ShaderNodeTangent", "ShaderNodeNormalMap", "ShaderNodeBump", "ShaderNodeVectorTransform"),
     *("ShaderNodeAttribute", "ShaderNodeVertexColor", "ShaderNodeObjectInfo", "ShaderNodeUVMap"),
+    "ShaderNodeAmbientOcclusion",
 }
 
 

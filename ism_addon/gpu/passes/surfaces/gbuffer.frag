@@ -6,6 +6,7 @@
 #include "surfaces/instances.glsl"
 #include "surfaces/terminator_offset.glsl"
 #include "surfaces/visible_triangle.glsl"
+#include "sampling/sample_index.glsl"
 #if GLOSS
 #include "materials/gloss_packing.glsl"
 #endif
@@ -22,7 +23,6 @@
 #include "nodes/gloss.glsl"
 #endif
 
-flat in float sample_index;
 uniform usamplerBuffer materials;
 uniform isamplerBuffer corner_normal_buffer;
 #ifdef SEVERAL_GRAPHS

@@ -5,7 +5,7 @@ Beck-Norén & Valter 2013, section 3.3, also store depth, normals and positions.
 """
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import moderngl
 
@@ -23,18 +23,20 @@ from ....resources import (
     TERMINATOR_OFFSET,
     TILE_GRAPHS,
     TILES,
+    TLAS,
     UV_BUFFERS,
     VISIBILITY_BUFFER,
 )
+from ....sampling.dimensions import Dimension, draw, fixed_increments, fixed_point
 from ....scene import Change, Scene
 from ...buffers.corner_buffers import attribute_uniforms
 from ...buffers.material_buffers import MaterialBuffers
 from ...drawing import draw_tiles
-from ...frame import Frame, Pass, outputs
+from ...frame import Frame, Input, Pass, outputs
 from ...gl import shader_records
 from ...gl.buffer_texture import BufferTexture
 from ...gl.shader_compiler import ProgramSource, ShaderError, bind, program_of
-from ...gl.shader_records import INSTANCE, OBJECT_INFO, Record
+from ...gl.shader_records import CASTER, INSTANCE, MEMBERSHIP, OBJECT_INFO, Record
 from ...material_inputs import GLOSS, MATERIAL, layer_targets, lobe_targets
 from ...materials import lobe_tables
 from ...materials.shader import MaterialShader
@@ -47,7 +49,7 @@ RECORDS: tuple[Record, ...] = INSTANCE, OBJECT_INFO, shader_records.MATERIAL, sh
 class GBuffer(Pass):
     """Depth along the view's axis, position, normals and base color of each pixel's nearest surface."""
 
-    inputs = (
+    inputs: ClassVar[tuple[Input, ...]] = (
         *(VISIBILITY_BUFFER, MESH_BUFFERS, INSTANCE_BUFFERS, MATERIAL_BUFFERS, UV_BUFFERS, ATTRIBUTE_BUFFERS, TILES),
         *(TILE_GRAPHS, Change.NORMALS, Change.VIEW, Change.SAMPLE, "shortcuts"),
     )
@@ -101,6 +103,7 @@ class GBuffer(Pass):
             **(frame[INSTANCE_BUFFERS].attributes if shader.reads_instance_attributes else {}),
             **({"lobe_tables": self.lobe_tables} if shader.has_gloss else {}),
             **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
+            **(self.ray_uniforms(frame) if shader.traces_rays else {}),
         )
         if "several_graphs" in shader.constants:
             bind(
@@ -111,6 +114,10 @@ class GBuffer(Pass):
                 tile_graphs=frame[TILE_GRAPHS],
             )
         draw_tiles(frame, framebuffer, program)
+
+    def ray_uniforms(self, frame: Frame) -> dict[str, Any]:
+        """Uniforms of materials whose graphs trace rays."""
+        return {}
 
     def programs(self, frame: Frame, materials: MaterialBuffers) -> dict[int, moderngl.Program]:
         """The program of each graph; -1 stands for none. Graphs that the driver cannot compile are left out."""
@@ -129,10 +136,29 @@ class GBuffer(Pass):
         return programs
 
 
+class TracingGBuffer(GBuffer):
+    """The same of scenes with graphs that trace rays, which need acceleration structures before."""
+
+    inputs = *GBuffer.inputs, TLAS
+
+    def ray_uniforms(self, frame: Frame) -> dict[str, Any]:
+        return {
+            **{name: value for name, value in frame[TLAS].items() if name != "corners"},
+            "pixel_steps": fixed_increments(Dimension.NODE_RAY, "pixel"),
+            "first_node_ray": fixed_point(draw(Dimension.NODE_RAY, ray=0)),
+            "node_ray_steps": fixed_increments(Dimension.NODE_RAY, "ray"),
+        }
+
+
+def records(shader: MaterialShader) -> tuple[Record, ...]:
+    """Records that the shader of a graph fetches."""
+    return (*RECORDS, CASTER, MEMBERSHIP) if shader.traces_rays else RECORDS
+
+
 def sources(scene: Scene, shader: MaterialShader) -> list[ProgramSource]:
     """The programs that draw the materials of a shader: of all targets but the layers, then of those it has."""
     base = GBuffer.tile_source(
-        *RECORDS,
+        *records(shader),
         *shader.includes,
         background_depth=BACKGROUND_DEPTH,
         layers=0,
@@ -145,7 +171,9 @@ def sources(scene: Scene, shader: MaterialShader) -> list[ProgramSource]:
 
 def layers_source(scene: Scene, shader: MaterialShader) -> ProgramSource:
     """The program that draws the layers of a shader's materials."""
-    return GBuffer.tile_source(*RECORDS, *shader.includes, layers=1, **layers_constants(scene), **shader.constants)
+    return GBuffer.tile_source(
+        *records(shader), *shader.includes, layers=1, **layers_constants(scene), **shader.constants
+    )
 
 
 def empty_layers(scene: Scene) -> ProgramSource:

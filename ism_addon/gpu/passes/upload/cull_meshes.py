@@ -39,7 +39,7 @@ class CullMeshes(Pass):
 
     schedule = Schedule.FIRST
     inputs = (
-        *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.VIEW),
+        *(Change.MESHES, Change.INSTANCES, Change.LIGHTS, Change.GLOSS, Change.VIEW),
         *("shadow.enabled", "shadow.method", "shortcuts"),
         *("ssao.sampling", "ssao.enabled", "occlusion_pass"),
     )
@@ -64,7 +64,7 @@ class CullMeshes(Pass):
         boxes = instance_boxes(scene, frame.anchor)
         visible = scene.instances.visible & boxes_in_view(frame, boxes)
         needed, casters = candidates & visible, np.flatnonzero(candidates & scene.instances.casts_shadow & ~visible)
-        if may_trace_occlusion(frame.settings):  # by all that is anywhere
+        if may_trace_occlusion(frame.settings) or scene.traces_graphs:  # by all that is anywhere
             needed[casters] = True
         elif frame.traces_shadows and len(casters) and visible.any():
             slices = visible_slices(boxes[..., visible], frame.view, frame.anchor)

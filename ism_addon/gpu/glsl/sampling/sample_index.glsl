@@ -1,0 +1,1 @@
+flat in float sample_index; // among the samples of the tile
