@@ -82,9 +82,10 @@ Coat unpack_coat(uvec4 bits, uvec2 ltc) {
     return Coat(gloss, direction_from_octahedron(2.0 * a[1].zw - 1.0));
 }
 
+// Of smooth sheen, which is faint except at silhouettes, 16 bits of its fourth root have three digits down to 1e-7.
 uvec4 pack_rare_lobes(RareLobes rare) {
     vec2 bytes = floor(255.0 * clamp(vec2(rare.diffuse_roughness, rare.diffuse_weight), 0.0, 1.0) + 0.5);
-    return pack_halves(vec4(rare.sheen / MAX_REFLECTANCE, (256.0 * bytes.x + bytes.y) / 65535.0),
+    return pack_halves(vec4(sqrt(sqrt(rare.sheen / MAX_REFLECTANCE)), (256.0 * bytes.x + bytes.y) / 65535.0),
                        vec4(0.5 + rare.sheen_shape / (2.0 * MAX_SHEEN_SHAPE),
                             0.49 * (1.0 - rare.aspect) + (rare.beckmann ? 0.5 : 0.0), rare.tangent_angle));
 }
@@ -94,6 +95,7 @@ RareLobes unpack_rare_lobes(uvec4 bits) {
     vec2 bytes = vec2(bits.y >> 24u, bits.y >> 16u & 255u) / 255.0;
     bool beckmann = a[1].z > 0.495;
     float aspect = 1.0 - (a[1].z - (beckmann ? 0.5 : 0.0)) / 0.49;
-    return RareLobes(MAX_REFLECTANCE * a[0].rgb, 2.0 * MAX_SHEEN_SHAPE * (a[1].xy - 0.5), min(aspect, 1.0), a[1].w,
+    vec3 root = a[0].rgb * a[0].rgb;
+    return RareLobes(MAX_REFLECTANCE * root * root, 2.0 * MAX_SHEEN_SHAPE * (a[1].xy - 0.5), min(aspect, 1.0), a[1].w,
                      bytes.x, bytes.y, beckmann);
 }
