@@ -6,6 +6,7 @@ from collections.abc import Callable
 from statistics import median
 from typing import Any
 
+from ism_addon.choices import OcclusionSampling
 from tests.benchmark.error import report as error_report
 from tests.benchmark.error.curve import error_at
 from tests.benchmark.error.measure import Result
@@ -206,6 +207,26 @@ def draws_table() -> str:
     return f"{error_report.table(rows)}\n\nSeconds; {recorded['scene']}, {size} pixels. {sentence}"
 
 
+def occlusion_tables() -> str:
+    """RMS errors of ambient occlusion beside closed forms, and beside rays of the same radius."""
+    recorded = record.read("occlusion")
+    closed, rays, names = recorded["closed forms"], recorded["rays"], list(OcclusionSampling)
+    rows = [["scene", "darkening", *(each.label for each in names)]]
+    rows += [
+        [name, *(f"{errors[each]:.3f}" for each in ("darkening", *(str(each) for each in names)))]
+        for name, errors in closed.items()
+    ]
+    counts = list(rays[str(names[0])]["errors"])
+    beside = [["sampling", *(f"{count} samples" for count in counts), "ms a sample"]]
+    beside += [
+        [each.label, *(f"{rays[str(each)]['errors'][count]:.3f}" for count in counts), f"{rays[str(each)]['ms']:.0f}"]
+        for each in names
+    ]
+    width, height = recorded["size"]
+    about = f"{recorded['scene']}, {width}×{height} pixels, darkened by {rays['darkening']:.3f}"
+    return f"{error_report.table(rows)}\n\n{error_report.table(beside)}\n\n{about}. {record.sentence(recorded)}"
+
+
 #: Generators of the parts between markers of a name; and of whole files, by their paths from the root.
 PARTS: dict[str, Callable[[], str]] = {
     "race": goal_table,
@@ -220,5 +241,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "gpu": gpu_table,
     "constants": constants_table,
     "draws": draws_table,
+    "occlusion": occlusion_tables,
 }
 PLOTS: dict[str, Callable[[], str]] = {"docs/pictures/error.svg": error_plot, "docs/pictures/scale.svg": scale_plot}
