@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ism_addon.choices import OcclusionSampling
 from ism_addon.scene import Lights
 from ism_addon.settings import SSAO
 from tests.scenes.small import SMALL
@@ -95,7 +96,7 @@ def test_the_penumbra_of_a_half_plane(device, assert_within, settings, bound):
 
 #: Sample counts after which the error of a penumbra is checked.
 def occluded_by_wall(distance: np.ndarray, radius: float) -> np.ndarray:
-    """Occluded fraction of the ambient occlusion samples at points `distance` m from an infinite, perpendicular wall.
+    """Occluded fraction of the points of ambient occlusion at points `distance` m from an infinite, perpendicular wall.
 
     The component c of a sample's direction along the wall's normal has the density 2/pi sqrt(1-c²). A sample at the
     distance s is behind the wall if c s > distance, and s² is uniform up to radius².
@@ -107,7 +108,7 @@ def occluded_by_wall(distance: np.ndarray, radius: float) -> np.ndarray:
 
 def test_ambient_occlusion_in_a_corner(device, assert_within):
     scene, view = corner()
-    measured = mean_occlusion(device, scene, view, HEMISPHERE_SSAO)
+    measured = mean_occlusion(device, scene, view, replace(HEMISPHERE_SSAO, sampling=OcclusionSampling.POINTS))
     surface, rows = half_resolution_surface(scene, view)
     position = surface.position[rows]
     distance = np.where(position[..., 2] < 1e-6, -position[..., 1], position[..., 2])

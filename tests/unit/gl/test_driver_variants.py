@@ -86,6 +86,7 @@ for scene in [PLAIN[0], *PLAIN[:0:-1]] if sys.argv[2] == "backwards" else PLAIN:
 draw(2, 300, (90, 60), faint=True)
 draw(2, 300, (90, 60), image=CHECKS)
 draw(2, 300, (90, 60), ssao=True)
+draw(2, 300, (90, 60), 1, ssao=True)  # in a viewport, where it is steadied
 draw(3, 5000, (32, 8), 2, image=CHECKS, ssao=True)
 draw(6, 1, (50, 64), faint=True, ssao=True)
 worker.stop()
@@ -112,10 +113,10 @@ def test_another_picture_compiles_nothing(opened_device, tmp_path, method, order
     assert run.returncode == 0, run.stderr
     first, *added = np.diff([0, *map(int, run.stdout.split())]).tolist()
     assert first > 20
-    *plain, faint, image, ssao, both, all_but_images = added
+    *plain, faint, image, ssao, steady, both, all_but_images = added
     assert plain == [0] * len(plain)
     assert (faint > 0) == (method == "rays")
-    assert min(image, ssao) > 0
+    assert min(image, ssao, steady) > 0
     assert both == all_but_images == 0
 
 

@@ -1,13 +1,12 @@
 // Ambient occlusion, blended with that of the last views, where these showed the same surface.
 #include "surfaces/surface.glsl"
 #include "occlusion/openness.glsl"
-#if HAS_LAST
+uniform bool has_last;
 uniform sampler2D last_occlusion; // blended, over how many views
 uniform sampler2D last_position;  // in alpha, the normal, packed
 uniform mat4 last_clip_from_anchor;
 uniform vec3 anchor_change; // from this anchor to that of the last view, m
 uniform bool is_same_view;
-#endif
 layout(location = 0) out vec2 steady_occlusion; // as traced_occlusion
 layout(location = 1) out vec2 blended;          // over how many views
 
@@ -16,7 +15,7 @@ void main() {
     Surface surface = surface_at(at);
     steady_occlusion = openness_at(at, surface);
     blended = vec2(steady_occlusion.x, 1.0);
-#if HAS_LAST
+    if (!has_last) return;
     if (is_same_view) {
         blended = fetch(last_occlusion, at).xy;
         steady_occlusion.x = blended.x;
@@ -40,5 +39,4 @@ void main() {
     float views = min(before.y + 1.0, MAX_VIEWS);
     blended = vec2(mix(before.x, steady_occlusion.x, 1.0 / views), views);
     steady_occlusion.x = blended.x;
-#endif
 }

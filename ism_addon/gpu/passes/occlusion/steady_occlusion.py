@@ -58,16 +58,12 @@ class SteadyOcclusion(Pass):
 
     def execute(self, frame: Frame) -> None:
         target, origin, last = drawn_target(frame), self.origin_of(frame), self.last
+        assert target is not None
         if last is not None and (last.origin != origin or not frame.settings.shortcuts):
             last = None
         gl, view = self.device.gl, frame.states[Change.VIEW]
         occlusion, position = (create(gl, each, frame.size) for each in (STEADY_OCCLUSION, POSITION))
-        constants: dict[str, Any] = {
-            "max_views": MAX_VIEWS,
-            "min_weight": MIN_WEIGHT,
-            "has_last": int(last is not None),
-        }
-        constants |= occlusion_constants(target)
+        constants: dict[str, Any] = {"max_views": MAX_VIEWS, "min_weight": MIN_WEIGHT, **occlusion_constants(target)}
         program = self.tile_program(**constants)
         self.device.overwrite()
         bind(
@@ -75,8 +71,11 @@ class SteadyOcclusion(Pass):
             position=frame[POSITION],
             normal=frame[NORMAL],
             base_color=frame[TERMINATOR_OFFSET],
-            **({"ambient_occlusion": frame[target]} if target else {}),
-            **self.last_uniforms(frame, last, view),
+            ambient_occlusion=frame[target],
+            has_last=last is not None,
+            last_occlusion=frame[target] if last is None else last.occlusion,
+            last_position=frame[POSITION] if last is None else last.position,
+            **({} if last is None else self.last_uniforms(frame, last, view)),
         )
         draw_tiles(frame, gl.framebuffer([frame[STEADY_OCCLUSION], occlusion]), program)
         gl.copy_framebuffer(gl.framebuffer([position]), gl.framebuffer([frame[POSITION]]))
@@ -84,13 +83,9 @@ class SteadyOcclusion(Pass):
         self.last = LastView(occlusion, position, matrix, frame.anchor, view, origin)
 
     @staticmethod
-    def last_uniforms(frame: Frame, last: LastView | None, view: object) -> dict[str, Any]:
-        """Uniforms that describe the last view, if there is one."""
-        if last is None:
-            return {}
+    def last_uniforms(frame: Frame, last: LastView, view: object) -> dict[str, Any]:
+        """Uniforms that describe where the last view was."""
         return {
-            "last_occlusion": last.occlusion,
-            "last_position": last.position,
             "last_clip_from_anchor": tuple(last.clip_from_anchor.T.ravel()),
             "anchor_change": tuple(frame.anchor - last.anchor),
             "is_same_view": last.view == view,
