@@ -17,6 +17,9 @@ from ...settings.occlusion import SSAO
 from ..frame import Frame
 from ..lights.world.table import has_world
 
+#: The world's prediction and its residual, where occlusion may darken it alone.
+SEPARATE_WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
+
 
 def radius_of(ssao: SSAO) -> float:
     """The radius, in the unit that is chosen."""
@@ -72,7 +75,7 @@ def unused_targets(settings: Settings) -> set[Target]:
     if ssao.sampling is not OcclusionSampling.TRACED:
         unused |= {OCCLUSION_DISTANCE, FILTERED_ONCE, TRACED_OCCLUSION}
     if ssao.light is not OccludedLight.WORLD:
-        unused |= {WORLD_PREDICTION, WORLD_RESIDUAL}
+        unused |= set(SEPARATE_WORLD)
     return unused
 
 

@@ -2,6 +2,7 @@
 #include "nodes/point.glsl"
 #ifdef TRACES_NODES
 #include "maths/orthonormal_basis.glsl"
+#include "maths/rounding.glsl"
 #include "sampling/cosine_hemisphere.glsl"
 #include "sampling/pixel_sequence.glsl"
 #include "sampling/sample_index.glsl"
@@ -14,7 +15,7 @@ float ambient_occlusion(ShadingPoint at, float distance, vec3 normal, int rays) 
     float side = (rays & 1) == 1 ? -1.0 : 1.0, reach = distance > 0.0 ? distance : 2.0 * scene_extent.x;
     int count = rays >> 1;
     mat3 hemisphere = basis(side * normalize(normal));
-    vec3 p = at.position, from = p + side * at.geometric_normal * 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z));
+    vec3 from = at.position + side * rounding(at.position) * at.geometric_normal;
     float open = 0.0;
     for (int k = 0; k < count; ++k) {
         uvec2 shift = first_node_ray + uint(int(sample_index) * count + k) * node_ray_steps;

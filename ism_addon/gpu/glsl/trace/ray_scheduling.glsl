@@ -1,11 +1,11 @@
 // Which samples trace a ray at a pixel. The probability is proportional to how much the ray can change the pixel.
 #include "maths/luminance.glsl"
+#include "sampling/sample_index.glsl"
 #include "trace/shadow_ray.glsl"
 uniform uvec2 ray_steps;
 uniform uvec2 late_ray_steps; // of a pixel's rays from EARLY_RAYS on
 uniform uvec2 schedule_steps; // from pixel to pixel, and after each round of the subpixel offsets
 uniform float ray_threshold; // change of luminance for which each sample traces a ray, at the picture's mean
-flat in float sample_index;
 flat in float tile_tolerance;
 
 // Upper bound of the increase of a pixel's luminance if the predicted visibility of a light is wrong. `unshadowed`: the

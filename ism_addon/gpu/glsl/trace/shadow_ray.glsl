@@ -3,6 +3,7 @@
 #include "sampling/pixel_sequence.glsl"
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
+#include "maths/rounding.glsl"
 
 // Cosine to a triangle's normal below which rays start on the curved surface that it approximates: Cycles' default.
 const float GRAZING = 0.1;
@@ -11,9 +12,6 @@ float mean(vec3 color) { return (color.r + color.g + color.b) / 3.0; }
 
 // Whether light arrives from a sample if nothing occludes it.
 bool arrives(Surface surface, LightSample from) { return from.radiance > 0.0 && dot(surface.normal, from.wi) > 0.0; }
-
-// Rounding error of a point, m. A ray's ends are moved off their surfaces by it.
-float rounding(vec3 p) { return 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z)); }
 
 // The fraction of light that passes along the segment from a surface to a point of a light. At grazing angles it starts
 // on the curved surface that the triangle approximates. The light may lie in the plane of a ceiling. For shadows the

@@ -39,7 +39,7 @@ from ....resources import (
     TILES,
     TLAS,
 )
-from ....resources.world import PORTALS, WORLD_PREDICTION, WORLD_RESIDUAL
+from ....resources.world import PORTALS
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -52,7 +52,7 @@ from ...lights.modulation import mean_points
 from ...lights.world.table import is_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
-from ...occlusion import separates_world
+from ...occlusion import SEPARATE_WORLD, separates_world
 from ...surface_inputs import SURFACE, surface_samplers
 from ..light_selection.scene_portals import portals_of
 from .faint_lights import ESTIMATE_NODES, drawn_pairs
@@ -75,14 +75,13 @@ MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
 
 
-#: The prediction of all lights and its correction; of the world, where ambient occlusion darkens it alone.
+#: The prediction of lights and its correction.
 DIRECT = DIRECT_PREDICTION, DIRECT_RESIDUAL
-WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
 
 
 def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
     """Where a light is drawn."""
-    return WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
+    return SEPARATE_WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
 
 
 class TraceShadows(Pass):
@@ -94,7 +93,7 @@ class TraceShadows(Pass):
         *(PREDICTED_VISIBILITY, PREDICTED_PIXEL, MEAN_LUMINANCE, Change.LIGHTS, Change.SAMPLE, "shadow.enabled"),
         "ssao.light",
     )
-    outputs = outputs(*DIRECT, *WORLD, RAY_COUNTS, LIGHTS_USED)
+    outputs = outputs(*DIRECT, *SEPARATE_WORLD, RAY_COUNTS, LIGHTS_USED)
 
     def __init__(self, device: Device):
         super().__init__(device)
@@ -106,9 +105,9 @@ class TraceShadows(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame[RAY_COUNTS] = self.ray_counts(frame)
-        for target in WORLD if separates_world(frame) else ():
+        for target in SEPARATE_WORLD if separates_world(frame) else ():
             frame.allocate(target, frame.size)
-        for targets in (DIRECT, WORLD) if separates_world(frame) else (DIRECT,):
+        for targets in (DIRECT, SEPARATE_WORLD) if separates_world(frame) else (DIRECT,):
             frame.framebuffer(*targets).clear()
         self.device.add()
         used = self.draw_lights(frame) | self.draw_faint_lights(frame)

@@ -24,20 +24,15 @@ from ....resources.world import (
     BACKGROUND,
     STEADY_OCCLUSION,
     TRACED_OCCLUSION,
-    WORLD_PREDICTION,
-    WORLD_RESIDUAL,
 )
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_compiler import bind
 from ...material_inputs import MATERIAL, material_constants, material_samplers
-from ...occlusion import darkens, has_ambient_light, separates_world
+from ...occlusion import SEPARATE_WORLD, darkens, has_ambient_light, separates_world
 from ...occlusion.inputs import occlusion_constants, occlusion_target, occlusion_uniforms
 from ...surface_inputs import tint_constants, tint_uniforms
-
-#: The world, where ambient occlusion darkens it alone.
-WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
 
 
 class Shade(Pass):
@@ -45,7 +40,7 @@ class Shade(Pass):
 
     inputs = (
         *(TILES, POSITION, NORMAL, *MATERIAL, DIRECT_PREDICTION, DIRECT_RESIDUAL, AMBIENT_OCCLUSION),
-        *(TRACED_OCCLUSION, STEADY_OCCLUSION, *WORLD, TRANSMITTED_COLOR, BACKGROUND),
+        *(TRACED_OCCLUSION, STEADY_OCCLUSION, *SEPARATE_WORLD, TRANSMITTED_COLOR, BACKGROUND),
         *(Change.WORLD, Change.VIEW, "ssao"),
     )
     outputs = outputs(SAMPLE_COLOR, SAMPLE_RESIDUAL, SAMPLE_HEADROOM)
@@ -69,7 +64,7 @@ class Shade(Pass):
             direct_prediction=frame[DIRECT_PREDICTION],
             direct_residual=frame[DIRECT_RESIDUAL],
             **(occlusion_uniforms(frame, occlusion) if occlusion else {}),
-            **({target.name: frame[target] for target in WORLD} if separates_world(frame) else {}),
+            **({target.name: frame[target] for target in SEPARATE_WORLD} if separates_world(frame) else {}),
             background=frame[BACKGROUND],
             even_background=tuple(world.background * (world.graph[1] < 0)),
             ambient=tuple(world.radiance * has_ambient_light(frame)),

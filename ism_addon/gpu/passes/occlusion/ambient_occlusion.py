@@ -76,24 +76,22 @@ class AmbientOcclusion(Pass):
 
     def execute(self, frame: Frame) -> None:
         ssao = frame.settings.ssao
-        shader, uniforms = self.horizons, dict[str, Any]()
         if ssao.sampling is OcclusionSampling.HORIZONS:
-            uniforms |= {
+            shader = self.horizons
+            uniforms: dict[str, Any] = {
                 "cone_cosine": np.cos(ssao.cone_angle / 2.0),
                 "thickness": ssao.thickness,
                 "pixel_steps": fixed_increments(Dimension.OCCLUSION_SLICE, "pixel"),
                 "turn_shift": fixed_point(draw(Dimension.OCCLUSION_SLICE, sample=frame.sample)),
             }
         else:
-            shader, uniforms = (
-                self.points,
-                {
-                    "cone_sine": np.sin(ssao.cone_angle / 2.0),
-                    "depth": frame[DEPTH],
-                    "random": self.random,
-                    "rotation": tuple(draw(Dimension.OCCLUSION_ROTATION, sample=frame.sample)),
-                },
-            )
+            shader = self.points
+            uniforms = {
+                "cone_sine": np.sin(ssao.cone_angle / 2.0),
+                "depth": frame[DEPTH],
+                "random": self.random,
+                "rotation": tuple(draw(Dimension.OCCLUSION_ROTATION, sample=frame.sample)),
+            }
         frame.device.overwrite()
         bind(
             shader.program,

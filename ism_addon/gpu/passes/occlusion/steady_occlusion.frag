@@ -5,7 +5,7 @@ uniform bool has_last;
 uniform sampler2D last_occlusion; // blended, over how many views
 uniform sampler2D last_position;  // in alpha, the normal, packed
 uniform mat4 last_clip_from_anchor;
-uniform vec3 anchor_change; // from this anchor to that of the last view, m
+uniform vec3 anchor_change; // from the last view's anchor to this one, m
 uniform bool is_same_view;
 layout(location = 0) out vec2 steady_occlusion; // as traced_occlusion
 layout(location = 1) out vec2 blended;          // over how many views

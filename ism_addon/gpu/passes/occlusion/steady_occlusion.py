@@ -33,6 +33,7 @@ class LastView:
     """What is kept of a view."""
 
     occlusion: moderngl.Texture
+    other: moderngl.Texture  # what the next view draws into: new memory takes long
     position: moderngl.Texture
     clip_from_anchor: np.ndarray
     anchor: np.ndarray
@@ -62,7 +63,11 @@ class SteadyOcclusion(Pass):
         if last is not None and (last.origin != origin or not frame.settings.shortcuts):
             last = None
         gl, view = self.device.gl, frame.states[Change.VIEW]
-        occlusion, position = (create(gl, each, frame.size) for each in (STEADY_OCCLUSION, POSITION))
+        if last is None:
+            textures = [create(gl, each, frame.size) for each in (STEADY_OCCLUSION, STEADY_OCCLUSION, POSITION)]
+        else:
+            textures = [last.other, last.occlusion, last.position]
+        occlusion, other, position = textures
         constants: dict[str, Any] = {"max_views": MAX_VIEWS, "min_weight": MIN_WEIGHT, **occlusion_constants(target)}
         program = self.tile_program(**constants)
         self.device.overwrite()
@@ -80,7 +85,7 @@ class SteadyOcclusion(Pass):
         draw_tiles(frame, gl.framebuffer([frame[STEADY_OCCLUSION], occlusion]), program)
         gl.copy_framebuffer(gl.framebuffer([position]), gl.framebuffer([frame[POSITION]]))
         matrix = clip_from_anchor(frame.view, frame.anchor)
-        self.last = LastView(occlusion, position, matrix, frame.anchor, view, origin)
+        self.last = LastView(occlusion, other, position, matrix, frame.anchor, view, origin)
 
     @staticmethod
     def last_uniforms(frame: Frame, last: LastView, view: object) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 // distributed in proportion to the cosine.
 #include "surfaces/surface.glsl"
 #include "maths/orthonormal_basis.glsl"
+#include "maths/rounding.glsl"
 #include "sampling/cosine_hemisphere.glsl"
 #include "sampling/pixel_sequence.glsl"
 #include "trace/traversal.glsl"
@@ -21,8 +22,7 @@ void main() {
     // Smooth normals lean beyond the triangle: what would be below its plane is reflected.
     float below = min(dot(wi, surface.geometric_normal), 0.0);
     wi -= 2.0 * below * surface.geometric_normal;
-    vec3 p = surface.position;
-    p += surface.geometric_normal * 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z));
+    vec3 p = surface.position + rounding(surface.position) * surface.geometric_normal;
     float reach = 2.0 * scene_extent.x; // beyond all surfaces
     float fraction = occluder_distance(p, p + reach * wi, surface.triangle, surface.instance);
     if (fraction < 1.0) occlusion_distance = min(fraction * reach, UNOCCLUDED);

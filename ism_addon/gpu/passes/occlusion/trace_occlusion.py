@@ -60,7 +60,10 @@ class TraceOcclusion(Pass):
         self.origin: tuple[Any, ...] = ()
 
     def needed(self, frame: Frame) -> bool:
-        return traces_occlusion(frame)
+        is_needed = traces_occlusion(frame)
+        if not is_needed:
+            self.kept.clear()  # frees memory
+        return is_needed
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()
