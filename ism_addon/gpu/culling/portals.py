@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .portal_geometry import MEASURING_RAYS, Rays, Rectangle
+
 #: Rectangles at most: the density of a sample takes time in proportion to their number.
 MAX_PORTALS = 4
 
@@ -21,6 +23,9 @@ MIN_RAYS = 16
 MAX_INDOORS_VISIBILITY = 0.4
 CELLS = 6
 
+#: By how far an origin may be outside of the box, relative to its longest side.
+BOX_MARGIN = 1e-3
+
 #: The box's angle about z: so many are tried up to a right angle, then around the best one.
 ANGLES = 18
 
@@ -28,49 +33,17 @@ ANGLES = 18
 FACE_CELLS = 12
 MIN_DENSITY = 0.1
 
+#: Fractions of an opening's rays that a rectangle is tried without, at each of its sides.
+LEFT_OUT = 0.0, 0.02
+
 #: How far in front of a face openings may be, relative to the box.
 OFFSETS = 0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0
-
-#: Occluded rays that measure a rectangle: all of them would take longer.
-MEASURING_RAYS = 4000
 
 #: Ratio of the variance of samples without portals to that with them, below which they do not pay.
 MIN_GAIN = 2.0
 
 #: Probability of a sample through a portal, at most: the others find light that portals miss.
 MAX_PROBABILITY = 0.9
-
-
-@dataclass(frozen=True)
-class Rays:
-    """N rays: origins and directions (N,3) in anchor space, and whether each (N,) is unoccluded."""
-
-    origins: np.ndarray
-    directions: np.ndarray
-    unoccluded: np.ndarray
-
-    def __getitem__(self, rows: np.ndarray | slice) -> "Rays":
-        return Rays(self.origins[rows], self.directions[rows], self.unoccluded[rows])
-
-    def __len__(self) -> int:
-        return len(self.origins)
-
-
-@dataclass(frozen=True)
-class Rectangle:
-    """A rectangle in anchor space, m."""
-
-    centre: np.ndarray  # (3,)
-    sides: np.ndarray  # (2,3): the vectors of both sides
-    normal: np.ndarray  # (3,) unit, into the interior
-
-    def crossed_by(self, rays: Rays) -> np.ndarray:
-        """(N,) bool: whether rays cross it from the interior."""
-        cosine = rays.directions @ self.normal
-        distance = (self.centre - rays.origins) @ self.normal / np.minimum(cosine, -1e-9)
-        offset = rays.origins + distance[:, None] * rays.directions - self.centre
-        inside = np.abs(offset @ self.sides.T) <= 0.5 * (self.sides * self.sides).sum(1)
-        return (cosine < -1e-9) & (distance > 0.0) & inside.all(1)
 
 
 @dataclass(frozen=True)
@@ -88,7 +61,9 @@ class Portals:
         crossed = np.any([each.crossed_by(rays) for each in rectangles], axis=0)
         found = int((crossed & rays.unoccluded).sum())
         missed = 1.0 - found / (int(rays.unoccluded.sum()) + 2.0)  # not 0 if all rays cross any
-        return cls(rectangles, float(crossed.mean()), found / max(int(crossed.sum()), 1), missed)
+        fraction = rays.fraction(crossed)
+        arriving = rays.fraction(crossed & rays.unoccluded) / fraction if fraction > 0.0 else 0.0
+        return cls(rectangles, fraction, arriving, missed)
 
     @property
     def relative_deviations(self) -> tuple[float, float]:
@@ -122,33 +97,56 @@ def find_portals(rays: Rays) -> Portals | None:
     """Portals from cosine-distributed rays; None if none pay."""
     if rays.unoccluded.sum() < MIN_RAYS:
         return None
-    axes = box_axes(rays.origins)
+    axes = box_axes(rays.origins[:: max(len(rays) // MEASURING_RAYS, 1)])
     rays = rays[are_indoors(rays, axes)]
     if rays.unoccluded.sum() < MIN_RAYS:
         return None
     low, high = box(rays.origins, axes)
+    rays = rays[are_inside(rays.origins, axes, low, high)].fewer  # without those that start in an opening
     unoccluded, occluded = rays[rays.unoccluded], rays[~rays.unoccluded]
-    sparse = occluded[:: max(len(occluded) // MEASURING_RAYS, 1)]
     openings: list[tuple[int, Rectangle]] = []
     face = faces_crossed(unoccluded, axes, low, high)
     for index in range(6):
         for opening in openings_of_face(unoccluded[face == index], index, axes, low, high):
-            openings.append((len(opening), smallest_rectangle(opening, sparse, index, axes, low, high)))
+            openings.append((len(opening), best_rectangle(opening, occluded, index, axes, low, high)))
     openings.sort(key=lambda each: -each[0])
     best: Portals | None = None
     for _, rectangle in openings:
         portals = Portals.of((*best.rectangles, rectangle) if best else (rectangle,), rays)
         if best is None or portals.gain > best.gain:
-            best = portals
+            best = extended(portals, rays)
         if len(best.rectangles) == MAX_PORTALS:
             break
     return best if best and best.gain >= MIN_GAIN else None
 
 
+def extended(portals: Portals, rays: Rays) -> Portals:
+    """Each rectangle extended to unoccluded rays that cross none, if that lowers the variance.
+
+    The box is only around what is visible, so rays through a part of an opening may leave it by another face.
+    """
+    unoccluded = rays[rays.unoccluded]
+    for index, rectangle in enumerate(portals.rectangles):
+        missed = ~np.any([each.crossed_by(unoccluded) for each in portals.rectangles], axis=0)
+        others = portals.rectangles[:index], portals.rectangles[index + 1 :]
+        for larger in rectangle.extensions(unoccluded[missed]):
+            tried = Portals.of((*others[0], larger, *others[1]), rays)
+            if tried.gain > portals.gain:
+                portals = tried
+    return portals
+
+
 def box(origins: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Low and high corners (3,), along axes (3,3), of the box around almost all origins (N,3)."""
     low, high = np.quantile(origins @ axes.T, (0.01, 0.99), axis=0)
-    return low, np.maximum(high, low + 1e-3 * (high - low).max() + 1e-9)
+    return low, np.maximum(high, low + BOX_MARGIN * (high - low).max() + 1e-9)
+
+
+def are_inside(origins: np.ndarray, axes: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether origins (N,3) are in the box or on its faces."""
+    along, margin = origins @ axes.T, BOX_MARGIN * (high - low).max()
+    inside: np.ndarray = ((along >= low - margin) & (along <= high + margin)).all(1)
+    return inside
 
 
 def box_axes(origins: np.ndarray) -> np.ndarray:
@@ -172,11 +170,9 @@ def are_indoors(rays: Rays, axes: np.ndarray) -> np.ndarray:
     """(N,) bool: whether few of the rays from the same cell are unoccluded."""
     low, high = box(rays.origins, axes)
     cells = np.floor((rays.origins @ axes.T - low) * (CELLS / (high - low).max())).astype(np.int64)
-    _, cell = np.unique(np.clip(cells, -1, CELLS), axis=0, return_inverse=True)
-    cell = cell.ravel()
-    visibility = np.bincount(cell, rays.unoccluded) / np.bincount(cell)
-    indoors: np.ndarray = visibility[cell] <= MAX_INDOORS_VISIBILITY
-    return indoors
+    cell = np.ravel_multi_index(np.clip(cells + 1, 0, CELLS + 1).T, (CELLS + 2,) * 3)
+    indoors: np.ndarray = np.bincount(cell, rays.unoccluded) <= MAX_INDOORS_VISIBILITY * np.bincount(cell)
+    return indoors[cell]
 
 
 def faces_crossed(rays: Rays, axes: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -222,25 +218,23 @@ def openings_of_face(rays: Rays, face: int, axes: np.ndarray, low: np.ndarray, h
     return [each for each in openings if len(each) >= MIN_RAYS]
 
 
-def smallest_rectangle(
+def best_rectangle(
     rays: Rays, occluded: Rays, face: int, axes: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> Rectangle:
-    """The rectangle that all rays of an opening cross and the fewest occluded ones, at any of OFFSETS from a face."""
+    """Of rectangles that most rays of an opening cross, at any of OFFSETS from a face, the one with the most gain."""
     axis, others = face % 3, [k for k in range(3) if k != face % 3]
     outwards = 1.0 if face >= 3 else -1.0
-    best = None
+    both = rays.with_others(occluded)
+    tried = []
     for offset in OFFSETS:
         level = float((low, high)[face // 3][axis] + outwards * offset * (high - low)[axis])
         points = crossings(rays, face, axes, level)
-        first, last = points.min(0), points.max(0)
-        margin = (last - first) / len(rays)
-        first, last = first - margin, last + margin
-        centre = np.zeros(3)
-        centre[axis], centre[others] = level, 0.5 * (first + last)
-        sides = (last - first)[:, None] * axes[others]
-        rectangle = Rectangle(centre @ axes, sides, -outwards * axes[axis])
-        count = int(rectangle.crossed_by(occluded).sum())
-        if best is None or count < best[0]:
-            best = count, rectangle
-    assert best is not None
-    return best[1]
+        for left_out in LEFT_OUT:
+            first, last = np.quantile(points, (left_out, 1.0 - left_out), axis=0)
+            margin = (last - first) / len(rays)
+            first, last = first - margin, last + margin
+            centre = np.zeros(3)
+            centre[axis], centre[others] = level, 0.5 * (first + last)
+            sides = (last - first)[:, None] * axes[others]
+            tried.append(Portals.of((Rectangle(centre @ axes, sides, -outwards * axes[axis]),), both))
+    return max(tried, key=lambda each: each.gain).rectangles[0]

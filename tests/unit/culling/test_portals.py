@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from ism_addon.gpu.culling.portals import MIN_RAYS, Portals, Rays, Rectangle, find_portals, turned
+from ism_addon.gpu.culling.portal_geometry import Rays, Rectangle
+from ism_addon.gpu.culling.portals import MIN_RAYS, Portals, find_portals, turned
 
 SIZE = np.array([5.0, 4.0, 2.6])  # of a room that begins at the origin, m
 #: Openings: the axis and end of their wall, and their low and high corners along the other axes.
@@ -54,6 +55,15 @@ def test_portals_fit_openings(openings, turn):
     crossed = np.any([each.crossed_by(rays) for each in portals.rectangles], axis=0)
     assert crossed[rays.unoccluded].mean() > 0.98
     assert rays.unoccluded[crossed].mean() == pytest.approx(portals.arriving, abs=0.02) and portals.arriving > 0.9
+
+
+def test_an_opening_is_found_whole_where_only_a_part_of_the_room_is_visible():
+    """Rays through a part of the window leave the box around what is visible by another face than those beside it."""
+    rays = rays_in_room((WINDOW,), count=40_000)
+    rays = rays[rays.origins[:, 1] > 1.4]
+    portals = find_portals(rays)
+    assert portals is not None and len(portals.rectangles) == 1
+    assert area(portals.rectangles[0]) == pytest.approx(1.4 * 1.2, rel=0.1) and portals.missed < 0.02
 
 
 def test_normals_point_into_the_room():

@@ -9,7 +9,8 @@ import pytest
 
 from ism_addon.color import REC709, luminance
 from ism_addon.gpu import lights
-from ism_addon.gpu.culling.portals import Portals, Rectangle
+from ism_addon.gpu.culling.portal_geometry import Rectangle
+from ism_addon.gpu.culling.portals import Portals
 from ism_addon.gpu.emission.emitters import EmissiveMeshes
 from ism_addon.gpu.environment.equirectangular import texel_directions
 from ism_addon.gpu.environment.map_sun import MapSun

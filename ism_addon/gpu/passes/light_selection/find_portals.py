@@ -9,7 +9,8 @@ from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, 
 from ....resources.world import PORTALS
 from ....sampling.dimensions import Dimension, draw, fixed_increments
 from ....scene import Change
-from ...culling.portals import MAX_INDOORS_VISIBILITY, Rays, find_portals
+from ...culling.portal_geometry import Rays
+from ...culling.portals import MAX_INDOORS_VISIBILITY, find_portals
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, pixels
@@ -22,7 +23,7 @@ from .probe_rays import ProbeGrid, light_blocks, trace_blocks
 from .scene_portals import ScenePortals
 
 #: Rays that look for openings.
-PORTAL_RAYS = 10_000
+PORTAL_RAYS = 40_000
 
 RAY_ORIGIN = Target("ray_origin", "Where rays to the world start; in alpha, whether there is one", divisor=0)
 RAY_DIRECTION = Target("ray_direction", "Their directions; in alpha, whether they were unoccluded", divisor=0)
