@@ -31,6 +31,7 @@ class Image(Arrays):
     encoding: Encoding = Encoding.SRGB
     #: Whether colours count as much as their alpha where texels are averaged: they are not multiplied by it yet.
     straight_alpha: bool = False
+    scale: float = 1.0  # of floats: what colours are multiplied by, as texels cannot be larger than 65504
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -52,7 +52,7 @@ def _read(image: bpy.types.Image, on_black: bool, repeat: bool, path: str) -> tu
     loaded = images.read_frame(image, path, repeat, on_black) if path else images.read(image, repeat, on_black)
     if loaded is None:
         return None
-    colors = images.linear(loaded.texels[..., :3], loaded.encoding)
+    colors = images.linear(loaded)
     height, width = colors.shape[:2]
     if (scale := MAX_SIDE / max(height, width)) < 1.0:
         colors = resampled(colors, max(round(scale * height), 1), max(round(scale * width), 1))

@@ -39,6 +39,7 @@ class TextureBuffer:
             self.textures[name] = texture = _texture(device, ends[-1], dtype)
             for line, (row, image, first) in zip(ends[:-1], chosen, strict=True):
                 row["encoding"], row["repeat"] = list(Encoding).index(image.encoding), image.repeat
+                row["scale"] = image.scale
                 row["first_line"], row["levels"] = line, max(image.texels.shape[:2]).bit_length() - first
                 row["height"], row["width"] = level(image.texels.shape, first)
                 self.bytes += _write(texture, line, image, first)

@@ -58,7 +58,8 @@ class MapTables:
         irradiance = irradiance_of(unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)), colors, middles)
         peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
         weights, places = leaf_points()
-        light = weights * np.maximum(interpolated(radiance @ luminance.astype(np.float32), places), 0.0)
+        relative = radiance @ (luminance / peak).astype(np.float32)
+        light = weights * np.maximum(interpolated(relative, places), 0.0)
         side = 1 << ALL_LEVELS
         leaves = light.reshape(side, LEAF_POINTS, side, LEAF_POINTS).sum((1, 3))
         leaves += np.float32(MIN_LEAF) * leaves.mean()

@@ -169,6 +169,7 @@ GRAPH_CONSTANT = Record("GraphConstant", numbers="vec4")
 IMAGE = Record(
     "Image",
     **dict.fromkeys(("encoding", "first_line", "width", "height", "repeat", "levels", "first_level"), "int"),
+    scale="float",
 )
 
 #: A light in anchor space. Of areas, x of light space is along the tangent, z along the normal. The radius of suns is

@@ -2,6 +2,7 @@
 """Reads the texels of Blender's images: of files, packed ones and generated ones."""
 
 import io
+import math
 import os
 from contextlib import suppress
 from typing import BinaryIO
@@ -17,7 +18,8 @@ from .large_png import LargePng, UnsupportedPng
 #: Spaces whose stored values are linear. Blender reads floating point images as linear, whatever their space.
 LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 
-MAX_FLOAT16 = 65504.0
+#: The largest 16-bit float, and the largest texel: with larger ones, those around 1 would be rounded visibly.
+MAX_FLOAT16, MAX_TEXEL = 65504.0, 65504.0 * 2.0**15
 
 #: Texels that are converted at a time: few enough for the processor's cache.
 TEXELS_AT_A_TIME = 1 << 15
@@ -89,9 +91,9 @@ def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) ->
         return None
     encoding = _encoding(image, image.is_float)
     texels = texel_files.empty((height, width, 4), encoding.dtype)
-    passes = _encode(image, _pixels(image), texels, on_black)
+    passes, scale = _encode(image, _pixels(image), texels, on_black)
     is_straight = passes and not on_black and _has_straight_alpha(image, image.is_float)
-    return Image(texels, repeat, encoding, is_straight)
+    return Image(texels, repeat, encoding, is_straight, scale)
 
 
 def _file(image: bpy.types.Image) -> BinaryIO:
@@ -120,7 +122,7 @@ def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> t
                 raise UnsupportedPng
             pixels = _pixels(band)
             above = np.rint(pixels[: png.width, : png.channels] * np.float32(255.0)).astype(np.uint8).tobytes()
-            passes |= _encode(band, pixels, texels[top:bottom], on_black)
+            passes |= _encode(band, pixels, texels[top:bottom], on_black)[0]
             data.images.remove(band)
             bottom = top
     return texels, passes
@@ -134,24 +136,33 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     return pixels.reshape(width * height, -1)
 
 
-def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> bool:
+def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> tuple[bool, float]:
     """Fill texels (H,W,4) from the first of the pixels (N,channels), which are overwritten.
 
-    Returns whether alpha is below 1 anywhere.
+    Returns whether alpha is below 1 anywhere, and Image.scale.
     """
-    rows, opaque = texels.reshape(-1, 4), 1.0 if texels.dtype == np.float16 else 255
-    multiplies = on_black and _has_straight_alpha(image, image.is_float)
+    rows, scale = texels.reshape(-1, 4), 1.0
+    batches = [slice(first, first + TEXELS_AT_A_TIME) for first in range(0, len(rows), TEXELS_AT_A_TIME)]
     # Threads read nothing of Blender.
-    properties = image.is_float, multiplies, image.colorspace_settings.name, working_space()
+    is_float, space, working = image.is_float, image.colorspace_settings.name, working_space()
+    multiplies = on_black and _has_straight_alpha(image, is_float)
+    opaque = 1.0 if is_float else 255
 
-    def fill(first: int) -> bool:
-        batch = slice(first, min(first + TEXELS_AT_A_TIME, len(rows)))
-        rows[batch] = _encoded(_four_channels(pixels[batch]), *properties)
-        return bool((rows[batch, 3] < opaque).any())
+    def fill(batch: slice) -> tuple[bool, float]:
+        values, largest = _four_channels(pixels[: len(rows)][batch]), 0.0
+        if is_float:
+            largest = _largest_finite(values)
+            rows[batch] = _encoded_floats(values, scale)
+        else:
+            rows[batch] = _encoded(values, multiplies, space, working)
+        return bool((rows[batch, 3] < opaque).any()), largest
 
-    passes = parallel_map(fill, range(0, len(rows), TEXELS_AT_A_TIME), len(rows))
+    passes, largest = zip(*parallel_map(fill, batches, len(rows)), strict=True)
+    if max(largest) > MAX_FLOAT16:
+        scale = 2.0 ** math.ceil(math.log2(min(max(largest), MAX_TEXEL) / MAX_FLOAT16))
+        parallel_map(fill, batches, len(rows))
     texel_files.release_memory(texels)
-    return any(passes)
+    return any(passes), scale
 
 
 def read_frame(image: bpy.types.Image, path: str, repeat: bool, on_black: bool) -> Image | None:
@@ -169,7 +180,7 @@ def mean_texel(image: Image) -> np.ndarray:
     step = max(max(image.texels.shape[:2]) // MEAN_TEXELS, 1)
     some = image.texels[::step, ::step].reshape(-1, 4)
     if image.encoding is Encoding.FLOAT:
-        mean = some.mean(0, dtype=np.float64)
+        mean = some.mean(0, dtype=np.float64) * (*3 * (image.scale,), 1.0)
     else:  # by how many texels have each value, as converting each takes longer
         values = *3 * (_linear_values(image.encoding),), _linear_values(Encoding.LINEAR)
         counts = (np.bincount(channel, minlength=256) for channel in some.T)
@@ -178,11 +189,12 @@ def mean_texel(image: Image) -> np.ndarray:
     return mean
 
 
-def linear(stored: np.ndarray, encoded: Encoding) -> np.ndarray:
+def linear(image: Image) -> np.ndarray:
     """(H,W,3) float32: linear colours of texels."""
-    if encoded is Encoding.FLOAT:
-        return stored.astype(np.float32)
-    return _linear_values(encoded).astype(np.float32)[stored]
+    stored = image.texels[..., :3]
+    if image.encoding is Encoding.FLOAT:
+        return stored.astype(np.float32) * np.float32(image.scale)
+    return _linear_values(image.encoding).astype(np.float32)[stored]
 
 
 def _linear_values(encoding: Encoding) -> np.ndarray:
@@ -199,17 +211,31 @@ def _encoding(image: bpy.types.Image, is_float: bool) -> Encoding:
     return Encoding.LINEAR if keeps_values else Encoding.SRGB
 
 
-def _encoded(pixels: np.ndarray, is_float: bool, multiplies: bool, space: str, working: str) -> np.ndarray:
-    """(N,4) texels from the values (N,4) of some of an image's pixels, which are overwritten.
+def _largest_finite(pixels: np.ndarray) -> float:
+    """The largest absolute value of pixels (N,4), in which those that are not finite become 0, as in Cycles."""
+    ends = pixels.min(), pixels.max()  # NaN if any is
+    if not np.isfinite(ends).all():
+        np.nan_to_num(pixels, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+        ends = pixels.min(), pixels.max()
+    return float(np.abs(ends).max())
+
+
+def _encoded_floats(pixels: np.ndarray, scale: float) -> np.ndarray:
+    """(N,4) texels from the values (N,4) of some pixels of an image of floats."""
+    texels = np.empty(pixels.shape, np.float16)
+    color = pixels[:, :3] if scale == 1.0 else pixels[:, :3] / np.float32(scale)
+    texels[:, :3], texels[:, 3] = np.clip(color, -MAX_FLOAT16, MAX_FLOAT16), _clipped(pixels[:, 3], 1.0)
+    return texels
+
+
+def _encoded(pixels: np.ndarray, multiplies: bool, space: str, working: str) -> np.ndarray:
+    """(N,4) texels from the values (N,4) of some pixels of an image of bytes. The values are overwritten.
 
     `multiplies`: whether colors are multiplied by alpha; `space`: the image's, `working`: the scene's.
     """
     color, alpha = pixels[:, :3], pixels[:, 3:]
     if multiplies and (alpha < 1.0).any():
         color *= alpha
-    if is_float:
-        alpha[:] = _clipped(alpha, 1.0)
-        return _clipped(pixels, MAX_FLOAT16).astype(np.float16)
     if space not in DATA and working != REC709:
         linear = color if space in LINEAR else linear_from_srgb(color)
         color[:] = srgb_from_linear(_clipped(linear @ between_spaces(working, REC709).T, 1.0))

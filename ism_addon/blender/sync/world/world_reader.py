@@ -110,6 +110,9 @@ class WorldReader:
         light, to_surfaces = background, to_camera
         if reader.depends_on_ray:
             light, to_surfaces = self._radiance(reader, output, Ray.LIGHT, findings, skies)
+        if light.graph is None and (light.mean < 0.0).any():
+            findings.warn("Worlds of negative radiance light nothing", world.name)
+            light = Radiance.even(np.maximum(light.mean, 0.0))
         suns = tuple(
             SkySun(skies.discs[index].sun, irradiance, bool(to_camera[index].any()))
             for index, irradiance in to_surfaces.items()

@@ -51,10 +51,11 @@ void closure_emission(inout Closures closures, ShadingPoint at, vec3 radiance) {
 
 float sum_of(vec3 color) { return color.r + color.g + color.b; }
 
-const float MAX_COLOR = 1e9; // as of constants, see scene/limits.py
+const float MAX_COLOR = 1e9, MAX_RADIANCE = 1e15; // as of constants and of worlds, see scene/limits.py
 
 // Black in place of what is no number or too large: other pixels are filtered with this one. Cycles draws it black, too.
-vec3 finite(vec3 color) { return mix(vec3(0.0), color, lessThanEqual(abs(color), vec3(MAX_COLOR))); }
+vec3 finite(vec3 color, float limit) { return mix(vec3(0.0), color, lessThanEqual(abs(color), vec3(limit))); }
+vec3 finite(vec3 color) { return finite(color, MAX_COLOR); }
 
 void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance, vec3 normal) {
     vec3 reflected = finite(max(reflectance, 0.0));

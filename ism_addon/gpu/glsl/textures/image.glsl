@@ -55,7 +55,7 @@ vec4 texel(Image image, MipLevel level, ivec2 texel) {
 vec4 decoded(Image image, vec4 stored) {
     vec3 bright = pow((max(stored.rgb, 0.04045) + 0.055) / 1.055, vec3(2.4));
     vec3 linear = mix(stored.rgb / 12.92, bright, greaterThan(stored.rgb, vec3(0.04045)));
-    return vec4(image.encoding == SRGB_BYTES ? linear : stored.rgb, stored.a);
+    return vec4(image.encoding == SRGB_BYTES ? linear : stored.rgb * image.scale, stored.a);
 }
 
 // The part of a texture coordinate that is within the image, or less than a texel beside it.

@@ -18,7 +18,7 @@ void main() {
         Shift dx = Shift(direction_at(texel + vec2(1.0 / float(POINTS), 0.0)) - d, vec3(0.0));
         Shift dy = Shift(direction_at(texel + vec2(0.0, 1.0 / float(POINTS))) - d, vec3(0.0));
         ShadingPoint at = ShadingPoint(d, vec3(0.0), -d, -d, -d, false, 0, 0);
-        sum += max(finite(evaluate_graph(at, Differentials(dx, dy, none, none), first_constant).emission), 0.0);
+        sum += finite(evaluate_graph(at, Differentials(dx, dy, none, none), first_constant).emission, MAX_RADIANCE);
     }
     radiance = vec4(sum / float(POINTS * POINTS), 0.0);
 }

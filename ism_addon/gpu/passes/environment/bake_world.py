@@ -29,6 +29,9 @@ from ...materials.shader import glsl
 #: Columns of the map: as many as those of the largest image that the graph reads, within these limits.
 MIN_COLUMNS, MAX_COLUMNS = 1024, 2048
 
+#: The largest negative radiance, relative to the largest radiance, that nothing is said of: photographs have some.
+MAX_NEGATIVE = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class BakedWorld:
@@ -104,8 +107,10 @@ class BakeWorld(Pass):
             **(texels.samplers if reads_images else {}),
         )
         draw_pixels(frame, self.device.gl.framebuffer([target]), shader)
-        read = np.frombuffer(target.read(), np.float32).reshape(size[1], size[0], 4)
-        return np.ascontiguousarray(read[..., :3])
+        radiance = np.frombuffer(target.read(), np.float32).reshape(size[1], size[0], 4)[..., :3]
+        if -radiance.min() > MAX_NEGATIVE * radiance.max():
+            frame.warnings.add("The world lights nothing where its radiance is negative")
+        return np.maximum(radiance, 0.0)
 
 
 def map_uniforms(

@@ -22,5 +22,5 @@ void main() {
     ShadingPoint at = ShadingPoint(d, vec3(pixel / picture_size.xy, 0.0), -d, -d, -d, false, 0, 0);
     Shift none = Shift(vec3(0.0), vec3(0.0));
     Closures closures = evaluate_graph(at, Differentials(dx, dy, none, none), first_constant);
-    background.rgb = finite(closures.emission);
+    background.rgb = finite(closures.emission, MAX_RADIANCE);
 }
