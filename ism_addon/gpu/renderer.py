@@ -161,7 +161,7 @@ class Renderer:
                 f"{view.width}×{view.height} pixels are more than the {limit}×{limit} that this OpenGL can draw at once"
             )
         chosen = estimators(scene, settings)
-        scene = self.with_all_lights(scene, settings, chosen)
+        scene = self.with_all_lights(scene, settings)
         if self.placed is None or self.placed[0] is not scene or self.placed[1] is not view:
             anchor = anchor_of(camera_position(view.view_from_world), scene.extent)
             self.uniforms.write(frame_uniforms.frame_block(scene, view, anchor))
@@ -192,16 +192,15 @@ class Renderer:
             uniforms=self.uniforms,
         )
 
-    def with_all_lights(self, scene: Scene, settings: Settings, chosen: tuple[Estimator, ...]) -> Scene:
-        """The scene with the lights of its emissive meshes and, if shadow rays are traced to it, the world as a light.
+    def with_all_lights(self, scene: Scene, settings: Settings) -> Scene:
+        """The scene with the lights of its emissive meshes, and the world as a light if it is no even ambient light.
 
         The same object for the same arguments.
         """
-        traced = settings.shadow.enabled and settings.shadow.world and any(each.traces_rays for each in chosen)
-        traces_world = traced and bool(scene.world.radiance.any() and scene.instances.casts_shadow.any())
+        world_shadows = settings.shadow.of_world and bool(scene.instances.casts_shadow.any())
         baked = self.graph.get(BAKED_WORLD) if scene.world.graph[0] >= 0 else None
         of_map = baked.world_light if baked is not None else None
-        return self.scene_lights.lit(scene, traces_world, of_map, self.graph.get(BAKED_EMISSION))
+        return self.scene_lights.lit(scene, world_shadows, of_map, self.graph.get(BAKED_EMISSION))
 
     def grid(self, view: View, settings: Settings, sample: int, low_latency: bool) -> PixelGrid:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""

@@ -31,6 +31,13 @@ class Shadow:
         "Off, ambient occlusion darkens it",
         method=Method.RAY_TRACED,
     )
+    sky_dome: bool = setting(
+        False,
+        "Sky Dome",
+        "Place virtual point lights on the world too, more of them where it is bright: its light casts shadows. "
+        "They are taken from those of the lights. Off, ambient occlusion darkens the world's light",
+        method=Method.SHADOW_MAPS,
+    )
     splat_size: float = setting(
         1.15,
         "Splat Size",
@@ -67,6 +74,11 @@ class Shadow:
         unit="FACTOR",
         method=Method.SHADOW_MAPS,
     )
+
+    @property
+    def of_world(self) -> bool:
+        """Whether the world's light has shadows."""
+        return self.enabled and (self.world if self.method is Method.RAY_TRACED else self.sky_dome)
 
 
 @dataclass(frozen=True)

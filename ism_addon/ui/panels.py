@@ -104,10 +104,10 @@ class ISM_RENDER_PT_ssao(SwitchedPanel, bpy.types.Panel):
 
     @classmethod
     def is_used(cls, scene: bpy.types.Scene) -> bool:
-        """Not where it darkens only what shadow rays are traced to."""
+        """Not where it darkens only a world without shadows, and it has shadows."""
         shadow = scene.ism.shadow
-        traced = shadow.enabled and shadow.world and shadow.method == Method.RAY_TRACED
-        return not (traced and scene.ism.ssao.light == OccludedLight.UNSHADOWED)
+        world_shadows = shadow.world if shadow.method == Method.RAY_TRACED else shadow.sky_dome
+        return not (shadow.enabled and world_shadows and scene.ism.ssao.light == OccludedLight.UNSHADOWED)
 
     @classmethod
     def shown(cls, scene: bpy.types.Scene) -> list[str]:

@@ -23,8 +23,7 @@ class ISM_VIEW3D_PT_shading(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(ism.shadow, "enabled")
-        if ism.shadow.method == Method.RAY_TRACED:
-            layout.prop(ism.shadow, "world")
+        layout.prop(ism.shadow, "world" if ism.shadow.method == Method.RAY_TRACED else "sky_dome")
         occlusion = layout.column()
         occlusion.active = ISM_RENDER_PT_ssao.is_used(context.scene)
         occlusion.prop(ism.ssao, "enabled")

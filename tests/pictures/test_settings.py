@@ -17,6 +17,7 @@ from tests.support.small_scenes import SMALL_SETTINGS, SMALL_SHADOW_MAPS, draw, 
 OTHER_VALUES = {
     "enabled": False,
     "world": True,
+    "sky_dome": True,
     "splat_size": 2.5,
     "bias": 8.0,
     "fill_holes": False,

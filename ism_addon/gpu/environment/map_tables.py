@@ -49,6 +49,7 @@ class MapTables:
     irradiance: np.ndarray  # ((IRRADIANCE_CELLS + 1)²,3) float32, by normal
     product: np.ndarray  # (N,4) float32: for each normal all nodes of the coarse levels, sums of their four children
     fine: np.ndarray  # (N,4) float32: nodes of the fine levels
+    leaves: np.ndarray  # (S,S) float32: what their children are
 
     @classmethod
     def of(cls, radiance: np.ndarray, luminance: np.ndarray) -> Self:
@@ -72,7 +73,37 @@ class MapTables:
             (irradiance / peak).astype(np.float32),
             np.concatenate(nodes(coarse, 0), 1).reshape(-1, 4).astype(np.float32),
             np.concatenate(nodes(leaves[None], COARSE_LEVELS), 1)[0].astype(np.float32),
+            leaves.astype(np.float32),
         )
+
+
+def directions_by_light(leaves: np.ndarray, squares: np.ndarray) -> np.ndarray:
+    """(N,3) unit vectors, as many as each of the leaves (S,S) has light, for `squares` (N,2) in [0,1).
+
+    Descends the quadtree as environment.glsl does, so that strata of squares are strata of directions.
+    """
+    levels = [leaves.astype(np.float64)]
+    while len(levels[-1]) > 1:
+        levels.append(halved(levels[-1][None])[0])
+    u, v = squares.T.astype(np.float64)
+    column, row = np.zeros((2, len(squares)), np.int64)
+    for sums in levels[-2::-1]:
+        column, row = 2 * column, 2 * row
+        children = np.stack([sums[row + y, column + x] for y in (0, 1) for x in (0, 1)])
+        right, u = halves_by_weight(children[0] + children[2], children[1] + children[3], u)
+        left, above = np.where(right, children[1::2], children[::2])
+        up, v = halves_by_weight(left, above, v)
+        column, row = column + right, row + up
+    points = (np.stack([column + u, row + v], 1) / len(leaves)) * 2.0 - 1.0
+    return directions_from_octahedron(points)
+
+
+def halves_by_weight(first: np.ndarray, second: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which half (N,) a number in [0,1) falls in, True for the second, and where in it, of halves of these weights."""
+    split = first / np.maximum(first + second, 1e-300)
+    is_second = at >= split
+    within = np.where(is_second, (at - split) / np.maximum(1.0 - split, 1e-300), at / np.maximum(split, 1e-300))
+    return is_second, np.clip(within, 0.0, np.nextafter(1.0, 0.0))
 
 
 @cache

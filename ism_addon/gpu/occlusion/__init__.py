@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from ...choices import OccludedLight, OcclusionSampling, RadiusUnit
 from ...resource_types import Target
+from ...resources import DIRECT_PREDICTION, DIRECT_RESIDUAL
 from ...resources.world import (
     FILTERED_ONCE,
     OCCLUSION_DISTANCE,
@@ -12,11 +13,14 @@ from ...resources.world import (
     WORLD_PREDICTION,
     WORLD_RESIDUAL,
 )
+from ...scene import Lights
 from ...settings import Settings
 from ...settings.occlusion import SSAO
 from ..frame import Frame
-from ..lights.world.table import has_world
+from ..lights.world.table import has_world, is_world, world_row
 
+#: The prediction of lights and its correction.
+DIRECT = DIRECT_PREDICTION, DIRECT_RESIDUAL
 #: The world's prediction and its residual, where occlusion may darken it alone.
 SEPARATE_WORLD = WORLD_PREDICTION, WORLD_RESIDUAL
 
@@ -46,13 +50,18 @@ def has_ambient_light(frame: Frame) -> bool:
     return bool(frame.scene.world.radiance.any()) and not has_world(frame.scene.lights)
 
 
+def has_unshadowed_world(lights: Lights) -> bool:
+    """Whether the world is a light without shadows."""
+    return has_world(lights) and not lights.casts_shadow[world_row(lights)]
+
+
 def darkens(frame: Frame) -> bool:
     """Whether the image would differ without ambient occlusion."""
     ssao, lights = frame.settings.ssao, frame.scene.lights
     if not (ssao.enabled and ssao.intensity > 0.0 and min(ssao.tint) < 1.0):
         return False
     with_shadows = {
-        OccludedLight.UNSHADOWED: False,
+        OccludedLight.UNSHADOWED: has_unshadowed_world(lights),
         OccludedLight.WORLD: has_world(lights),
         OccludedLight.ALL: len(lights.shape) > 0,
     }
@@ -66,7 +75,18 @@ def is_needed(frame: Frame) -> bool:
 
 def separates_world(frame: Frame) -> bool:
     """Whether the world is one of the lights, but drawn apart from them, as occlusion may darken it alone."""
-    return frame.settings.ssao.light is OccludedLight.WORLD and has_world(frame.scene.lights)
+    lights = frame.scene.lights
+    separates = {
+        OccludedLight.UNSHADOWED: has_unshadowed_world(lights),
+        OccludedLight.WORLD: has_world(lights),
+        OccludedLight.ALL: False,
+    }
+    return separates[frame.settings.ssao.light]
+
+
+def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
+    """Where the prediction of a light and its correction are drawn."""
+    return SEPARATE_WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
 
 
 def unused_targets(settings: Settings) -> set[Target]:
@@ -74,7 +94,7 @@ def unused_targets(settings: Settings) -> set[Target]:
     ssao, unused = settings.ssao, set[Target]()
     if ssao.sampling is not OcclusionSampling.TRACED:
         unused |= {OCCLUSION_DISTANCE, FILTERED_ONCE, TRACED_OCCLUSION}
-    if ssao.light is not OccludedLight.WORLD:
+    if ssao.light is OccludedLight.ALL or (ssao.light is OccludedLight.UNSHADOWED and settings.shadow.of_world):
         unused |= set(SEPARATE_WORLD)
     return unused
 

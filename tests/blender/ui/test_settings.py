@@ -130,7 +130,7 @@ def test_an_unknown_choice_is_refused(scene):
         ("RAY_TRACED", ["method", "world"], ["samples", "error_threshold", "time_limit"]),
         (
             "SHADOW_MAPS",
-            ["method", "splat_size", "bias", "fill_holes", "fill_threshold"],
+            ["method", "sky_dome", "splat_size", "bias", "fill_holes", "fill_threshold"],
             ["samples", "error_threshold", "time_limit", "virtual_lights", "map_size", "map_points"],
         ),
     ],

@@ -111,3 +111,25 @@ def test_a_world_that_varies_is_evaluated_once(place):
     our_render(2)
     passes = statistics()["passes"]
     assert passes.get("BakeWorld", {"drawn": 0})["drawn"] == passes["ShadeBackground"]["drawn"] == 0
+
+
+@pytest.mark.parametrize("method", ["RAY_TRACED", "SHADOW_MAPS"])
+def test_without_shadows_a_map_lights_surfaces_by_their_normals(place, method):
+    """Where nothing hides the world: the ball is far above the floor, which is black."""
+    place.scene.world = world_of(WORLDS["an image all around"])
+    place.ball.location.z, place.scene.camera.location.z = 1000.0, 1003.0
+    place.scene.ism.shadow.method = method
+    place.scene.ism.shadow.world = place.scene.ism.shadow.sky_dome = False
+    assert error(our_render(SAMPLES)[0]) <= BOUND
+    assert statistics()["pairs_traced"] == statistics()["virtual_lights"] == 0
+
+
+def test_virtual_lights_on_the_sky_dome_cast_shadows(place):
+    """Measured: 0.026. Without shadows it would be 0.22, and with ambient occlusion in their place 0.21."""
+    place.scene.world = world_of(clouds)
+    for each in (place.floor, place.ball, place.block):
+        each.data.materials.append(reflecting(**{"Specular IOR Level": 0.0}))
+    shadow = place.scene.ism.shadow
+    shadow.method, shadow.sky_dome = "SHADOW_MAPS", True
+    assert error(our_render(4)[0]) <= 0.04
+    assert statistics()["virtual_lights"] == place.scene.ism.render.virtual_lights

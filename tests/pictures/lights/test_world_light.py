@@ -106,10 +106,11 @@ def test_its_shader_is_not_compiled_without_it():
     [
         (Method.RAY_TRACED, True, False),
         (Method.RAY_TRACED, False, True),
-        (Method.SHADOW_MAPS, True, True),
+        (Method.SHADOW_MAPS, False, True),
+        (Method.SHADOW_MAPS, True, False),
     ],
 )
-def test_ambient_occlusion_is_drawn_where_no_rays_are_traced_to_it(device, method, world, occlusion):
+def test_ambient_occlusion_is_drawn_where_it_has_no_shadows(device, method, world, occlusion):
     scene = lit_by_the_world(make_scene([FLOOR, WALL]))
-    settings = replace(SETTINGS, ssao=SSAO(), shadow=Shadow(method=method, world=world))
+    settings = replace(SETTINGS, ssao=SSAO(), shadow=Shadow(method=method, world=world, sky_dome=world))
     assert ("AmbientOcclusion" in passes(device, scene, settings)) == occlusion

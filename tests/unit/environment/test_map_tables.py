@@ -6,9 +6,18 @@ import pytest
 
 from ism_addon.color import REC709, luminance
 from ism_addon.gpu.environment.equirectangular import coordinates, interpolated, reduced, texel_directions
-from ism_addon.gpu.environment.map_tables import ALL_LEVELS, COARSE_LEVELS, IRRADIANCE_CELLS, MAP_NORMALS, MapTables
+from ism_addon.gpu.environment.map_tables import (
+    ALL_LEVELS,
+    COARSE_LEVELS,
+    IRRADIANCE_CELLS,
+    MAP_NORMALS,
+    MapTables,
+    directions_by_light,
+    halved,
+)
 from ism_addon.gpu.environment.map_texture import with_mip_levels
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron, octahedron_from_directions
+from ism_addon.sampling.points import lattice
 
 LUMINANCE = luminance(REC709)
 
@@ -101,3 +110,21 @@ def test_a_smaller_map_has_the_same_light():
     assert small.shape == (32, 64, 3)
     sums = [(each.reshape(-1, 3) * texel_directions(*each.shape[:2])[1]).sum(0) for each in (radiance, small)]
     assert sums[0] == pytest.approx(sums[1], rel=1e-3)
+
+
+def test_directions_without_a_normal_are_where_the_light_is():
+    """As many as the light of each half, quarter and so on; one for each part of the squares."""
+    leaves = np.random.default_rng(3).random((16, 16)) ** 4
+    squares = lattice(1 << 14, np.zeros(2))
+    points = 0.5 * octahedron_from_directions(directions_by_light(leaves, squares)) + 0.5
+    for side in (2, 4, 8):
+        cells = (points * side).astype(int)
+        share = np.bincount(cells[:, 1] * side + cells[:, 0], minlength=side * side) / len(points)
+        light = halved(leaves[None], (16 // side).bit_length() - 1).ravel() / leaves.sum()
+        assert np.abs(share - light).max() < 2e-3
+
+
+@pytest.mark.parametrize("leaves", [np.eye(8), np.ones((1, 1)), 1e-30 * np.ones((4, 4))])
+def test_directions_are_unit_vectors_for_any_light(leaves):
+    squares = np.array([[0.0, 0.0], [0.5, 0.5], [np.nextafter(1.0, 0.0)] * 2])
+    assert np.linalg.norm(directions_by_light(leaves, squares), axis=1) == pytest.approx(1.0)

@@ -123,7 +123,9 @@ def a_map_sun(texels: tuple[slice, slice] = SUN_TEXELS) -> MapSun:
 #: From directions of the world to those of the map.
 ROTATION = euler_matrix(np.array([0.2, -0.1, 0.5]))
 TURNED_SUN = replace(a_map_sun(), direction=a_map_sun().direction @ ROTATION)
-WORLD_OF_MAP = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, TURNED_SUN))
+WORLD_OF_MAP = with_world(
+    light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, TURNED_SUN, np.ones((2, 2)), np.eye(3))
+)
 EXAMPLES["environment through portals"] = [WORLD_OF_MAP.select(slice(1, 2))]
 EXAMPLES["map_sun"], EXAMPLES["environment"] = [WORLD_OF_MAP.select(slice(0, 1))], [WORLD_OF_MAP.select(slice(1, 2))]
 #: Windows above and beside the origin, and one behind it.
@@ -249,7 +251,9 @@ def test_a_sun_at_the_edge_of_the_map_is_sampled_as_elsewhere(evaluate, first):
     """Texels at an edge are interpolated with those at the other one, where the sun has none."""
     sun = a_map_sun((slice(20, 24), slice(first, first + 5)))
     turned = replace(sun, direction=sun.direction @ ROTATION)
-    of = with_world(light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, turned)).select(slice(0, 1))
+    of = with_world(
+        light().select(slice(0)), World.even(np.ones(3)), MapLight(1.0, turned, np.ones((2, 2)), np.eye(3))
+    ).select(slice(0, 1))
     radiance, cosine, pdf, irradiance, *_ = evaluate(of, NORMALS[0], sun=sun).T
     assert (radiance * cosine / pdf).mean() == pytest.approx(irradiance[0], rel=5e-3)
 

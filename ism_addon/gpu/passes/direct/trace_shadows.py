@@ -16,12 +16,9 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ....resource_types import Target
 from ....resources import (
     CACHE_CONSTANTS,
     CONTRIBUTING_LIGHTS,
-    DIRECT_PREDICTION,
-    DIRECT_RESIDUAL,
     FAINT_LIGHTS,
     IRRADIANCE_CACHE,
     LIGHT_BUFFERS,
@@ -49,10 +46,9 @@ from ...gl.render_targets import create, create_neutral
 from ...gl.shader_compiler import bind
 from ...lights import shader_variant, type_of
 from ...lights.modulation import mean_points
-from ...lights.world.table import is_world
 from ...material_inputs import MATERIAL, material_constants, material_samplers
 from ...materials.point_graphs import NO_POINT_GRAPHS, OPAQUE, PointGraphs
-from ...occlusion import SEPARATE_WORLD, separates_world
+from ...occlusion import DIRECT, SEPARATE_WORLD, separates_world, targets_of
 from ...surface_inputs import SURFACE, surface_samplers
 from ..light_selection.scene_portals import portals_of
 from .faint_lights import ESTIMATE_NODES, drawn_pairs
@@ -73,15 +69,6 @@ from .tiles_of_lights import TilesOfLights, casts_shadow
 #: Minimum probability of a ray that corrects a prediction, and of a ray to a faint light.
 MIN_RAY_PROBABILITY = 0.1
 MIN_FAINT_RAY_PROBABILITY = 0.05
-
-
-#: The prediction of lights and its correction.
-DIRECT = DIRECT_PREDICTION, DIRECT_RESIDUAL
-
-
-def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
-    """Where a light is drawn."""
-    return SEPARATE_WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
 
 
 class TraceShadows(Pass):

@@ -39,15 +39,17 @@ class BakedWorld:
 
     key: tuple[object, ...]  # see key_of
     rotation: np.ndarray  # (3,3), from directions of the world to those of the map
-    light: MapLight | None  # None: the graph cannot be evaluated; its sun is in directions of the map
+    light: MapLight | None  # in directions of the map; None: the graph cannot be evaluated
     uniforms: dict[str, Any]  # of lights/world/environment.glsl
 
     @cached_property
     def world_light(self) -> MapLight | None:
-        """The light, its sun in directions of the world. The same object each time."""
-        if self.light is None or self.light.sun is None:
-            return self.light
-        return self.light._replace(sun=replace(self.light.sun, direction=self.light.sun.direction @ self.rotation))
+        """The light in directions of the world. The same object each time."""
+        if self.light is None:
+            return None
+        sun = self.light.sun
+        turned = None if sun is None else replace(sun, direction=sun.direction @ self.rotation)
+        return replace(self.light, sun=turned, rotation=self.rotation)
 
 
 class BakeWorld(Pass):
@@ -78,7 +80,8 @@ class BakeWorld(Pass):
         tables = MapTables.of(radiance, weights)
         uniforms = map_uniforms(self.device, frame.scene_records, radiance, tables, sun)
         uniforms |= rotation_uniform(rotation)
-        frame[BAKED_WORLD] = BakedWorld(key, rotation, MapLight(tables.peak, sun), uniforms)
+        light = MapLight(tables.peak, sun, tables.leaves, np.eye(3))
+        frame[BAKED_WORLD] = BakedWorld(key, rotation, light, uniforms)
 
     def radiance(self, frame: Frame, numbers: np.ndarray) -> np.ndarray | None:
         """(H,W,3) float32: the map by the graph's constants `numbers`, bottom row first.
@@ -109,7 +112,8 @@ class BakeWorld(Pass):
         draw_pixels(frame, self.device.gl.framebuffer([target]), shader)
         radiance = np.frombuffer(target.read(), np.float32).reshape(size[1], size[0], 4)[..., :3]
         if -radiance.min() > MAX_NEGATIVE * radiance.max():
-            frame.warnings.add("The world lights nothing where its radiance is negative")
+            issue = "The world lights nothing where its radiance is negative"
+            frame.warnings.add(issue)
         return np.maximum(radiance, 0.0)
 
 

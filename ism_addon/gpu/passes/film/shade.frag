@@ -52,7 +52,7 @@ void main() {
     vec4 of_world = vec4(albedo * ambient, 0.0), residual_of_world = vec4(0.0);
 #if SEPARATE_WORLD
     of_world += fetch(world_prediction, at);
-    residual_of_world = fetch(world_residual, at);
+    residual_of_world = fetch_clamped(world_residual, at);
 #endif
 #if OCCLUSION
     Darkening darkening = darkening_at(at, surface);

@@ -15,6 +15,7 @@ from typing import Any
 
 import moderngl
 
+from ....resource_types import Target
 from ....resources import (
     ATLAS_BATCH,
     CACHE_CONSTANTS,
@@ -32,6 +33,7 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
+from ....resources.world import WORLD_PREDICTION
 from ....scene import Change
 from ...drawing import draw_pixels
 from ...frame import Frame, Pass, outputs
@@ -39,6 +41,7 @@ from ...gl.shader_compiler import bind
 from ...gl.shader_records import LIGHT_RECORDS, MEMBERSHIP, VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import mixed_variant, modulation, type_of
 from ...material_inputs import MATERIAL, material_constants, material_samplers
+from ...occlusion import separates_world, targets_of
 
 #: Virtual lights, lights or pixels that are evaluated in the time of a ray, see draw_limit.
 VIRTUAL_LIGHTS_PER_RAY = 20
@@ -51,9 +54,9 @@ class GatherLight(Pass):
         *(POSITION, NORMAL, *MATERIAL, PRIMITIVE, INSTANCE_BUFFERS, LIGHT_BUFFERS, VIRTUAL_LIGHT_COUNTS),
         IRRADIANCE_CACHE,
         *(VIRTUAL_LIGHT_RANGES, VIRTUAL_LIGHTS, SHADOW_MAP_SPLATS, SHADOW_MAPS, ATLAS_BATCH, Change.LIGHTS),
-        *("shadow.enabled", "shadow.bias", "shadow.fill_holes"),
+        *("shadow.enabled", "shadow.bias", "shadow.fill_holes", "ssao.light"),
     )
-    outputs = outputs(DIRECT_PREDICTION)
+    outputs = outputs(DIRECT_PREDICTION, WORLD_PREDICTION)
 
     @cached_property
     def shaders(self) -> dict[tuple[object, ...], moderngl.VertexArray]:
@@ -80,9 +83,11 @@ class GatherLight(Pass):
     def execute(self, frame: Frame) -> None:
         counts, batch, shadow = frame[VIRTUAL_LIGHT_COUNTS], frame[ATLAS_BATCH], frame.settings.shadow
         frame.counts["lights_used"] = len(counts)
-        target = frame.framebuffer(DIRECT_PREDICTION)
+        if separates_world(frame):
+            frame.allocate(WORLD_PREDICTION, frame.size)
         if batch.first == 0:
-            target.clear()
+            for target in (DIRECT_PREDICTION, WORLD_PREDICTION) if separates_world(frame) else (DIRECT_PREDICTION,):
+                frame.framebuffer(target).clear()
         if not counts:
             return
         self.device.add()
@@ -103,11 +108,17 @@ class GatherLight(Pass):
             "shadows": frame.casts_shadows,
             "bias": shadow.bias,
         }
-        # Each light of the cache is drawn alone, with its ratios; the others between them are drawn together.
-        for cached, group in groupby(enumerate(counts), lambda each: each[1] if each[1] in cache else None):
+
+        def drawn_with(indexed: tuple[int, int]) -> tuple[int | None, Target]:
+            """Of an index and its light: each light of the cache is drawn alone, with its ratios."""
+            return indexed[1] if indexed[1] in cache else None, targets_of(frame, indexed[1])[0]
+
+        for (cached, target), group in groupby(enumerate(counts), drawn_with):
             indices, drawn = zip(*group, strict=True)
             shader = self.shader(frame, drawn, 0 if cached is None else cache[cached].variant)
             ratio = {} if cached is None else cache[cached].uniforms
             bind(shader.program, **uniforms, **ratio, first_light=indices[0], light_count=len(drawn))
             virtual_lights = sum(counts[light] for light in drawn)
-            draw_pixels(frame, target, shader, (1 + len(drawn) + virtual_lights) / VIRTUAL_LIGHTS_PER_RAY)
+            draw_pixels(
+                frame, frame.framebuffer(target), shader, (1 + len(drawn) + virtual_lights) / VIRTUAL_LIGHTS_PER_RAY
+            )

@@ -17,6 +17,7 @@ from ....resources import (
     VIRTUAL_LIGHT_RANGES,
     VIRTUAL_LIGHTS,
 )
+from ....resources.world import BAKED_WORLD
 from ....sampling.dimensions import Dimension, draw
 from ....sampling.points import lattice, proportional_counts
 from ....scene import Change, Lights
@@ -25,6 +26,7 @@ from ...culling.receiver_region import ReceiverRegion
 from ...frame import Frame, Pass, outputs
 from ...gl.shader_records import VIRTUAL_LIGHT, VIRTUAL_LIGHT_RANGE
 from ...lights import by_type, type_of
+from ...lights.world.table import ENVIRONMENT, MapLight
 
 #: What a shadow map is drawn from: its origin in anchor space, a rotation to map space, and VIRTUAL_LIGHT's map_radius.
 SHADOW_MAP_VIEW = np.dtype(
@@ -54,10 +56,11 @@ def virtual_light_tables(
     sample: int,
     anchor: np.ndarray,
     region: ReceiverRegion | None = None,
+    of_map: MapLight | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of VIRTUAL_LIGHT_RANGE, of VIRTUAL_LIGHT and of SHADOW_MAP_VIEW for one sample.
 
-    `region`: of the receivers, if there is parallel light.
+    `region`: of the receivers, if there is parallel light; `of_map`: the light of the world's map, if it has one.
     """
     counts = np.array(list(counts_of_lights.values()), int)
     ranges = np.zeros(len(counts), VIRTUAL_LIGHT_RANGE.dtype)
@@ -69,8 +72,11 @@ def virtual_light_tables(
     positions, radii = (lights.position - anchor)[light_of], np.zeros(len(light_of))
     offsets, axes = np.zeros((2, len(light_of), 3))
     for (light, count), first in zip(counts_of_lights.items(), ranges["first"], strict=True):
-        rows, light_type = slice(first, first + count), type_of(lights, light)
-        offsets[rows], axes[rows] = light_type.virtual_lights(lights, light, lattice(count, shifts[light]))
+        rows, light_type, squares = slice(first, first + count), type_of(lights, light), lattice(count, shifts[light])
+        if of_map is not None and lights.shape[light] == ENVIRONMENT:
+            axes[rows] = -of_map.directions(squares)
+        else:
+            offsets[rows], axes[rows] = light_type.virtual_lights(lights, light, squares)
         if light_type.parallel and region is not None:
             radii[rows] = region.radius
             offsets[rows] = region.centre - MAP_DISTANCE * region.radius * axes[rows] - positions[rows]
@@ -93,6 +99,7 @@ class PlaceVirtualLights(Pass):
         LIGHT_IMPORTANCE,
         CONTRIBUTING_LIGHTS,
         RECEIVER_REGION,
+        BAKED_WORLD,
         Change.LIGHTS,
         Change.SAMPLE,
         "quality.virtual_lights",
@@ -111,8 +118,14 @@ class PlaceVirtualLights(Pass):
                 minimum[rows] = light_type.min_virtual_lights
             budget = frame.settings.quality.virtual_lights
             counts |= allocate_virtual_lights(casters, frame[LIGHT_IMPORTANCE], minimum, budget)
+        baked = frame.get(BAKED_WORLD)
         ranges, virtual_lights, views = virtual_light_tables(
-            lights, counts, frame.sample, frame.anchor, frame[RECEIVER_REGION]
+            lights,
+            counts,
+            frame.sample,
+            frame.anchor,
+            frame[RECEIVER_REGION],
+            None if baked is None else baked.world_light,
         )
         frame[VIRTUAL_LIGHT_COUNTS] = counts
         frame[VIRTUAL_LIGHT_RANGES] = VIRTUAL_LIGHT_RANGE.upload(self.device, ranges)
