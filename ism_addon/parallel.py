@@ -4,12 +4,16 @@
 Constants …_AT_A_TIME are sizes of portions of such work, chosen so that their arrays fit in a core's cache.
 """
 
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 #: Work on so few items takes less time than starting threads. See `dev.py bench constants` in docs/benchmarks.md.
 MIN_PARALLEL_SIZE = 1 << 14
+
+#: Results that wait for those before them, at most, where they are not wanted all at once.
+MAX_WAITING = 4
 
 Portion = TypeVar("Portion")
 Result = TypeVar("Result")
@@ -21,3 +25,18 @@ def parallel_map(work: Callable[[Portion], Result], portions: Iterable[Portion],
         return [work(portion) for portion in portions]
     with ThreadPoolExecutor() as cores:
         return list(cores.map(work, portions))
+
+
+def parallel_results(work: Callable[[Portion], Result], portions: Iterable[Portion], size: int) -> Iterator[Result]:
+    """As parallel_map, one result after the other: only few are kept in memory."""
+    if size <= MIN_PARALLEL_SIZE:
+        yield from map(work, portions)
+        return
+    with ThreadPoolExecutor() as cores:
+        waiting = deque[Future[Result]]()
+        for portion in portions:
+            waiting.append(cores.submit(work, portion))
+            if len(waiting) == MAX_WAITING:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error of .blend files' direct light: `dev.py bench files --files FOLDER`, beside what Cycles renders.
 
-The world is black in both engines, and depth of field, motion blur and compositing are switched off. With `--grey`, all
-materials are made a grey, diffuse one, which emits what the file's own emits evenly: what is measured then is lights
-and geometry.
+The world is black in both engines, unless `--world` keeps it, and depth of field, motion blur and compositing are
+switched off. With `--grey`, all materials are made a grey, diffuse one, which emits what the file's own emits evenly:
+what is measured then is lights and geometry.
 """
 
 import argparse
@@ -41,6 +41,7 @@ def main() -> int:
     parser.add_argument("--width", type=int, default=240, help="of the pictures, in pixels (%(default)s)")
     parser.add_argument("--samples", type=int, default=16, help="of our pictures (%(default)s)")
     parser.add_argument("--truth", type=int, default=256, help="samples of each of two references (%(default)s)")
+    parser.add_argument("--world", action="store_true", help="keep the files' worlds")
     parser.add_argument("--grey", action="store_true", help="replace all materials")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
@@ -51,7 +52,7 @@ def main() -> int:
         addon.unregister()
     rmses, close = [each["rmse"] for each in measured.values()], CLOSE_IN_GREY if options.grey else CLOSE
     print(f"median {median(rmses):.4f}, {sum(e <= close for e in rmses)} of {len(rmses)} within {close:g}")
-    measured = {"samples": options.samples, "width": options.width, "grey": options.grey, "files": measured}
+    measured = {key: getattr(options, key) for key in ("samples", "width", "world", "grey")} | {"files": measured}
     print(record.write(options.output, "files", open_device().name, measured))
     return 0
 
@@ -62,7 +63,7 @@ def measure_all(options: argparse.Namespace) -> dict[str, dict[str, float]]:
     for path in [options.files] if options.files.is_file() else sorted(options.files.glob("*.blend")):
         with quiet_stdout():
             bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-            simplify(bpy.context.scene, options.width)
+            simplify(bpy.context.scene, options.width, options.world)
             if options.grey:
                 make_all_grey()
         if bpy.context.scene.camera is None:
@@ -103,8 +104,8 @@ def our_render(samples: int) -> tuple[np.ndarray, float]:
         return image_pixels(path)[..., :3], statistics()["seconds"]
 
 
-def simplify(scene: bpy.types.Scene, width: int) -> None:
-    """Leave the scene's lights and geometry."""
+def simplify(scene: bpy.types.Scene, width: int, keep_world: bool) -> None:
+    """Leave the scene's lights and geometry, and its world if that is kept."""
     render = scene.render
     height = width * render.resolution_y / render.resolution_x
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, max(round(height), 1), 100
@@ -114,9 +115,11 @@ def simplify(scene: bpy.types.Scene, width: int) -> None:
     scene.animation_data_clear()  # it may give the two references the same seed
     scene.view_layers[0].use = True
     scene.view_layers[0].material_override = None
+    render.film_transparent = render.film_transparent and not keep_world
     if scene.camera:
         scene.camera.data.dof.use_dof = False
-    scene.world = None
+    if not keep_world:
+        scene.world = None
 
 
 def make_all_grey() -> None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mip levels of an image, made in bands of few rows: all of them as floats would take seven times its memory."""
+"""The mip levels of an image, made in bands of few rows: all of them as floats would take seven times its memory.
+
+Several bands are made at once, on all processor cores.
+"""
 
 from collections.abc import Iterator
 from functools import cache
@@ -7,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
+from ...parallel import parallel_results
 from ...scene import Encoding, Image
 
 #: Levels that are made of each band. The rest are made of all bands' last rows together.
@@ -26,17 +30,23 @@ def mip_levels(image: Image) -> Iterator[tuple[int, int, np.ndarray]]:
     height, width = image.texels.shape[:2]
     levels = min(BAND_LEVELS, height.bit_length() - 1)
     tops = [band << levels for band in range(height >> levels)]
-    ends = []
-    for top, bottom in zip(tops, [*tops[1:], height], strict=True):
-        band = image.texels[top:bottom]
-        yield 0, top * width, band.reshape(-1, 4)
-        linear = decoded(band, image)
+    bands = list(zip(tops, [*tops[1:], height], strict=True))
+
+    def levels_of(band: tuple[int, int]) -> tuple[list[tuple[int, int, np.ndarray]], np.ndarray]:
+        """What is yielded of a band, from a first row to before another, and its last level."""
+        top, texels = band[0], image.texels[slice(*band)]
+        found, linear = [(0, top * width, texels.reshape(-1, 4))], decoded(texels, image)
         for level in range(1, levels + 1):
             linear = halved(linear)
             if level == 1 and image.encoding is Encoding.SRGB:
-                darken(linear, band, image.straight_alpha)
-            yield level, (top >> level) * linear.shape[1], encoded(linear, image).reshape(-1, 4)
-        ends.append(linear)
+                darken(linear, texels, image.straight_alpha)
+            found.append((level, (top >> level) * linear.shape[1], encoded(linear, image).reshape(-1, 4)))
+        return found, linear
+
+    ends = []
+    for found, end in parallel_results(levels_of, bands, height * width):
+        yield from found
+        ends.append(end)
     linear, level = np.concatenate(ends), levels
     while linear.shape[0] > 1 or linear.shape[1] > 1:
         linear, level = halved(linear), level + 1

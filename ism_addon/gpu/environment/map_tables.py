@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 
+from ...parallel import parallel_map
 from ..gl.shader_records import directions_from_octahedron, octahedron_from_directions
 from .equirectangular import coordinates, interpolated, reduced, texel_directions
 
@@ -143,15 +144,17 @@ def irradiance_of(normals: np.ndarray, colors: np.ndarray, middles: np.ndarray) 
     The horizon cuts cells. So the cosines of a cell's directions count as evenly distributed around that of its middle.
     """
     widths = np.sqrt(np.maximum(1.5 * (1.0 - (middles * middles).sum(1)), 1e-12)).astype(np.float32)
-    result = np.empty((len(normals), 3), np.float32)
-    for first in range(0, len(normals), NORMALS_AT_ONCE):
-        rows = slice(first, first + NORMALS_AT_ONCE)
-        cosines = normals[rows] @ middles.T
+
+    def of_some(first: int) -> np.ndarray:
+        cosines = normals[first : first + NORMALS_AT_ONCE] @ middles.T
         beyond = np.maximum(widths - np.abs(cosines), 0.0)
         np.maximum(cosines, 0.0, out=cosines)
         cosines += beyond * beyond / (4.0 * widths)
-        result[rows] = cosines @ colors
-    return result
+        result: np.ndarray = cosines @ colors
+        return result
+
+    firsts = range(0, len(normals), NORMALS_AT_ONCE)
+    return np.concatenate(parallel_map(of_some, firsts, len(normals) * len(middles)))
 
 
 def middles_of(count: int) -> np.ndarray:
