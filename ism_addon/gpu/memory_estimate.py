@@ -77,7 +77,7 @@ def required_bytes(
     targets -= set(ALL_LOBES) - set(lobe_targets(scene))
     targets -= {TRANSMITTED_COLOR} if not scene.tints.any() else set()
     targets -= {BACKGROUND} if scene.world.graph[1] < 0 else set()
-    targets -= unused_targets(settings)
+    targets -= unused_targets(settings, scene.lights)
     return needed(targets, view, fine_pixels, lights, map_texels), lights
 
 

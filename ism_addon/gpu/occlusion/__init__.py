@@ -75,13 +75,17 @@ def is_needed(frame: Frame) -> bool:
 
 def separates_world(frame: Frame) -> bool:
     """Whether the world is one of the lights, but drawn apart from them, as occlusion may darken it alone."""
-    lights = frame.scene.lights
-    separates = {
+    return may_darken_world_alone(frame.settings.ssao, frame.scene.lights)
+
+
+def may_darken_world_alone(ssao: SSAO, lights: Lights) -> bool:
+    """Whether occlusion may darken the world, and it is one of these lights."""
+    darkens_alone = {
         OccludedLight.UNSHADOWED: has_unshadowed_world(lights),
         OccludedLight.WORLD: has_world(lights),
         OccludedLight.ALL: False,
     }
-    return separates[frame.settings.ssao.light]
+    return darkens_alone[ssao.light]
 
 
 def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
@@ -89,12 +93,12 @@ def targets_of(frame: Frame, light: int) -> tuple[Target, Target]:
     return SEPARATE_WORLD if separates_world(frame) and is_world(frame.scene.lights)[light] else DIRECT
 
 
-def unused_targets(settings: Settings) -> set[Target]:
-    """Targets that ambient occlusion does not need with these settings, in any scene."""
+def unused_targets(settings: Settings, lights: Lights) -> set[Target]:
+    """Targets that ambient occlusion does not need with these settings and lights."""
     ssao, unused = settings.ssao, set[Target]()
     if ssao.sampling is not OcclusionSampling.TRACED:
         unused |= {OCCLUSION_DISTANCE, FILTERED_ONCE, TRACED_OCCLUSION}
-    if ssao.light is OccludedLight.ALL or (ssao.light is OccludedLight.UNSHADOWED and settings.shadow.of_world):
+    if not may_darken_world_alone(ssao, lights):
         unused |= set(SEPARATE_WORLD)
     return unused
 

@@ -230,7 +230,7 @@ def test_texels_are_encoded_as_images_store_them(add):
     grey = [(0.18, 0.18, 0.18, 1)] * 4
     floats = new_image(pixels=[(0.18, 0.18, 0.18, 1), (7, -1, math.nan, 1)] * 2, float_buffer=True)
     assert images.read(floats).encoding == Encoding.FLOAT
-    assert images.read(floats).texels.tolist() == [[[np.float16(0.18)] * 3 + [1.0], [7.0, 0.0, 0.0, 1.0]]] * 2
+    assert images.read(floats).texels.tolist() == [[[np.float16(0.18)] * 3 + [1.0], [7.0, -1.0, 0.0, 1.0]]] * 2
     data = new_image(pixels=grey, is_data=True)
     assert images.read(data).encoding == Encoding.LINEAR
     assert images.read(data).texels[0, 0, 0] == round(0.18 * 255)
