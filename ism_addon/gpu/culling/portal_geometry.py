@@ -20,10 +20,12 @@ class Rays:
     origins: np.ndarray
     directions: np.ndarray
     unoccluded: np.ndarray
+    radiance: np.ndarray  # (N,) from there; rays are distributed by it, times the cosine
     weight: float = 1.0  # of an occluded one: how many it stands for
 
     def __getitem__(self, rows: np.ndarray | slice) -> "Rays":
-        return Rays(self.origins[rows], self.directions[rows], self.unoccluded[rows], self.weight)
+        origins, directions, unoccluded = self.origins[rows], self.directions[rows], self.unoccluded[rows]
+        return Rays(origins, directions, unoccluded, self.radiance[rows], self.weight)
 
     def with_others(self, others: "Rays") -> "Rays":
         """Together with others; occluded ones of both count as the others do."""
@@ -31,6 +33,7 @@ class Rays:
             np.concatenate([self.origins, others.origins]),
             np.concatenate([self.directions, others.directions]),
             np.concatenate([self.unoccluded, others.unoccluded]),
+            np.concatenate([self.radiance, others.radiance]),
             others.weight,
         )
 
@@ -40,6 +43,14 @@ class Rays:
         step = max(int((~self.unoccluded).sum()) // MEASURING_RAYS, 1)
         rows = np.concatenate([np.flatnonzero(self.unoccluded), np.flatnonzero(~self.unoccluded)[::step]])
         return replace(self[rows], weight=float(step))
+
+    def unevenness(self, rows: np.ndarray) -> float:
+        """Of the radiance of the unoccluded ones among `rows` (N,) bool: the mean square over the square of the mean.
+
+        Means over directions. There are as many rays as radiance, so these are weighted by its inverse.
+        """
+        radiance = self.radiance[rows & self.unoccluded]
+        return float(radiance.mean() * (1.0 / radiance).mean()) if len(radiance) else 1.0
 
     def fraction(self, rows: np.ndarray) -> float:
         """Of all rays, those of `rows` (N,) bool."""

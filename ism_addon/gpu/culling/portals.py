@@ -54,6 +54,7 @@ class Portals:
     crossed: float  # fraction of cosine-distributed rays
     arriving: float  # fraction of these that are unoccluded
     missed: float  # fraction of the unoccluded rays that cross none
+    unevenness: float = 1.0  # of what arrives through them: the mean square over the square of the mean
 
     @classmethod
     def of(cls, rectangles: tuple[Rectangle, ...], rays: Rays) -> "Portals":
@@ -63,12 +64,13 @@ class Portals:
         missed = 1.0 - found / (int(rays.unoccluded.sum()) + 2.0)  # not 0 if all rays cross any
         fraction = rays.fraction(crossed)
         arriving = rays.fraction(crossed & rays.unoccluded) / fraction if fraction > 0.0 else 0.0
-        return cls(rectangles, fraction, arriving, missed)
+        return cls(rectangles, fraction, arriving, missed, rays.unevenness(crossed))
 
     @property
     def relative_deviations(self) -> tuple[float, float]:
-        """Of light through them and beside them, if samples are cosine-distributed, relative to that of all light."""
-        return float(np.sqrt((1.0 - self.missed) * self.crossed)), float(np.sqrt(self.missed))
+        """Of light through them and beside them, if rays are distributed as light is, relative to that of all light."""
+        through = (1.0 - self.missed) * self.crossed * self.unevenness
+        return float(np.sqrt(through)), float(np.sqrt(self.missed))
 
     @property
     def gain(self) -> float:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Portals: rectangles that fit the openings of rooms, however these stand, and none where they would not pay."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -35,7 +37,7 @@ def rays_in_room(openings, count: int = 10_000, turn: float = 0.0, offset=(0.0, 
         inside = (points[:, others] > low).all(1) & (points[:, others] < high).all(1)
         unoccluded |= (wall == own_axis) & ((directions[rows, own_axis] > 0.0) == own_end) & inside
     axes = turned(turn)
-    return Rays(origins @ axes + offset, directions @ axes, unoccluded)
+    return Rays(origins @ axes + offset, directions @ axes, unoccluded, np.ones(count))
 
 
 def area(rectangle: Rectangle) -> float:
@@ -74,7 +76,7 @@ def test_normals_point_into_the_room():
 def test_there_are_none_outdoors_nor_in_the_dark():
     rays = rays_in_room((WINDOW,))
     for unoccluded in (np.ones(len(rays), bool), np.zeros(len(rays), bool), np.arange(len(rays)) < MIN_RAYS - 1):
-        assert find_portals(Rays(rays.origins, rays.directions, unoccluded)) is None
+        assert find_portals(replace(rays, unoccluded=unoccluded)) is None
     assert find_portals(rays[:0]) is None
 
 
@@ -82,7 +84,16 @@ def test_there_are_none_where_light_comes_through_holes_everywhere():
     """As through leaves: rectangles would not leave out directions that are occluded."""
     rays = rays_in_room(())
     unoccluded = np.random.default_rng(1).random(len(rays)) < 0.2
-    assert find_portals(Rays(rays.origins, rays.directions, unoccluded)) is None
+    assert find_portals(replace(rays, unoccluded=unoccluded)) is None
+
+
+def test_there_are_none_where_most_light_comes_from_few_directions():
+    """Samples that are evenly distributed over the window would seldom find them."""
+    rays = rays_in_room((WINDOW,))
+    is_bright = np.random.default_rng(2).random(len(rays)) < 0.5
+    uneven = replace(rays, radiance=np.where(is_bright, 1000.0, 1.0))
+    assert Rays.unevenness(uneven, rays.unoccluded) == pytest.approx(250.0, rel=0.1)
+    assert find_portals(rays) is not None and find_portals(uneven) is None
 
 
 @pytest.mark.parametrize(("crossed", "missed"), [(0.02, 0.01), (0.1, 0.1), (0.3, 0.02)])

@@ -116,7 +116,8 @@ LightSample environment_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     bool through = goes_through(weights, uv);
     vec3 wi = through ? sample_portals(weights, p, n, uv) : environment_direction(n, uv).xyz;
     float pdf = portals_pdf(weights, p, n, wi, environment_pdf_beside(n, wi));
-    return LightSample(environment_point(p, wi), wi, luminance(environment_radiance(wi, 0)), max(pdf, 1e-37), -1);
+    float radiance = pdf > 0.0 ? luminance(environment_radiance(wi, 0)) : 0.0; // rounded below the horizon
+    return LightSample(environment_point(p, wi), wi, radiance, max(pdf, 1e-37), -1);
 }
 #else
 float environment_pdf(Light light, vec3 p, vec3 n, vec3 wi) { return environment_pdf_beside(n, wi); }

@@ -18,7 +18,8 @@ LightSample world_sample(Light light, vec3 p, vec3 n, vec2 uv) {
     bool through = goes_through(weights, uv);
     vec3 wi = through ? sample_portals(weights, p, n, uv) : basis(n) * cosine_hemisphere(uv);
     float pdf = portals_pdf(weights, p, n, wi, world_pdf_beside(n, wi));
-    return LightSample(world_point(p, wi), wi, 1.0, max(pdf, 1e-37), -1);
+    float radiance = pdf > 0.0 ? 1.0 : 0.0; // rounded below the horizon
+    return LightSample(world_point(p, wi), wi, radiance, max(pdf, 1e-37), -1);
 }
 
 float world_pdf(Light light, vec3 p, vec3 n, vec3 wi) {

@@ -25,7 +25,7 @@ from .scene_portals import ScenePortals
 #: Rays that look for openings.
 PORTAL_RAYS = 40_000
 
-RAY_ORIGIN = Target("ray_origin", "Where rays to the world start; in alpha, whether there is one", divisor=0)
+RAY_ORIGIN = Target("ray_origin", "Where rays to the world start; in alpha, the radiance from there", divisor=0)
 RAY_DIRECTION = Target("ray_direction", "Their directions; in alpha, whether they were unoccluded", divisor=0)
 
 
@@ -74,4 +74,4 @@ class FindPortals(Pass):
         self.device.wait()
         origins, directions = (pixels(target)[:rows, :columns].reshape(-1, 4) for target in targets)
         exist = origins[:, 3] > 0.0
-        return Rays(origins[exist, :3], directions[exist, :3], directions[exist, 3] > 0.5)
+        return Rays(origins[exist, :3], directions[exist, :3], directions[exist, 3] > 0.5, origins[exist, 3])
