@@ -51,14 +51,14 @@ class Portals:
     """Rectangles, and how samples through them are distributed."""
 
     rectangles: tuple[Rectangle, ...]
-    crossed: float  # fraction of cosine-distributed rays
+    crossed: float  # fraction of the rays, which are distributed as the unshadowed light is
     arriving: float  # fraction of these that are unoccluded
     missed: float  # fraction of the unoccluded rays that cross none
     unevenness: float = 1.0  # of what arrives through them: the mean square over the square of the mean
 
     @classmethod
     def of(cls, rectangles: tuple[Rectangle, ...], rays: Rays) -> "Portals":
-        """Measured by cosine-distributed rays."""
+        """Measured by rays that are distributed as the unshadowed light is."""
         crossed = np.any([each.crossed_by(rays) for each in rectangles], axis=0)
         found = int((crossed & rays.unoccluded).sum())
         missed = 1.0 - found / (int(rays.unoccluded.sum()) + 2.0)  # not 0 if all rays cross any
@@ -74,7 +74,7 @@ class Portals:
 
     @property
     def gain(self) -> float:
-        """Ratio of the variance of cosine-distributed samples to that of the probability below."""
+        """Ratio of the variance of samples without portals to that of the probability below."""
         return 1.0 / sum(self.relative_deviations) ** 2
 
     @property
@@ -96,7 +96,7 @@ class Portals:
 
 
 def find_portals(rays: Rays) -> Portals | None:
-    """Portals from cosine-distributed rays; None if none pay."""
+    """Portals from rays that are distributed as the unshadowed light is; None if none pay."""
     if rays.unoccluded.sum() < MIN_RAYS:
         return None
     axes = box_axes(rays.origins[:: max(len(rays) // MEASURING_RAYS, 1)])

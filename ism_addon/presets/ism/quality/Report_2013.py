@@ -5,6 +5,7 @@ import bpy
 
 ism = bpy.context.scene.ism
 ism.shadow.method = "SHADOW_MAPS"
+ism.shadow.sky_dome = False
 ism.ssao.sampling = "POINTS"
 ism.render.samples = 1
 for name in ("samples", "virtual_lights", "map_size", "map_points"):
