@@ -4,6 +4,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from ....resource_types import Target
 from ....resources import LIGHT_BUFFERS, LIGHT_INFLUENCE, NORMAL, POINT_GRAPHS, POSITION, TLAS
 from ....resources.world import PORTALS
@@ -12,6 +14,7 @@ from ....scene import Change
 from ...culling.portal_geometry import Rays
 from ...culling.portals import MAX_INDOORS_VISIBILITY, find_portals
 from ...drawing import draw_pixels
+from ...environment.map_tables import MIN_LEAF
 from ...frame import Frame, Pass, Schedule, outputs
 from ...gl.render_targets import create, pixels
 from ...gl.shader_compiler import bind
@@ -74,4 +77,5 @@ class FindPortals(Pass):
         self.device.wait()
         origins, directions = (pixels(target)[:rows, :columns].reshape(-1, 4) for target in targets)
         exist = origins[:, 3] > 0.0
-        return Rays(origins[exist, :3], directions[exist, :3], directions[exist, 3] > 0.5, origins[exist, 3])
+        radiance = np.maximum(origins[exist, 3], MIN_LEAF)  # as many rays go to black directions
+        return Rays(origins[exist, :3], directions[exist, :3], directions[exist, 3] > 0.5, radiance)
