@@ -18,7 +18,7 @@ from ...tiles import relative_cost
 #: picture's mean luminance; in dark tiles by less, see DARKEST in surfaces/select_tiles.py. If it can change it by
 #: more, as many more are traced, up to the MAX_RAYS of the light's type. In small pictures a ray is a smaller part of
 #: a sample's time, so that more rays pay.
-RAY_THRESHOLD = 0.2
+RAY_THRESHOLD = 0.3
 
 #: Uncertainty of a prediction if all rays of a neighbourhood agree. For both see `dev.py bench constants` in
 #: docs/benchmarks.md.
