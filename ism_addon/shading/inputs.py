@@ -49,7 +49,7 @@ at_point("instance_attributes", "vec4", "instance_attribute", parameter=True)  #
 at_point("point_inputs", "vec3", "coordinate_of_object", operands="vec4 vec4 vec4")  # rows of a matrix
 at_point("object", "vec3", *(f"object_from_world_{vector_type}" for vector_type in VECTOR_TYPES), operands="vec3")
 at_point("object", "vec3", "world_from_object_point", "world_from_object_vector", operands="vec3")
-at_point("normals", "vec3", "world_from_object_normal", "surface_tangent", operands="vec3")
+at_point("normals", "vec3", "world_from_object_normal", "surface_tangent", "reflecting_normal", operands="vec3")
 at_point("normals", "vec3", "normal_map_tangent", operands="float vec3 vec4", unfiltered=(1,))
 at_point("normals", "vec3", "normal_map_object", "normal_map_world", operands="float vec3", unfiltered=(1,))
 OPERATIONS.update(

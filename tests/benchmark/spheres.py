@@ -132,7 +132,7 @@ def compare_all(
 
 
 def compare(ours: np.ndarray, *halves: np.ndarray) -> dict[str, float]:
-    """Errors of a sphere, squares (S,S,3): of blocks the median relative error and its noise, and RMSE / mean."""
+    """Errors of squares (S,S,3): of blocks the median relative error and its noise, and RMSE / mean."""
     theirs = np.mean(halves, 0)
     blocks, truth, *parts = (block_means(each) for each in (ours, theirs, *halves))
     lit = truth > MIN_LEVEL * truth.max()
@@ -146,7 +146,7 @@ def compare(ours: np.ndarray, *halves: np.ndarray) -> dict[str, float]:
 
 def block_means(square: np.ndarray) -> np.ndarray:
     """(S/8,S/8) means of the blocks of a square (S,S,3)."""
-    count = SIDE // BLOCK
+    count = len(square) // BLOCK
     return square.reshape(count, BLOCK, count, BLOCK, 3).mean((1, 3, 4))
 
 

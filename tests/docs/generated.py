@@ -7,12 +7,22 @@ from pathlib import Path
 
 from tests.tools import project
 
-from . import benchmark_tables, limits_table, node_table, pass_list, render_pass_table, settings_table, sphere_table
+from . import (
+    benchmark_tables,
+    limits_table,
+    node_table,
+    pass_list,
+    render_pass_table,
+    settings_table,
+    sphere_table,
+    world_table,
+)
 
 PARTS = {
     **benchmark_tables.PARTS,
     "nodes": node_table.node_table,
     "spheres": sphere_table.sphere_table,
+    "worlds": world_table.world_table,
     "settings": settings_table.tables,
     "limits": limits_table.table,
     "pass list": pass_list.table,

@@ -83,7 +83,7 @@ class Surface:
         shaders = [each for each in self._closures if each.name != "transparent"]
         opaque = self._opaque()
         is_alone = len(self._closures) == 1 and shaders == self._closures and shaders[0].weight.equals(1.0)
-        maker, lobes = Lobes(builder, self._normal), list[Lobe]()
+        maker, lobes = Lobes(builder, self._normal, corrects_bumps(self._material)), list[Lobe]()
         for closure in shaders:
             weight = closure.weight
             if not opaque.equals(1.0) and not is_alone:
@@ -181,3 +181,8 @@ class Surface:
         if vector.is_constant:
             return -1
         return int(image.constant) if self._builder.operation_of(vector)[0] == "uv_map" else -1
+
+
+def corrects_bumps(material: bpy.types.Material) -> bool:
+    """Cycles' setting of a material, which is on where Cycles is not installed."""
+    return getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)

@@ -13,6 +13,20 @@ vec3 bump(float strength, float scale, float height, float height_dx, float heig
     return vector_normalize(mix(normal, normalize(raised), max(strength, 0.0)));
 }
 
+// A normal for reflections: turned towards the triangle's until the mirror image of the camera is above the surface, as
+// Cycles corrects what bumps it. With a cosine c to the triangle's normal the image is at the height `least` if
+// 2 (c height + sqrt(1 - c^2) slant) c - height = least, an equation of second degree for c^2.
+vec3 reflecting_normal(ShadingPoint at, vec3 normal) {
+    float height = dot(at.incoming, at.geometric_normal), least = min(0.9 * height, 0.01);
+    float cosine = dot(normal, at.geometric_normal);
+    if (2.0 * dot(normal, at.incoming) * cosine - height >= least) return normal;
+    vec3 across = vector_normalize(normal - cosine * at.geometric_normal);
+    float slant = dot(at.incoming, across), a = slant * slant + height * height, b = a + least * height;
+    float root = sqrt(max(b * b - a * (least + height) * (least + height), 0.0));
+    float square = saturate(0.5 * (slant < 0.0 ? b + root : b - root) / max(a, 1e-30));
+    return sqrt(1.0 - square) * across + sqrt(square) * at.geometric_normal;
+}
+
 vec3 unflipped(ShadingPoint at, vec3 normal) { return at.is_back ? -normal : normal; }
 
 // A normal of object space, transformed by the cofactor matrix.
