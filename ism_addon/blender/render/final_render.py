@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The final render of one view layer: renders each stereo view into Blender's passes."""
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import bpy
 
@@ -16,6 +17,9 @@ from . import persistent_data, read_settings, render_statistics
 
 WAIT_SECONDS = 0.1  # between checks for Escape
 UPDATE_INTERVAL = 1.0  # s between intermediate pictures, each a copy and a redraw
+
+#: The estimated error, relative to the mean luminance, from which a finished picture is said to be noisy.
+NOISY = 0.05
 
 
 def render(engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
@@ -103,10 +107,18 @@ def _render_view(engine: bpy.types.RenderEngine, job: Job, view: View, layer: st
     if job.error:
         _report_error(engine, job.error)
     elif done and not engine.is_preview:
-        for warning in job.warnings:
+        for warning in (*job.warnings, *_noise(job)):
             engine.report({"WARNING"}, warning)
         render_statistics.store("render", job.statistics)
     return done and not job.error
+
+
+def _noise(job: Job) -> Iterator[str]:
+    """A sentence about a noisy picture that has all of its samples."""
+    error = job.statistics.get("error", math.inf)
+    if job.statistics.get("stopped_by") == "samples" and NOISY < error < math.inf:
+        issue = f"The picture's error is still about {100.0 * error:.0f} % of its mean: more samples lower it"
+        yield issue
 
 
 def _fill(passes: bpy.types.RenderPasses, view_name: str, picture: Picture) -> None:

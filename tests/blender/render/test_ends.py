@@ -8,6 +8,7 @@ import pytest
 
 from ism_addon import setting_limits
 from ism_addon.blender import engine
+from tests.scenes.parts.node_tree import world_of
 from tests.tools.new_file import open_factory_file
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -56,6 +57,24 @@ def test_the_status_counts_shaders_while_they_are_compiled(scene, render_and_log
     assert counted
     assert counted == sorted(counted)
     assert "Compiling" not in later
+
+
+@pytest.mark.parametrize("power", [1.0, 60.0])
+def test_a_picture_that_stays_noisy_is_said_to_be(scene, render_and_log, capfd, power):
+    """A world of points far smaller than a pixel: the higher the power, the fewer of them give most of the light."""
+
+    def background(tree):
+        direction = tree.add("ShaderNodeTexCoord").outputs["Generated"]
+        points = tree.add("ShaderNodeTexWhiteNoise", {"Vector": direction}, noise_dimensions="3D").outputs["Value"]
+        level = tree.add("ShaderNodeMath", {0: points, 1: power}, operation="POWER")
+        return tree.add("ShaderNodeBackground", {"Strength": level})
+
+    bpy.data.objects.remove(scene.objects["Light"])
+    scene.world, scene.ism.render.samples = world_of(background), 16
+    render_and_log()
+    assert (engine.statistics()["error"] > 0.05) == (power > 1.0)
+    said = re.findall(r"error is still about (\d+) % of its mean: more samples lower it", capfd.readouterr().out)
+    assert said == ([f"{100.0 * engine.statistics()['error']:.0f}"] if power > 1.0 else [])
 
 
 def test_the_time_limit_stops_a_render(scene, render_and_log):
