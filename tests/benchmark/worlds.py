@@ -17,7 +17,8 @@ from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.jobs.png import display_from_linear, write_png
 from tests.demo.figure6 import quiet_stdout
 from tests.docs import record
-from tests.docs.world_table import is_doubtful, rows
+from tests.docs.sphere_table import is_doubtful
+from tests.docs.world_table import BOUND, rows
 from tests.scenes.cycles import direct_light
 from tests.scenes.materials.spheres import squares
 from tests.scenes.worlds import open_sky
@@ -67,7 +68,7 @@ def measure(name: str, options: argparse.Namespace) -> dict[str, dict[str, float
                 surface: {**compare(*each), "truth": truth}
                 for surface, *each in zip(open_sky.SURFACES, *pictures, strict=True)
             }
-            if truth * MORE_SAMPLES > options.finest or not any(map(is_doubtful, errors.values())):
+            if truth * MORE_SAMPLES > options.finest or not any(is_doubtful(each, BOUND) for each in errors.values()):
                 break
             truth *= MORE_SAMPLES
     write_beside(options.output / f"worlds-{name.replace(' ', '-')}.png", ours, np.mean(halves, 0))

@@ -74,6 +74,14 @@ def test_a_slider_of_forty_nodes_compiles_nothing():
     assert all(each["seconds"] > each["read"] > 0.0 for each in changes)
 
 
+def test_worlds_are_measured_beside_cycles(tmp_path):
+    command = [sys.executable, "-m", "tests.benchmark.worlds", "--output", str(tmp_path), "--worlds", "even"]
+    subprocess.run([*command, "--samples", "1", "--truth", "1", "--finest", "1"], check=True, cwd=ROOT)
+    surfaces = json.loads((tmp_path / "worlds.json").read_text())["worlds"]["even"]
+    assert (tmp_path / "worlds-even.png").exists()
+    assert surfaces["plane"]["error"] < 1e-4 and surfaces["ball"]["error"] < 1e-3
+
+
 def test_spheres_of_shaders_are_measured_beside_cycles(tmp_path):
     command = [sys.executable, "-m", "tests.benchmark.spheres", "--output", str(tmp_path), "--lights", "sun"]
     subprocess.run([*command, "--samples", "2", "--truth", "1", "--finest", "10"], cwd=ROOT, timeout=120, check=True)

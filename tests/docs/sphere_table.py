@@ -35,9 +35,9 @@ def large_errors(cases: Cases) -> Iterator[tuple[str, str, str, Mapping[str, flo
                     yield light, shader, roughness, errors
 
 
-def is_doubtful(errors: Mapping[str, float]) -> bool:
+def is_doubtful(errors: Mapping[str, float], bound: float = BOUND) -> bool:
     """Whether an error is outside of the bound, or not a number, and the reference's noise may be why."""
-    return not (errors["error"] <= BOUND or NOISY * errors["noise"] <= BOUND)
+    return not (errors["error"] <= bound or NOISY * errors["noise"] <= bound)
 
 
 def outside(cases: Cases) -> str:

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from tests.benchmark.error.report import table
 
 from . import record
-from .sphere_table import NOISY
 
 #: By world and surface: "error" and "noise" of blocks' means, "rmse", and each reference's samples, "truth".
 Worlds = Mapping[str, Mapping[str, Mapping[str, float]]]
 
-#: The largest error that is not doubted.
+#: The error that all worlds have to be within.
 BOUND = 0.003
 
 
@@ -22,11 +21,6 @@ def rows(worlds: Worlds) -> str:
         errors = [f"{100.0 * each['error']:.3f} ({100.0 * each['noise']:.3f})" for each in surfaces.values()]
         lines.append([name, *errors, f"{max(2 * each['truth'] for each in surfaces.values()):,}"])
     return table(lines)
-
-
-def is_doubtful(errors: Mapping[str, float]) -> bool:
-    """Whether an error is outside of the bound, or not a number, and the reference's noise may be why."""
-    return not (errors["error"] <= BOUND or NOISY * errors["noise"] <= BOUND)
 
 
 def world_table() -> str:

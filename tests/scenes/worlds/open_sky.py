@@ -56,7 +56,7 @@ def build(side: int) -> None:
 
 
 def worlds() -> dict[str, MakeWorld]:
-    """By name: the even world, formulas' maps in both projections, Blender's studio maps and all of its skies."""
+    """By name: the even world, maps of formulas, Blender's studio maps, one of them in other ways, and all skies."""
     studio = Path(bpy.utils.system_resource("DATAFILES", path="studiolights/world"))
     skies = bpy.types.ShaderNodeTexSky.bl_rna.properties["sky_type"].enum_items
     return {

@@ -142,8 +142,8 @@ PORTALS = Portals(
     arriving=0.5,
     missed=0.1,
 )
-#: Normals of the receiver at the origin. All lights are above the horizon of the first.
 ORIGIN = np.zeros(3)
+#: Normals of the receiver at the origin. All lights are above the horizon of the first.
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.8, 0.0, 0.6], [0.6, 0.7, -0.3872983]])
 CASES = [(name, index, k) for name, own in EXAMPLES.items() for index in range(len(own)) for k in range(len(NORMALS))]
 

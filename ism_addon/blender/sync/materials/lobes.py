@@ -37,7 +37,7 @@ class Lobes:
     """Makes the lobes of closures, with one builder."""
 
     def __init__(self, builder: Builder, normal: Value, corrects_bumps: bool = True):
-        """`normal`: of shaders without another one. `corrects_bumps`: of glossy shaders, see reflecting_normal."""
+        """`normal`: of shaders without another one. `corrects_bumps`: of glossy lobes, see reflecting_normal."""
         self._builder, self._normal, self._corrects_bumps = builder, normal, corrects_bumps
 
     def of(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -55,8 +55,7 @@ class Lobes:
         if closure.name in makers:
             yield from makers[closure.name](closure, weight)
             if getattr(closure.node, "distribution", MULTIPLE) == BECKMANN:
-                normal = self._reflecting(self._normal_of(closure))
-                yield Lobe(self._builder.call("closure_beckmann", normal), ONE, BLACK)
+                yield Lobe(self._builder.call("closure_beckmann", self._glossy_normal_of(closure)), ONE, BLACK)
 
     def diffuse(self, weight: Value, color: Value, normal: Value, roughness: Value = ZERO) -> Iterator[Lobe]:
         """A diffuse lobe."""
@@ -84,7 +83,7 @@ class Lobes:
             aspect = call("mix_float", is_across, narrowed, call("math_divide", ONE, narrowed))
             roughness, aspect = self._shape(roughness, aspect)
             yield self._anisotropy(closure, aspect)
-        operands = weight, inputs["color"], roughness, self._reflecting(self._normal_of(closure))
+        operands = weight, inputs["color"], roughness, self._glossy_normal_of(closure)
         yield self._lobe("closure_glossy", closure, operands, weight, inputs["color"])
 
     def _metallic(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -94,13 +93,12 @@ class Lobes:
         yield self._metal(closure, weight, inputs["base_color"], inputs["edge_tint"], roughness)
 
     def _metal(self, closure: Closure, weight: Value, color: Value, edge_tint: Value, roughness: Value) -> Lobe:
-        operands = weight, color, edge_tint, roughness, self._reflecting(self._normal_of(closure))
+        operands = weight, color, edge_tint, roughness, self._glossy_normal_of(closure)
         return self._lobe("closure_metal", closure, operands, weight, color)
 
     def _glass(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         inputs = closure.inputs
-        normal = self._reflecting(self._normal_of(closure))
-        operands = weight, inputs["color"], inputs["ior"], inputs["roughness"], normal
+        operands = weight, inputs["color"], inputs["ior"], inputs["roughness"], self._glossy_normal_of(closure)
         yield self._lobe("closure_glass", closure, operands, weight, BLACK)
 
     def _sheen(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -128,15 +126,14 @@ class Lobes:
 
     def _anisotropy(self, closure: Closure, aspect: Value) -> Lobe:
         """What makes the glossy lobes anisotropic."""
-        normal = self._reflecting(self._normal_of(closure))
-        operands = aspect, closure.inputs["rotation"], closure.inputs["tangent"], normal
+        operands = aspect, closure.inputs["rotation"], closure.inputs["tangent"], self._glossy_normal_of(closure)
         return Lobe(self._builder.call("closure_anisotropy", *operands), ONE, BLACK)
 
     def _principled(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
         """Sheen, a coat, metal beside a dielectric, and a diffuse lobe: each has what those above do not reflect."""
         builder, inputs = self._builder, closure.inputs
         normal, base_color, tint = self._normal_of(closure), inputs["base_color"], inputs["specular_tint"]
-        coat_normal = self._reflecting(inputs["coat_normal"])
+        coat_normal = self._corrected(inputs["coat_normal"])
         roughness, anisotropy = self._anisotropic_roughness(closure)
         if not self._is_nothing(inputs["sheen"]):
             amount = builder.call("vector_scale", inputs["sheen_tint"], inputs["sheen"])
@@ -159,7 +156,7 @@ class Lobes:
             return
         level = inputs["specular_ior_level"]
         if not self._is_nothing(level) and not (builder.simplifies and inputs["ior"].equals(1.0)):
-            dielectric = weight, inputs["ior"], level, tint, roughness, self._reflecting(normal)
+            dielectric = weight, inputs["ior"], level, tint, roughness, self._glossy_normal_of(closure)
             yield self._lobe("closure_dielectric", closure, dielectric, weight, BLACK)
             weight = builder.call("below_dielectric", *dielectric, parameter=multiple(closure))
         transmission = builder.call("saturate", inputs["transmission"])
@@ -169,8 +166,11 @@ class Lobes:
     def _normal_of(self, closure: Closure) -> Value:
         return closure.inputs.get("normal", self._normal)
 
-    def _reflecting(self, normal: Value) -> Value:
-        """A glossy lobe's normal."""
+    def _glossy_normal_of(self, closure: Closure) -> Value:
+        return self._corrected(self._normal_of(closure))
+
+    def _corrected(self, normal: Value) -> Value:
+        """The normal of a glossy lobe: with bumps, one that reflects what is above the surface."""
         is_bumped = self._corrects_bumps and normal != self._normal
         return self._builder.call("reflecting_normal", normal) if is_bumped else normal
 
