@@ -87,5 +87,6 @@ def test_stop_frees_all_memory(worker):
         assert wait_for_end(worker.start(request(size=(640, 480)), "client"))
         worker.stop()
         sizes.append(resident())
-    # The allocator keeps a varying amount, more over the first repetitions; a leaked context would be 60 MB in each.
-    assert min(sizes[16:]) - min(sizes[8:16]) < 60e6
+    # The allocator keeps a varying amount, more over the first repetitions, and once gave 80 MB back; a leaked context
+    # would be 60 MB in each, 480 between these medians.
+    assert np.median(sizes[16:]) - np.median(sizes[8:16]) < 60e6
