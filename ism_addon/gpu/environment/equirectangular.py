@@ -48,7 +48,8 @@ def reduced(radiance: np.ndarray, width: int) -> np.ndarray:
     if factor == 1 or height == 0:
         return radiance
     latitude = (np.arange(height * factor) + 0.5) / (height * factor) * np.pi
-    weight = np.sin(latitude).astype(radiance.dtype).reshape(height, factor, 1, 1, 1)
-    squares = radiance[: height * factor, : columns * factor].reshape(height, factor, columns, factor, 3)
-    result: np.ndarray = (squares * weight).sum((1, 3)) / (factor * weight.sum((1, 3)))
+    weight = np.sin(latitude).astype(radiance.dtype).reshape(height, factor, 1)
+    rows = (radiance[: height * factor, : columns * factor].reshape(height, factor, -1) * weight).sum(1)
+    rows /= factor * weight.sum(1)
+    result: np.ndarray = rows.reshape(height, columns, factor, 3).sum(2)
     return result

@@ -57,7 +57,7 @@ class MapTables:
         """Of a map (H,W,3); `luminance` (3,) of the working space's primaries."""
         radiance = reduced(radiance.astype(np.float32), SUMMED_COLUMNS)
         colors, middles = sums_of_cells(radiance, luminance.astype(np.float32))
-        irradiance = irradiance_of(unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1)), colors, middles)
+        irradiance = irradiance_table(colors, middles)
         peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
         weights, places = leaf_points()
         relative = radiance @ (luminance / peak).astype(np.float32)
@@ -136,6 +136,22 @@ def sums_of_cells(radiance: np.ndarray, luminance: np.ndarray) -> tuple[np.ndarr
     columns = *colors.T, light, *(directions * light[:, None]).T
     sums = np.stack([np.bincount(cell, column, COSINE_CELLS**2) for column in columns], 1).astype(np.float32)
     return sums[:, :3], sums[:, 4:] / np.maximum(sums[:, 3:4], 1e-30)
+
+
+def irradiance_table(colors: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """((IRRADIANCE_CELLS + 1)²,3): the irradiance of all normals, by cells: see sums_of_cells.
+
+    That of opposite normals differs by the normal's product with the sum of all light, a vector, so half are computed.
+    """
+    normals = unit_vectors(np.linspace(-1.0, 1.0, IRRADIANCE_CELLS + 1))
+    up = normals[:, 2] >= 0.0
+    irradiance = np.zeros_like(normals)
+    irradiance[up] = irradiance_of(normals[up], colors, middles)
+    points = octahedron_from_directions(-normals[~up])
+    column, row = np.rint((0.5 * points + 0.5) * IRRADIANCE_CELLS).astype(np.int64).T
+    opposite = irradiance[row * (IRRADIANCE_CELLS + 1) + column]
+    irradiance[~up] = np.maximum(opposite + normals[~up] @ (middles.T @ colors), 0.0)
+    return irradiance
 
 
 def irradiance_of(normals: np.ndarray, colors: np.ndarray, middles: np.ndarray) -> np.ndarray:

@@ -20,9 +20,9 @@ def with_mip_levels(radiance: np.ndarray) -> np.ndarray:
 
 def halved(level: np.ndarray) -> np.ndarray:
     """The next mip level: means of two rows and of two columns, where there are as many."""
-    for axis in (0, 1):
-        count = level.shape[axis] // 2
-        if count:
-            pairs = level.take(range(2 * count), axis)
-            level = 0.5 * (pairs.take(range(0, 2 * count, 2), axis) + pairs.take(range(1, 2 * count, 2), axis))
+    rows, columns = (size // 2 * 2 for size in level.shape[:2])
+    if rows:
+        level = 0.5 * (level[0:rows:2] + level[1:rows:2])
+    if columns:
+        level = 0.5 * (level[:, 0:columns:2] + level[:, 1:columns:2])
     return level

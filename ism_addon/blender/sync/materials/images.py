@@ -5,6 +5,7 @@ import io
 import math
 import os
 from contextlib import suppress
+from functools import partial
 from typing import BinaryIO
 
 import bpy
@@ -84,16 +85,17 @@ def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) ->
         png = LargePng(file)
         if png.width * png.height > TEXELS_AT_ONCE and (png.channels < 4 or image.alpha_mode in UNCHANGED):
             texels, passes = _texels_of_bands(image, png, on_black)
-            is_straight = passes and not on_black and _has_straight_alpha(image, is_float=False)
+            is_straight = passes and not on_black and _has_straight_alpha(image)
             return Image(texels, repeat, _encoding(image, is_float=False), is_straight)
     width, height = image.size
     if len(image.pixels) == 0 or width * height == 0:
         return None
     encoding = _encoding(image, image.is_float)
     texels = texel_files.empty((height, width, 4), encoding.dtype)
-    passes, scale = _encode(image, _pixels(image), texels, on_black)
-    is_straight = passes and not on_black and _has_straight_alpha(image, image.is_float)
-    return Image(texels, repeat, encoding, is_straight, scale)
+    if image.is_float:
+        return Image(texels, repeat, encoding, scale=_encode_floats(_pixels(image), texels))
+    passes = _encode(image, _pixels(image), texels, on_black)
+    return Image(texels, repeat, encoding, passes and not on_black and _has_straight_alpha(image))
 
 
 def _file(image: bpy.types.Image) -> BinaryIO:
@@ -122,7 +124,7 @@ def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> t
                 raise UnsupportedPng
             pixels = _pixels(band)
             above = np.rint(pixels[: png.width, : png.channels] * np.float32(255.0)).astype(np.uint8).tobytes()
-            passes |= _encode(band, pixels, texels[top:bottom], on_black)[0]
+            passes |= _encode(band, pixels, texels[top:bottom], on_black)
             data.images.remove(band)
             bottom = top
     return texels, passes
@@ -136,33 +138,47 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     return pixels.reshape(width * height, -1)
 
 
-def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> tuple[bool, float]:
-    """Fill texels (H,W,4) from the first of the pixels (N,channels), which are overwritten.
+def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> bool:
+    """Fill bytes (H,W,4) from the first of the pixels (N,channels), which are overwritten.
 
-    Returns whether alpha is below 1 anywhere, and Image.scale.
+    Returns whether alpha is below 1 anywhere.
     """
-    rows, scale = texels.reshape(-1, 4), 1.0
-    batches = [slice(first, first + TEXELS_AT_A_TIME) for first in range(0, len(rows), TEXELS_AT_A_TIME)]
-    # Threads read nothing of Blender.
-    is_float, space, working = image.is_float, image.colorspace_settings.name, working_space()
-    multiplies = on_black and _has_straight_alpha(image, is_float)
-    opaque = 1.0 if is_float else 255
+    rows, space, working = texels.reshape(-1, 4), image.colorspace_settings.name, working_space()
+    multiplies = on_black and _has_straight_alpha(image)
 
-    def fill(batch: slice) -> tuple[bool, float]:
-        values, largest = _four_channels(pixels[: len(rows)][batch]), 0.0
-        if is_float:
-            largest = _largest_finite(values)
-            rows[batch] = _encoded_floats(values, scale)
-        else:
-            rows[batch] = _encoded(values, multiplies, space, working)
-        return bool((rows[batch, 3] < opaque).any()), largest
+    def fill(batch: slice) -> bool:  # reads nothing of Blender
+        rows[batch] = _encoded(_four_channels(pixels[: len(rows)][batch]), multiplies, space, working)
+        return bool((rows[batch, 3] < 255).any())
 
-    passes, largest = zip(*parallel_map(fill, batches, len(rows)), strict=True)
-    if max(largest) > MAX_FLOAT16:
-        scale = 2.0 ** math.ceil(math.log2(min(max(largest), MAX_TEXEL) / MAX_FLOAT16))
-        parallel_map(fill, batches, len(rows))
+    passes = any(parallel_map(fill, _batches(len(rows)), len(rows)))
     texel_files.release_memory(texels)
-    return any(passes), scale
+    return passes
+
+
+def _encode_floats(pixels: np.ndarray, texels: np.ndarray) -> float:
+    """Fill 16-bit floats (H,W,4) from pixels (N,channels), which are overwritten. Returns Image.scale."""
+    rows, batches = texels.reshape(-1, 4), _batches(texels.size // 4)
+
+    def fill(batch: slice, scale: float = 1.0) -> float:
+        values = _four_channels(pixels[batch])
+        largest = _limit_floats(values)
+        if scale != 1.0:
+            values[:, :3] /= np.float32(scale)
+        if largest <= MAX_FLOAT16 * scale:
+            rows[batch] = values
+        return largest
+
+    largest, scale = max(parallel_map(fill, batches, len(rows))), 1.0
+    if largest > MAX_FLOAT16:
+        scale = 2.0 ** math.ceil(math.log2(largest / MAX_FLOAT16))
+        parallel_map(partial(fill, scale=scale), batches, len(rows))
+    texel_files.release_memory(texels)
+    return scale
+
+
+def _batches(count: int) -> list[slice]:
+    """Portions of so many texels."""
+    return [slice(first, first + TEXELS_AT_A_TIME) for first in range(0, count, TEXELS_AT_A_TIME)]
 
 
 def read_frame(image: bpy.types.Image, path: str, repeat: bool, on_black: bool) -> Image | None:
@@ -211,21 +227,21 @@ def _encoding(image: bpy.types.Image, is_float: bool) -> Encoding:
     return Encoding.LINEAR if keeps_values else Encoding.SRGB
 
 
-def _largest_finite(pixels: np.ndarray) -> float:
-    """The largest absolute value of pixels (N,4), in which those that are not finite become 0, as in Cycles."""
+def _limit_floats(pixels: np.ndarray) -> float:
+    """Limit pixels (N,4) in place to what Image can store; what is not finite becomes 0, as in Cycles.
+
+    Returns the largest absolute value.
+    """
     ends = pixels.min(), pixels.max()  # NaN if any is
     if not np.isfinite(ends).all():
         np.nan_to_num(pixels, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
-        ends = pixels.min(), pixels.max()
-    return float(np.abs(ends).max())
-
-
-def _encoded_floats(pixels: np.ndarray, scale: float) -> np.ndarray:
-    """(N,4) texels from the values (N,4) of some pixels of an image of floats."""
-    texels = np.empty(pixels.shape, np.float16)
-    color = pixels[:, :3] if scale == 1.0 else pixels[:, :3] / np.float32(scale)
-    texels[:, :3], texels[:, 3] = np.clip(color, -MAX_FLOAT16, MAX_FLOAT16), _clipped(pixels[:, 3], 1.0)
-    return texels
+    alpha = pixels[:, 3]
+    if alpha.min() < 0.0 or alpha.max() > 1.0:
+        np.clip(alpha, 0.0, 1.0, out=alpha)
+    largest = np.abs([pixels.min(), pixels.max()]).max()
+    if largest > MAX_TEXEL:
+        np.clip(pixels, -MAX_TEXEL, MAX_TEXEL, out=pixels)
+    return float(min(largest, MAX_TEXEL))
 
 
 def _encoded(pixels: np.ndarray, multiplies: bool, space: str, working: str) -> np.ndarray:
@@ -261,7 +277,6 @@ def _four_channels(pixels: np.ndarray) -> np.ndarray:
     return four
 
 
-def _has_straight_alpha(image: bpy.types.Image, is_float: bool) -> bool:
-    """Whether the colour is not yet multiplied by alpha; in floating point images it is."""
-    is_data = image.colorspace_settings.is_data
-    return not is_float and not is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")
+def _has_straight_alpha(image: bpy.types.Image) -> bool:
+    """Whether the colour of an image of bytes is not yet multiplied by alpha; in floating point images it is."""
+    return not image.colorspace_settings.is_data and image.alpha_mode in ("STRAIGHT", "PREMUL")

@@ -1,11 +1,9 @@
-// The radiance of the world in the directions of an equirectangular map's texels: the mean of several points of each.
+// The radiance of the world in the directions of an equirectangular map's texels: the mean of POINTS² points of each.
 #include "surfaces/node_graph.glsl"
 #include "maths/equirectangular.glsl"
 uniform ivec2 map_size;
 uniform int first_constant;
 out vec4 radiance;
-
-const int POINTS = 2; // along a texel's sides
 
 vec3 direction_at(vec2 texel) { return direction_from_map(texel / vec2(map_size)); }
 

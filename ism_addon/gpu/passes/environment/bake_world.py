@@ -26,8 +26,11 @@ from ...gl.shader_records import IMAGE
 from ...lights.world.table import MapLight
 from ...materials.shader import glsl
 
-#: Columns of the map: as many as those of the largest image that the graph reads, within these limits.
+#: Columns of the map: as many as those of the largest image that the graph reads, or twice its rows, in these limits.
 MIN_COLUMNS, MAX_COLUMNS = 1024, 2048
+#: Points along the sides of the map's texels, of which their radiance is the mean. Images are filtered: between the
+#: texels of a map that is as large as its image, one point leaves the same interpolation.
+POINTS, IMAGE_POINTS = 2, 1
 
 #: The largest negative radiance, relative to the largest radiance, that nothing is said of: photographs have some.
 MAX_NEGATIVE = 0.01
@@ -89,8 +92,9 @@ class BakeWorld(Pass):
         None if the driver cannot compile the graph.
         """
         scene, texels = frame.scene, frame[MATERIAL_BUFFERS].texels
-        graph, constants = scene.graphs[scene.world.graph[0]], dict[str, Any]()
+        graph = scene.graphs[scene.world.graph[0]]
         reads_images = graph.uses("image")
+        constants: dict[str, Any] = {"points": IMAGE_POINTS if reads_images else POINTS}
         if reads_images:
             constants |= image_constants(scene.images)
         size = map_size(scene)
@@ -149,9 +153,10 @@ def map_size(scene: Scene) -> tuple[int, int]:
     graph, rows, columns = scene.graphs[scene.world.graph[0]], light_constants(scene), [MIN_COLUMNS]
     for (row, number), type_ in zip(graph.locations, graph.constants, strict=True):
         if type_ == "image":
-            columns.append(scene.images[int(rows[row, number])].texels.shape[1])
-    width = min(1 << (max(columns) - 1).bit_length(), MAX_COLUMNS)
-    return width, width // 2
+            height, width = scene.images[int(rows[row, number])].texels.shape[:2]
+            columns += width, 2 * height
+    most = min(1 << (max(columns) - 1).bit_length(), MAX_COLUMNS)
+    return most, most // 2
 
 
 def light_constants(scene: Scene) -> np.ndarray:
