@@ -43,6 +43,9 @@ if TYPE_CHECKING:
 TILE_SIZE = 8
 #: Pixels between probe rays, in x and in y.
 PROBE_SPACING = 2
+#: Cells along each side of a tile of which it is known which graphs their pixels have: with one, a processor that draws
+#: several pixels at once would have nothing to do for most.
+GRAPH_CELLS = 4
 #: Depth of the background, as in Cycles' depth pass. m
 BACKGROUND_DEPTH = 1e10
 #: Distance in a shadow map without an occluder. m
@@ -99,7 +102,12 @@ DEPTH = Target(
     neutral=(BACKGROUND_DEPTH,),
     label="Depth",
 )
-TILE_GRAPHS = Target("tile_graphs", "Bits of the graphs of a tile's pixels", format="r32ui", divisor=TILE_SIZE)
+TILE_GRAPHS = Target(
+    "tile_graphs",
+    "Bits of the graphs that pixels of a tile's cell have",
+    format="r32ui",
+    divisor=TILE_SIZE // GRAPH_CELLS,
+)
 POSITION = Target("position", "Of the nearest surface, in metres, as RGB; in alpha the packed normal", label="Position")
 NORMAL = Target(
     "normal",

@@ -8,7 +8,7 @@ in float in_visibility;
 in float in_tolerance;
 uniform float size;       // of a tile with its margin, px
 uniform vec2 tile_counts; // columns and rows; the viewport covers all tiles, and may be larger than the picture
-#ifdef SEVERAL_GRAPHS
+#ifdef GRAPH_CELLS
 uniform usampler2D tile_graphs; // see find_graphs.frag
 uniform uint graph_bits; // of the graphs that are drawn
 #endif
@@ -23,8 +23,13 @@ flat out float tile_tolerance;             // change of luminance that is as vis
 void main() {
     gl_Position = vec4((in_tile + 0.5) / tile_counts * 2.0 - 1.0, 0.0, 1.0);
     gl_PointSize = size;
-#ifdef SEVERAL_GRAPHS
-    uint graphs = texelFetch(tile_graphs, ivec2(in_tile), 0).x;
+#ifdef GRAPH_CELLS
+    uint graphs = 0u;
+    ivec2 last = textureSize(tile_graphs, 0) - 1;
+    for (int k = 0; k < GRAPH_CELLS * GRAPH_CELLS; ++k) {
+        ivec2 cell = ivec2(in_tile) * GRAPH_CELLS + ivec2(k % GRAPH_CELLS, k / GRAPH_CELLS);
+        graphs |= texelFetch(tile_graphs, min(cell, last), 0).x;
+    }
     if ((graphs & graph_bits) == 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // clipped
 #endif
     tile = in_tile;

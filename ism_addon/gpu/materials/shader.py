@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+from ...resources import GRAPH_CELLS
 from ...scene import Materials, NodeGraph
 from ..gl.shader_compiler import Include
 from . import compiler
@@ -47,7 +48,7 @@ def material_shader(
         constants={
             "graph": int(own is not None),
             "glossy": int(has_gloss),
-            **({"several_graphs": 1} if has_several_graphs(materials, graphs) else {}),
+            **({"graph_cells": GRAPH_CELLS} if has_several_graphs(materials, graphs) else {}),
             "images": int(reads_images),
             **({"traces_nodes": 1, "transparency": 0} if own is not None and own.traces_rays else {}),
             **(image_constants if reads_images else {}),

@@ -1,4 +1,4 @@
-// The radiance of the world in the directions of an equirectangular map's texels: the mean of POINTS² points of each.
+// The radiance of the world in the directions of an equirectangular map's texels: the mean of POINTS * POINTS points each.
 #include "surfaces/node_graph.glsl"
 #include "maths/equirectangular.glsl"
 uniform ivec2 map_size;

@@ -1,16 +1,15 @@
-// Which graphs a tile's pixels have in this sample, a bit for each; those of 32 graphs and more share bits.
+// Which graphs the pixels of a tile's cell have in this sample, a bit for each; those of 32 graphs and more share bits.
 #include "trace/triangle_fetch.glsl"
 #include "surfaces/visible_triangle.glsl"
 uniform usamplerBuffer materials;
 uniform int background_graph; // of the program that draws the background too
-flat in vec2 tile;
 layout(location = 0) out uint tile_graphs;
 
 void main() {
-    ivec2 corner = ivec2(tile) * TILE_SIZE;
+    ivec2 corner = ivec2(gl_FragCoord.xy) * CELL_SIZE;
     tile_graphs = 0u;
-    for (int k = 0; k < TILE_SIZE * TILE_SIZE; ++k) {
-        ivec2 pixel = min(corner + ivec2(k % TILE_SIZE, k / TILE_SIZE), last_pixel());
+    for (int k = 0; k < CELL_SIZE * CELL_SIZE; ++k) {
+        ivec2 pixel = min(corner + ivec2(k % CELL_SIZE, k / CELL_SIZE), last_pixel());
         uvec2 id = visible_triangle(vec2(pixel));
         int material = fetch_triangle(max(int(id.x) - 1, 0)).material;
         int graph = id.x == 0u ? background_graph : fetch_Material(materials, material).graph;

@@ -1,7 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which graphs each tile shows, so that the program of a graph draws only those tiles."""
 
-from ....resources import MATERIAL_BUFFERS, MESH_BUFFERS, TILE_GRAPHS, TILES, VISIBILITY_BUFFER
+from ....resources import (
+    GRAPH_CELLS,
+    MATERIAL_BUFFERS,
+    MESH_BUFFERS,
+    TILE_GRAPHS,
+    TILE_SIZE,
+    TILES,
+    VISIBILITY_BUFFER,
+)
 from ....scene import Change
 from ...drawing import draw_tiles
 from ...frame import Frame, Pass, outputs
@@ -22,7 +30,10 @@ class FindGraphs(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        program, materials = self.tile_program(shader_records.MATERIAL), frame[MATERIAL_BUFFERS]
+        program, materials = (
+            self.tile_program(shader_records.MATERIAL, cell_size=TILE_SIZE // GRAPH_CELLS),
+            frame[MATERIAL_BUFFERS],
+        )
         bind(
             program,
             materials=materials.table,
@@ -30,4 +41,4 @@ class FindGraphs(Pass):
             corners=frame[MESH_BUFFERS].samplers["corners"],
             **visible_triangle_uniforms(frame),
         )
-        draw_tiles(frame, frame.framebuffer(TILE_GRAPHS), program, side=1)
+        draw_tiles(frame, frame.framebuffer(TILE_GRAPHS), program, side=GRAPH_CELLS)

@@ -25,7 +25,7 @@
 
 uniform usamplerBuffer materials;
 uniform isamplerBuffer corner_normal_buffer;
-#ifdef SEVERAL_GRAPHS
+#ifdef GRAPH_CELLS
 uniform int own_graph;        // of the materials that this program draws
 uniform int background_graph; // of the program that draws the background too
 #endif
@@ -147,7 +147,7 @@ void main() {
     uvec2 id = visible_triangle(floor(gl_FragCoord.xy));
     clear_lobes();
     TriangleVertices corner = fetch_triangle(max(int(id.x) - 1, 0));
-#ifdef SEVERAL_GRAPHS
+#ifdef GRAPH_CELLS
     int graph = id.x == 0u ? background_graph : fetch_Material(materials, corner.material).graph;
     if (graph != own_graph) discard; // another program draws it
 #endif

@@ -105,7 +105,7 @@ class GBuffer(Pass):
             **(attribute_uniforms(frame[ATTRIBUTE_BUFFERS]) if shader.reads_attributes else {}),
             **(self.ray_uniforms(frame) if shader.traces_rays else {}),
         )
-        if "several_graphs" in shader.constants:
+        if "graph_cells" in shader.constants:
             bind(
                 program,
                 own_graph=graph,
