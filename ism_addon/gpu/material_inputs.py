@@ -41,4 +41,9 @@ def material_samplers(frame: Frame) -> dict[str, Any]:
 def material_constants(frame: Frame) -> dict[str, int]:
     """Constants of their shaders."""
     scene = frame.scene
-    return {"gloss": int(scene.has_gloss), "coat": int(scene.has_coat), "rare_lobes": int(scene.has_extra)}
+    return {
+        "gloss": int(scene.has_gloss),
+        "coat": int(scene.has_coat),
+        "rare_lobes": int(scene.has_extra),
+        "bumps": int(scene.shadows_bumps),
+    }

@@ -80,8 +80,8 @@ class Scene:
 
     @property
     def has_gloss(self) -> bool:
-        """Whether any material has other lobes than Lambert's."""
-        return any(graph.has_gloss for graph in self.graphs)
+        """Whether any material has other lobes than Lambert's, or bumps that take away some of that one's light."""
+        return any(graph.has_gloss or graph.shadows_bumps for graph in self.graphs)
 
     @property
     def has_coat(self) -> bool:
@@ -92,6 +92,11 @@ class Scene:
     def has_extra(self) -> bool:
         """Whether any material has anisotropy, sheen or a rough diffuse lobe."""
         return any(graph.has_extra for graph in self.graphs)
+
+    @property
+    def shadows_bumps(self) -> bool:
+        """Whether bumps of any material take away light."""
+        return any(graph.shadows_bumps for graph in self.graphs)
 
     @property
     def has_transparency(self) -> tuple[bool, bool]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from .closures import COAT, EXTRA, GLOSSY, WITHOUT_NORMAL
+from .closures import BUMPS, COAT, EXTRA, GLOSSY, WITHOUT_NORMAL
 from .operations import OPERATIONS
 
 #: Numbers of a constant of each type. Constants are stored in rows of four numbers.
@@ -100,6 +100,11 @@ class NodeGraph:
     def has_extra(self) -> bool:
         """Whether it has anisotropy, sheen or rough diffuse closures."""
         return any(each.operation in EXTRA for each in self.instructions)
+
+    @cached_property
+    def shadows_bumps(self) -> bool:
+        """Whether bumps take away light, see materials/bump_shadowing.glsl."""
+        return any(each.operation in BUMPS for each in self.instructions)
 
     @cached_property
     def emits(self) -> bool:

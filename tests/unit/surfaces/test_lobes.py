@@ -65,18 +65,30 @@ def test_lobes_are_packed(device, operands):
     roughness, eta, *_ = operands
     reflectances = np.random.default_rng(5).uniform(0.0, 3.9, (COUNT, 3))
     lobe = "Gloss(a2, 0.5 * a2, 0.25 * a2, 0.5 * a2, a1, a0, 0.5, 0.25, vec4(1.0, -1.0, 0.5, 2.0))"
-    unpacked = f"unpack_gloss(pack_reflectance({lobe}), pack_rise({lobe}), pack_ltc({lobe}.ltc))"
+    unpacked = f"unpack_gloss(pack_reflectance({lobe}), pack_rise({lobe}, 1048575u), pack_ltc({lobe}.ltc))"
     for member, expected, error in (
         ("f0", reflectances, 1e-4),
         ("schlick", 0.5 * reflectances, 1e-4),
         ("dielectric", 0.25 * reflectances, 1e-4),
-        ("edge", 0.5 * reflectances, 3e-4),
+        ("edge", 0.5 * reflectances, 17.0 * 5e-4),  # it changes the reflectance by a 17th at most
+        ("mean_rise", np.full((COUNT, 1), 0.25), 1e-4),
         ("eta", eta[:, None], 1e-3),
         ("roughness", roughness[:, None], 1e-4),
         ("ltc", np.tile([1.0, -1.0, 0.5, 2.0], (COUNT, 1)), 1e-4),
     ):
         result = glsl_functions.evaluate(device, FILE, f"{unpacked}.{member}", [roughness, eta, reflectances])
         assert np.abs(result[:, : expected.shape[1]] - expected).max() < error, member
+
+
+def test_normals_without_bumps_are_packed(device, operands):
+    """With other members of the same bits; 0 stands for none."""
+    *_, normals = operands
+    lobe = "Gloss(vec3(0.5), vec3(0.5), vec3(0.5), vec3(3.9), 1.5, 0.5, 0.5, 1.0, vec4(0.0))"
+    other = "vec3(1.0, 2.0, 3.0)"
+    for bumps, expected, error in (("pack_smooth_normal(a0)", normals, 4e-3), ("0u", [1.0, 2.0, 3.0], 0.0)):
+        expression = f"unpack_smooth_normal(pack_rise({lobe}, {bumps}), {other})"
+        result = glsl_functions.evaluate(device, FILE, expression, [normals])
+        assert np.linalg.norm(result[:, :3] - expected, axis=1).max() <= error
 
 
 def metal(roughness):

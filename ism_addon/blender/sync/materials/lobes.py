@@ -37,7 +37,7 @@ class Lobes:
     """Makes the lobes of closures, with one builder."""
 
     def __init__(self, builder: Builder, normal: Value, corrects_bumps: bool = True):
-        """`normal`: of shaders without another one. `corrects_bumps`: of glossy lobes, see reflecting_normal."""
+        """`normal`: of shaders without another one. `corrects_bumps`: see corrects_bumps in surface.py."""
         self._builder, self._normal, self._corrects_bumps = builder, normal, corrects_bumps
 
     def of(self, closure: Closure, weight: Value) -> Iterator[Lobe]:
@@ -54,6 +54,8 @@ class Lobes:
         }
         if closure.name in makers:
             yield from makers[closure.name](closure, weight)
+            if self._is_bumped(self._normal_of(closure)):
+                yield Lobe(self._builder.call("closure_bump_shadowing", self._normal_of(closure)), ONE, BLACK)
             if getattr(closure.node, "distribution", MULTIPLE) == BECKMANN:
                 yield Lobe(self._builder.call("closure_beckmann", self._glossy_normal_of(closure)), ONE, BLACK)
 
@@ -171,8 +173,11 @@ class Lobes:
 
     def _corrected(self, normal: Value) -> Value:
         """The normal of a glossy lobe: with bumps, one that reflects what is above the surface."""
-        is_bumped = self._corrects_bumps and normal != self._normal
-        return self._builder.call("reflecting_normal", normal) if is_bumped else normal
+        return self._builder.call("reflecting_normal", normal) if self._is_bumped(normal) else normal
+
+    def _is_bumped(self, normal: Value) -> bool:
+        """Whether Cycles corrects what bumps have made of the normal."""
+        return self._corrects_bumps and normal != self._normal
 
     def _lobe(self, operation: str, closure: Closure, operands: tuple[Value, ...], weight: Value, color: Value) -> Lobe:
         return Lobe(self._builder.call(operation, *operands, parameter=multiple(closure)), weight, color)

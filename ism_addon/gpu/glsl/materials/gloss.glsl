@@ -1,5 +1,6 @@
 // Lobes of microfacets: their value, samples of visible normals, and their transforms to a cosine.
 #include "maths/orthonormal_basis.glsl"
+#include "maths/pi.glsl"
 #include "materials/ltc.glsl"
 #include "materials/gloss_packing.glsl"
 
@@ -44,7 +45,7 @@ vec3 reflectance(Gloss gloss, float cosine) {
 float ggx_density(vec3 h, vec2 alpha) {
     vec2 across = h.xy / alpha;
     float t = dot(across, across) + h.z * h.z;
-    return 0.3183098861837907 / max(alpha.x * alpha.y * t * t, 1e-30);
+    return INVERSE_PI / max(alpha.x * alpha.y * t * t, 1e-30);
 }
 
 // Smith's function of hidden microfacets.
@@ -57,7 +58,7 @@ float ggx_lambda(vec3 wi, vec2 alpha) {
 float beckmann_density(vec3 h, vec2 alpha) {
     float square = max(h.z * h.z, 1e-12);
     vec2 slope = h.xy / alpha;
-    return 0.3183098861837907 * exp(-dot(slope, slope) / square) / (alpha.x * alpha.y * square * square);
+    return INVERSE_PI * exp(-dot(slope, slope) / square) / (alpha.x * alpha.y * square * square);
 }
 
 float beckmann_lambda(vec3 wi, vec2 alpha) {

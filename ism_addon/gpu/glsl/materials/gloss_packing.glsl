@@ -45,9 +45,30 @@ uvec4 pack_reflectance(Gloss gloss) {
                        vec4(gloss.schlick / MAX_REFLECTANCE, gloss.eta / (1.0 + gloss.eta)));
 }
 
-uvec4 pack_rise(Gloss gloss) {
-    return pack_halves(vec4(gloss.dielectric / MAX_REFLECTANCE, gloss.reflected),
-                       vec4(gloss.edge / (7.0 * MAX_REFLECTANCE), gloss.mean_rise));
+const float BITS_10 = 1023.0, BITS_14 = 16383.0;
+
+// Bumps: 0, or the normal without them, by `pack_smooth_normal`. Of the change at grazing angles, which is at most an
+// eighteenth of `edge`, 10 bits of the fourth root are stored.
+uvec4 pack_rise(Gloss gloss, uint bumps) {
+    uvec3 edge = uvec3(sqrt(sqrt(clamp(gloss.edge / (7.0 * MAX_REFLECTANCE), 0.0, 1.0))) * BITS_10 + 0.5);
+    return uvec4(packUnorm2x16(gloss.dielectric.xy / MAX_REFLECTANCE),
+                 packUnorm2x16(vec2(gloss.dielectric.z / MAX_REFLECTANCE, gloss.reflected)),
+                 edge.x | edge.y << 10u | edge.z << 20u | bumps << 30u,
+                 uint(clamp(gloss.mean_rise, 0.0, 1.0) * BITS_14 + 0.5) | bumps >> 2u << 14u);
+}
+
+// 20 bits, not 0.
+uint pack_smooth_normal(vec3 n) {
+    uvec2 steps = uvec2((0.5 + 0.5 * octahedron_from_direction(n)) * (BITS_10 - 1.0) + 1.5);
+    return steps.x | steps.y << 10u;
+}
+
+// The normal without bumps; `n`: with them, if there are any.
+vec3 unpack_smooth_normal(uvec4 rise, vec3 n) {
+    uint bumps = rise.z >> 30u | rise.w >> 14u << 2u;
+    if (bumps == 0u) return n;
+    vec2 steps = vec2(bumps & 1023u, bumps >> 10u);
+    return direction_from_octahedron((steps - 1.0) / (0.5 * (BITS_10 - 1.0)) - 1.0);
 }
 
 const float LTC_RANGE = 4.01; // of entries of the table
@@ -60,9 +81,13 @@ uvec2 pack_ltc(vec4 entry) {
 vec4 unpack_ltc(uvec2 bits) { return LTC_RANGE * (vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y)) - 0.5); }
 
 Gloss unpack_gloss(uvec4 reflectance, uvec4 rise, uvec2 ltc) {
-    mat2x4 a = unpack_halves(reflectance), b = unpack_halves(rise);
-    return Gloss(MAX_REFLECTANCE * a[0].rgb, MAX_REFLECTANCE * a[1].rgb, MAX_REFLECTANCE * b[0].rgb,
-                 7.0 * MAX_REFLECTANCE * b[1].rgb, a[1].w / max(1.0 - a[1].w, 1e-4), a[0].w, b[0].w, b[1].w, unpack_ltc(ltc));
+    mat2x4 a = unpack_halves(reflectance);
+    vec4 b = vec4(unpackUnorm2x16(rise.x), unpackUnorm2x16(rise.y));
+    vec3 edge = vec3(rise.z & 1023u, rise.z >> 10u & 1023u, rise.z >> 20u & 1023u) / BITS_10;
+    edge *= edge;
+    return Gloss(MAX_REFLECTANCE * a[0].rgb, MAX_REFLECTANCE * a[1].rgb, MAX_REFLECTANCE * b.rgb,
+                 7.0 * MAX_REFLECTANCE * edge * edge, a[1].w / max(1.0 - a[1].w, 1e-4), a[0].w, b.w,
+                 float(rise.w & 16383u) / BITS_14, unpack_ltc(ltc));
 }
 
 // A coat is a dielectric whose reflectance rises to its weight, and has a normal of its own.

@@ -1,4 +1,5 @@
 // Lobes that few materials have: sheen, and what roughness changes of a diffuse lobe.
+#include "maths/pi.glsl"
 
 // Sheen is a linearly transformed cosine itself (Zeltner, Burley & Chiang 2022): of this transform to a cosine.
 mat3 sheen_cosine_from_anchor(vec2 shape, vec3 n, vec3 wo) {
@@ -9,7 +10,7 @@ mat3 sheen_cosine_from_anchor(vec2 shape, vec3 n, vec3 wo) {
 float evaluate_sheen(vec2 shape, vec3 n, vec3 wo, vec3 wi) {
     vec3 transformed = sheen_cosine_from_anchor(shape, n, wo) * wi;
     float square = max(dot(transformed, transformed), 1e-30);
-    return 0.3183098861837907 * max(transformed.z, 0.0) * shape.x * shape.x / (square * square);
+    return INVERSE_PI * max(transformed.z, 0.0) * shape.x * shape.x / (square * square);
 }
 
 // The reflected fraction of a rough surface's light from wi, without what is reflected several times (Fujii 2012).

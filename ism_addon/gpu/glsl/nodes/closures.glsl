@@ -29,12 +29,14 @@ struct Closures {
     vec3 coat_normal;
     vec3 sheen;
     vec2 sheen_shape; // see materials/rare_lobes.glsl
+    bool shadows_bumps; // see materials/bump_shadowing.glsl
 };
 
 Closures no_closures() {
     GlossyClosures none = GlossyClosures(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
     vec3 zero = vec3(0.0);
-    return Closures(zero, 1.0, zero, zero, 0.0, 0.0, zero, none, 1.0, false, zero, none, zero, zero, vec2(0.0));
+    return Closures(zero, 1.0, zero, zero, 0.0, 0.0, zero, none, 1.0, false, zero, none, zero, zero, vec2(0.0),
+                    false);
 }
 
 void closure_transparent(inout Closures closures, ShadingPoint at, vec3 color) {
@@ -62,6 +64,8 @@ void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance,
     closures.diffuse += reflected;
     closures.normal += sum_of(reflected) * normal;
 }
+
+void closure_bump_shadowing(inout Closures closures, ShadingPoint at, vec3 normal) { closures.shadows_bumps = true; }
 
 // Rough as by Oren & Nayar 1994, with the light that is reflected several times or without it.
 void closure_rough_diffuse(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float roughness,

@@ -175,8 +175,11 @@ vec3 below_sheen(ShadingPoint at, vec3 weight, vec3 amount, float roughness, vec
     return weight * (1.0 - clamp(reflected * max(amount.r, max(amount.g, amount.b)), 0.0, 1.0));
 }
 
-// One lobe in place of all, of their mean roughness. `cosine`: of the camera's direction.
+// One lobe in place of all, of their mean roughness. `cosine`: of the camera's direction. As in Cycles, microfacets on a
+// normal that faces away from the camera reflect nothing to it.
 Gloss gloss_of(GlossyClosures glossy, float cosine) {
+    if (cosine <= 0.0) glossy.f0 = glossy.schlick = glossy.dielectric = glossy.edge = vec3(0.0);
+    cosine = clamp(cosine, 0.0, 1.0);
     float roughness = glossy.roughness / max(glossy.roughness_weight, 1e-30);
     float eta = glossy.eta_weight > 0.0 ? glossy.eta / glossy.eta_weight : 1.0;
     vec2 rises = vec2(schlick_s(roughness, cosine), dielectric_s(roughness, cosine, eta));

@@ -1,13 +1,12 @@
 // What a surface reflects of a light: by a Lambertian lobe of the base color, and by others.
 #include "maths/luminance.glsl"
+#include "maths/pi.glsl"
 #include "surfaces/camera_ray.glsl"
 #include "surfaces/surface.glsl"
 #include "lights/light.glsl"
 #if GLOSS
 #include "materials/lobes.glsl"
 #endif
-
-const float INVERSE_PI = 0.3183098861837907;
 
 // The Lambertian lobe times the cosine. 1/sr
 vec3 evaluate_diffuse(Surface surface, vec3 wi) {
@@ -35,8 +34,8 @@ struct LobePrediction {
 #endif
 #if RARE_LOBES
     mat3 sheen_transform;
-    vec3 rough_diffuse; // over the cosine
 #endif
+    vec3 further_diffuse; // over the cosine
 };
 
 // The density of the direction wi by a transform of a cosine, 1/sr.
@@ -54,8 +53,8 @@ vec3 evaluate_prediction(LobePrediction prediction, Lobes lobes, vec3 wi) {
 #endif
 #if RARE_LOBES
     sum += lobes.rare.sheen * transformed_cosine(prediction.sheen_transform, wi);
-    sum += prediction.rough_diffuse * max(dot(lobes.normal, wi), 0.0);
 #endif
+    sum += prediction.further_diffuse * max(dot(lobes.normal, wi), 0.0);
     return sum;
 }
 
@@ -70,9 +69,8 @@ bool reflected_fraction_is_exact(Lobes lobes) {
 #if RARE_LOBES
     bool differs = lobes.rare.aspect < 1.0 || lobes.rare.beckmann;
     exact = exact && !(differs && lobes.gloss.roughness > MAX_ROUGHNESS);
-    exact = exact && lobes.rare.diffuse_roughness == 0.0;
 #endif
-    return exact;
+    return exact && !lobes.change_diffuse;
 }
 
 // Microfacets count as if all of the light came from the mirror direction, or else from its middle.
@@ -133,27 +131,23 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
 #endif
 #if RARE_LOBES
     prediction.sheen_transform = sheen_cosine_from_anchor(lobes.rare.sheen_shape, n, lobes.wo);
-    prediction.rough_diffuse = vec3(0.0);
     if (lobes.rare.sheen != vec3(0.0)) {
         vec3 fraction = INVERSE_PI * transformed_irradiance(light, p, prediction.sheen_transform, color);
         sum += lobes.rare.sheen * fraction;
     }
-    if (lobes.rare.diffuse_roughness > 0.0) {
-        vec3 value = evaluate_rough_diffuse(lobes.base_color, lobes.rare, n, lobes.wo, from.wi);
-        prediction.rough_diffuse = value / max(dot(n, from.wi), 0.1);
-        sum += prediction.rough_diffuse * irradiance * color;
-    }
 #endif
+    prediction.further_diffuse = vec3(0.0);
+    if (lobes.change_diffuse) {
+        vec3 value = evaluate_further_diffuse(lobes, from.wi);
+        prediction.further_diffuse = value / max(dot(n, from.wi), 0.1);
+        sum += prediction.further_diffuse * irradiance * color;
+    }
     prediction.radiance = sum * light.emission;
     return prediction;
 }
 
-// The most that corrections can take away of a prediction, as luminance: of rough surfaces also Lambertian reflection.
+// The most that corrections can take away of a prediction, as luminance.
 float correctable_luminance(Lobes lobes, vec3 diffuse, vec3 others) {
-    float sum = abs(luminance(others));
-#if RARE_LOBES
-    if (lobes.rare.diffuse_roughness > 0.0) sum += abs(luminance(diffuse));
-#endif
-    return sum;
+    return abs(luminance(others)) + (lobes.change_diffuse ? abs(luminance(diffuse)) : 0.0);
 }
 #endif

@@ -51,6 +51,7 @@ layout(location = 6) out uvec4 ltc_entries;
 #endif
 #endif
 
+const float MIN_BUMP = 1e-4; // change of the normal
 const float MAX_RELATIVE_SIZE = 100.0; // a triangle's size over its distance
 
 // Barycentric coordinates of a ray's intersection with the plane of the triangle a, a + u, a + v, whose normal is n.
@@ -121,12 +122,13 @@ void clear_lobes() {
 }
 
 #if GLOSSY
-void write_lobes(Closures closures, vec3 wo, vec3 n) {
-    Gloss gloss = gloss_of(closures.glossy, clamp(dot(wo, n), 0.0, 1.0)), coat_gloss = gloss;
+// `bumps`: see pack_rise.
+void write_lobes(Closures closures, vec3 wo, vec3 n, uint bumps) {
+    Gloss gloss = gloss_of(closures.glossy, dot(wo, n)), coat_gloss = gloss;
     vec3 coat_normal = n;
 #if COAT
     if (closures.coat_normal != vec3(0.0)) coat_normal = normalize(closures.coat_normal);
-    coat_gloss = gloss_of(closures.coat, clamp(dot(wo, coat_normal), 0.0, 1.0));
+    coat_gloss = gloss_of(closures.coat, dot(wo, coat_normal));
 #endif
 #if LAYERS && COAT
     coat = pack_coat(Coat(coat_gloss, coat_normal));
@@ -136,7 +138,7 @@ void write_lobes(Closures closures, vec3 wo, vec3 n) {
 #endif
 #if !LAYERS
     gloss_reflectance = pack_reflectance(gloss);
-    gloss_rise = pack_rise(gloss);
+    gloss_rise = pack_rise(gloss, bumps);
     ltc_entries = uvec4(pack_ltc(gloss.ltc), pack_ltc(coat_gloss.ltc));
 #endif
 }
@@ -214,8 +216,17 @@ void main() {
     vec3 mean_normal = normalize(closures.normal);
     float square = dot(mean_normal, mean_normal); // 1, unless the sum is 0 or no number
     if (square > 0.5 && square < 2.0) shading_normal = mean_normal;
+#if SHADOWS_BUMPS
+    bool is_bumped = closures.shadows_bumps && distance(shading_normal, at.normal) > MIN_BUMP;
+    uint bumps = is_bumped ? pack_smooth_normal(at.normal) : 0u;
+#else
+    const uint bumps = 0u;
+#endif
 #if GLOSSY
-    write_lobes(closures, at.incoming, shading_normal);
+    write_lobes(closures, at.incoming, shading_normal, bumps);
+#elif SHADOWS_BUMPS && !LAYERS
+    Gloss none = Gloss(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 1.0, 0.0, 0.0, 0.0, vec4(0.0));
+    gloss_rise = pack_rise(none, bumps);
 #endif
 #elif IMAGES
     if (material.image >= 0) {

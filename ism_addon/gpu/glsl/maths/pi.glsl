@@ -1,0 +1,1 @@
+const float INVERSE_PI = 0.3183098861837907;
