@@ -45,5 +45,5 @@ def material_constants(frame: Frame) -> dict[str, int]:
         "gloss": int(scene.has_gloss),
         "coat": int(scene.has_coat),
         "rare_lobes": int(scene.has_extra),
-        "bumps": int(scene.shadows_bumps),
+        "bumps": scene.bump_shadowing,
     }

@@ -81,7 +81,7 @@ class Scene:
     @property
     def has_gloss(self) -> bool:
         """Whether any material has other lobes than Lambert's, or bumps that take away some of that one's light."""
-        return any(graph.has_gloss or graph.shadows_bumps for graph in self.graphs)
+        return any(graph.has_gloss or graph.bump_shadowing for graph in self.graphs)
 
     @property
     def has_coat(self) -> bool:
@@ -94,9 +94,9 @@ class Scene:
         return any(graph.has_extra for graph in self.graphs)
 
     @property
-    def shadows_bumps(self) -> bool:
-        """Whether bumps of any material take away light."""
-        return any(graph.shadows_bumps for graph in self.graphs)
+    def bump_shadowing(self) -> int:
+        """By which function bumps of materials take away light; 0: those of none do."""
+        return max((graph.bump_shadowing for graph in self.graphs), default=0)
 
     @property
     def has_transparency(self) -> tuple[bool, bool]:

@@ -11,8 +11,8 @@ GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric", "closure_glass
 COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_beckmann", "closure_sheen", "closure_rough_diffuse"
 
-#: Operations after which bumps are shadowed.
-BUMPS = ("closure_bump_shadowing",)
+#: The operation after which bumps are shadowed.
+BUMPS = "closure_bump_shadowing"
 
 #: Operations that do not end with the normal.
 WITHOUT_NORMAL = "closure_transparent", "closure_pass_limit", "closure_emission"
@@ -53,8 +53,8 @@ closure("closure_glass", "vec3 vec3 float float vec3", parameter=True, cost=6)
 closure("closure_anisotropy", "float float vec3 vec3")
 # The normal: of all glossy lobes but the coat.
 closure("closure_beckmann", "vec3")
-# A normal that bumps have changed: light is reflected as in Cycles with Bump Map Correction.
-closure("closure_bump_shadowing", "vec3", file="closures")
+# A normal that bumps have changed. The parameter is 1 or 2, see materials/bump_shadowing.glsl.
+closure(BUMPS, "vec3", file="closures", parameter=True)
 # Weight, index of refraction, roughness and normal.
 closure("closure_coat", "vec3 float float vec3", parameter=True, cost=4)
 # The weight of both, the coat's own weight, index of refraction, roughness, tint and normal.

@@ -102,9 +102,9 @@ class NodeGraph:
         return any(each.operation in EXTRA for each in self.instructions)
 
     @cached_property
-    def shadows_bumps(self) -> bool:
-        """Whether bumps take away light, see materials/bump_shadowing.glsl."""
-        return any(each.operation in BUMPS for each in self.instructions)
+    def bump_shadowing(self) -> int:
+        """By which function bumps take away light, see materials/bump_shadowing.glsl; 0: they do not."""
+        return max((each.parameter for each in self.instructions if each.operation == BUMPS), default=0)
 
     @cached_property
     def emits(self) -> bool:

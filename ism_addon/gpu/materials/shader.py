@@ -48,7 +48,7 @@ def material_shader(
         constants={
             "graph": int(own is not None),
             "glossy": int(has_gloss),
-            "shadows_bumps": int(own is not None and own.shadows_bumps),
+            "bumps": 0 if own is None else own.bump_shadowing,
             **({"graph_cells": GRAPH_CELLS} if has_several_graphs(materials, graphs) else {}),
             "images": int(reads_images),
             **({"traces_nodes": 1, "transparency": 0} if own is not None and own.traces_rays else {}),

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import bpy
 
 from ....shading.builder import Builder, Value, constant
+from ....shading.closures import BUMPS
 from ..node_graphs.reader import Closure
 
 BLACK = constant((0.0, 0.0, 0.0))
@@ -20,6 +21,9 @@ BECKMANN = "BECKMANN"
 #: Whether a coat's microfacets, and the facets of rough diffuse surfaces, are of that kind in this release of Cycles.
 MULTIPLE_IN_COATS = int(bpy.app.version >= (4, 4))
 MULTIPLE_IN_DIFFUSE = int(bpy.app.version >= (4, 3))
+
+#: By which function this release of Cycles shadows bumps, see materials/bump_shadowing.glsl.
+BUMP_SHADOWING = 2 if bpy.app.version >= (4, 5) else 1
 
 #: Alpha of microfacets below which they are those of a mirror.
 MIN_ALPHA = constant(1e-6)
@@ -55,7 +59,8 @@ class Lobes:
         if closure.name in makers:
             yield from makers[closure.name](closure, weight)
             if self._is_bumped(self._normal_of(closure)):
-                yield Lobe(self._builder.call("closure_bump_shadowing", self._normal_of(closure)), ONE, BLACK)
+                shadowing = self._builder.call(BUMPS, self._normal_of(closure), parameter=BUMP_SHADOWING)
+                yield Lobe(shadowing, ONE, BLACK)
             if getattr(closure.node, "distribution", MULTIPLE) == BECKMANN:
                 yield Lobe(self._builder.call("closure_beckmann", self._glossy_normal_of(closure)), ONE, BLACK)
 

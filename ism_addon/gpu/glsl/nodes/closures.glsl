@@ -65,7 +65,9 @@ void closure_diffuse(inout Closures closures, ShadingPoint at, vec3 reflectance,
     closures.normal += sum_of(reflected) * normal;
 }
 
-void closure_bump_shadowing(inout Closures closures, ShadingPoint at, vec3 normal) { closures.shadows_bumps = true; }
+void closure_bump_shadowing(inout Closures closures, ShadingPoint at, vec3 normal, int function) {
+    closures.shadows_bumps = true;
+}
 
 // Rough as by Oren & Nayar 1994, with the light that is reflected several times or without it.
 void closure_rough_diffuse(inout Closures closures, ShadingPoint at, vec3 weight, vec3 color, float roughness,

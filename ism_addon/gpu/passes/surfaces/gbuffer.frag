@@ -216,7 +216,7 @@ void main() {
     vec3 mean_normal = normalize(closures.normal);
     float square = dot(mean_normal, mean_normal); // 1, unless the sum is 0 or no number
     if (square > 0.5 && square < 2.0) shading_normal = mean_normal;
-#if SHADOWS_BUMPS
+#if BUMPS
     bool is_bumped = closures.shadows_bumps && distance(shading_normal, at.normal) > MIN_BUMP;
     uint bumps = is_bumped ? pack_smooth_normal(at.normal) : 0u;
 #else
@@ -224,7 +224,7 @@ void main() {
 #endif
 #if GLOSSY
     write_lobes(closures, at.incoming, shading_normal, bumps);
-#elif SHADOWS_BUMPS && !LAYERS
+#elif BUMPS && !LAYERS
     Gloss none = Gloss(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 1.0, 0.0, 0.0, 0.0, vec4(0.0));
     gloss_rise = pack_rise(none, bumps);
 #endif

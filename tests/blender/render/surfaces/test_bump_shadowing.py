@@ -13,10 +13,7 @@ from tests.scenes.cycles import direct_light
 from tests.scenes.materials.spheres import material_of
 from tests.tables.furnace import Shader, shader
 
-pytestmark = [
-    pytest.mark.usefixtures("registered"),
-    pytest.mark.skipif(bpy.app.version < (4, 5), reason="Cycles has another function (Chiang, Li & Burley 2019)"),
-]
+pytestmark = pytest.mark.usefixtures("registered")
 
 SIDE = 8
 WHITE = (1.0, 1.0, 1.0)
