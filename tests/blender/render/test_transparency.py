@@ -13,6 +13,7 @@ from ism_addon.settings import SSAO, Quality, Settings
 from tests.pictures.opengl.test_ray_samplers import samplers_of
 from tests.scenes.cycles import direct_light
 from tests.scenes.parts.node_tree import made
+from tests.scenes.worlds import maps
 
 SIDE = 48
 FILTER_WIDTH = 1.5
@@ -267,7 +268,7 @@ def everything(tree):
 
 
 def test_shaders_have_no_more_samplers_than_opengl_guarantees(device, pane, add):
-    """With all lobes, alpha, and a light whose irradiance is cached."""
+    """With all lobes, alpha, a light whose irradiance is cached, and a world of an image."""
     pane(everything)
     ball = bpy.data.meshes.new("ball")
     shape = bmesh.new()
@@ -276,6 +277,7 @@ def test_shaders_have_no_more_samplers_than_opengl_guarantees(device, pane, add)
     shape.free()
     ball.materials.append(made(lambda tree: tree.add("ShaderNodeEmission", {"Strength": 5.0})))
     add("ball", ball).location = 1.0, 0.0, 1.0
+    bpy.context.scene.world = maps.world_with(maps.overcast(4))  # an image of floats, which shadows do not read
     device.forget_programs()
     ours(device, 3)
     samplers = [samplers_of(program) for program in device.programs.values()]

@@ -13,7 +13,7 @@ from ....resources import (
     POINT_GRAPHS,
     UV_BUFFERS,
 )
-from ....scene import Change, NodeGraph
+from ....scene import Change, Image, NodeGraph, Scene
 from ...buffers.corner_buffers import attribute_uniforms
 from ...buffers.texture_buffer import image_constants
 from ...frame import Frame, Pass, Schedule, outputs
@@ -60,7 +60,8 @@ class UploadPointGraphs(Pass):
         rows["first_constants"] = scene.materials.transparency_constant
         written = MATERIAL_TRANSPARENCY.write(frame.scene_records, "transparency_graphs", rows)
         fields = f"graphs.{'xy'[column]}", f"first_constants.{'xy'[column]}"
-        evaluated = self.evaluated(frame, table[:, column], "transparency", MATERIAL_TRANSPARENCY.name, fields)
+        firsts = scene.materials.transparency_constant[:, column]
+        evaluated = self.evaluated(frame, table[:, column], firsts, "transparency", MATERIAL_TRANSPARENCY.name, fields)
         uniforms = evaluated.uniforms | {"transparency_graphs": written}
         return PointGraphs(evaluated.constants | {"transparency": 1}, evaluated.parts, uniforms)
 
@@ -71,13 +72,16 @@ class UploadPointGraphs(Pass):
         rows["graph"], rows["first_constant"] = numbered(materials.emission_graph), materials.emission_constant
         table = MATERIAL_EMISSION.write(frame.scene_records, "emission_graphs", rows)
         fields = "graph", "first_constant"
-        evaluated = self.evaluated(frame, materials.emission_graph, "emission", MATERIAL_EMISSION.name, fields)
+        graphs = materials.emission_graph, materials.emission_constant
+        evaluated = self.evaluated(frame, *graphs, "emission", MATERIAL_EMISSION.name, fields)
         uniforms = evaluated.uniforms | {"emission_graphs": table}
         return PointGraphs(evaluated.constants | {"emission_graphs": 1}, evaluated.parts, uniforms)
 
     @staticmethod
-    def evaluated(frame: Frame, indices: np.ndarray, member: str, table: str, fields: tuple[str, str]) -> PointGraphs:
-        """What evaluates the graphs of these indices; see point_functions."""
+    def evaluated(
+        frame: Frame, indices: np.ndarray, firsts: np.ndarray, member: str, table: str, fields: tuple[str, str]
+    ) -> PointGraphs:
+        """What evaluates graphs: of materials the indices (M,) and the first constants (M,). See point_functions."""
         scene, texels = frame.scene, frame[MATERIAL_BUFFERS].texels
         graphs: list[NodeGraph] = [scene.graphs[k] for k in np.unique(indices).tolist() if k >= 0]
         rows = np.zeros(len(scene.materials.constants), GRAPH_CONSTANT.dtype)
@@ -88,7 +92,7 @@ class UploadPointGraphs(Pass):
         }
         if any(graph.uses("image") for graph in graphs):
             uniforms |= {"images": IMAGE.write(frame.scene_records, "images", texels.rows), **texels.textures}
-            constants |= image_constants(scene.images)
+            constants |= image_constants(images_of(scene, indices, firsts))
         if any(graph.uses("uv_map") for graph in graphs):
             uniforms["uvs"] = frame[UV_BUFFERS].texture
         if any(graph.uses("mesh_attribute") for graph in graphs):
@@ -100,6 +104,17 @@ class UploadPointGraphs(Pass):
         if any(graph.uses("instance_attribute") for graph in graphs):
             uniforms |= frame[INSTANCE_BUFFERS].attributes
         return PointGraphs(constants, (*RECORDS, point_functions(graphs, member, table, fields)), uniforms)
+
+
+def images_of(scene: Scene, indices: np.ndarray, firsts: np.ndarray) -> list[Image]:
+    """The images that graphs of these indices (M,) and first constants (M,) read: others need no samplers."""
+    used = set[int]()
+    for index, first in zip(indices[indices >= 0].tolist(), firsts[indices >= 0].tolist(), strict=True):
+        graph = scene.graphs[index]
+        for location, type_ in zip(graph.locations, graph.constants, strict=True):
+            if type_ == "image":
+                used.add(int(scene.materials.constants[first + location.row, location.first]))
+    return [scene.images[index] for index in sorted(used)]
 
 
 def numbered(indices: np.ndarray) -> np.ndarray:
