@@ -122,13 +122,19 @@ void clear_lobes() {
 }
 
 #if GLOSSY
+// Of a lobe's normal and the direction to the camera. Corrected bumps of glossy lobes face it, unlike their mean with
+// others.
+float view_cosine(Closures closures, vec3 wo, vec3 n) {
+    return closures.shadows_bumps ? max(dot(wo, n), 1e-6) : dot(wo, n);
+}
+
 // `bumps`: see pack_rise.
 void write_lobes(Closures closures, vec3 wo, vec3 n, uint bumps) {
-    Gloss gloss = gloss_of(closures.glossy, dot(wo, n)), coat_gloss = gloss;
+    Gloss gloss = gloss_of(closures.glossy, view_cosine(closures, wo, n)), coat_gloss = gloss;
     vec3 coat_normal = n;
 #if COAT
     if (closures.coat_normal != vec3(0.0)) coat_normal = normalize(closures.coat_normal);
-    coat_gloss = gloss_of(closures.coat, dot(wo, coat_normal));
+    coat_gloss = gloss_of(closures.coat, view_cosine(closures, wo, coat_normal));
 #endif
 #if LAYERS && COAT
     coat = pack_coat(Coat(coat_gloss, coat_normal));

@@ -27,6 +27,7 @@ CASES = {
     "metal": shader("ShaderNodeBsdfPrincipled", {}, {"Base Color": COLOR, "Metallic": 1.0, "Roughness": 0.2}),
     "glass": shader("ShaderNodeBsdfGlass", {}, {"Color": COLOR, "Roughness": 0.2}),
     "coat": shader("ShaderNodeBsdfPrincipled", {}, COAT),
+    "plastic": shader("ShaderNodeBsdfPrincipled", {}, {"Base Color": COLOR, "Roughness": 0.2}),
 }
 
 
