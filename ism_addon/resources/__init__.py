@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 TILE_SIZE = 8
 #: Pixels between probe rays, in x and in y.
 PROBE_SPACING = 2
-#: Cells along each side of a tile of which it is known which graphs their pixels have: with one, a processor that draws
-#: several pixels at once would have nothing to do for most.
+#: Cells along each side of a tile: a fragment for each finds the graphs of its pixels. Software drivers shade eight or
+#: sixteen fragments at once, so that one for each tile would leave most SIMD lanes idle.
 GRAPH_CELLS = 4
 #: Depth of the background, as in Cycles' depth pass. m
 BACKGROUND_DEPTH = 1e10

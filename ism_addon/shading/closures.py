@@ -11,7 +11,7 @@ GLOSSY = "closure_glossy", "closure_metal", "closure_dielectric", "closure_glass
 COAT = ("closure_coat",)
 EXTRA = "closure_anisotropy", "closure_beckmann", "closure_sheen", "closure_rough_diffuse"
 
-#: The operation after which bumps are shadowed.
+#: The operation by which bumps lose light.
 BUMPS = "closure_bump_shadowing"
 
 #: Operations that do not end with the normal.

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+
 from .closures import BUMPS, COAT, EXTRA, GLOSSY, WITHOUT_NORMAL
 from .operations import OPERATIONS
 
@@ -63,6 +65,11 @@ class NodeGraph:
     def uses(self, operation: str) -> bool:
         """Whether an instruction has an operation, or one whose name begins with it."""
         return any(each.operation.startswith(operation) for each in self.instructions)
+
+    def images(self, constants: np.ndarray) -> list[int]:
+        """The indices of the images that it reads, of its constants (R,4)."""
+        places = zip(self.locations, self.constants, strict=True)
+        return [int(constants[location]) for location, type_ in places if type_ == "image"]
 
     @cached_property
     def cost(self) -> int:

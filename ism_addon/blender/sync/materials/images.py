@@ -94,7 +94,7 @@ def read(image: bpy.types.Image, repeat: bool = True, on_black: bool = False) ->
     texels = texel_files.empty((height, width, 4), encoding.dtype)
     if image.is_float:
         return Image(texels, repeat, encoding, scale=_encode_floats(_pixels(image), texels))
-    passes = _encode(image, _pixels(image), texels, on_black)
+    passes = _encode_bytes(image, _pixels(image), texels, on_black)
     return Image(texels, repeat, encoding, passes and not on_black and _has_straight_alpha(image))
 
 
@@ -110,7 +110,7 @@ def _file(image: bpy.types.Image) -> BinaryIO:
 
 
 def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> tuple[np.ndarray, bool]:
-    """The texels of a PNG that Blender decodes in bands, from the top, and as _encode. Raises UnsupportedPng."""
+    """The texels of a PNG that Blender decodes in bands, from the top, and as _encode_bytes. Raises UnsupportedPng."""
     texels = texel_files.empty((png.height, png.width, 4), np.dtype(np.uint8))
     above, bottom, passes = b"", png.height, False
     with bpy.data.temp_data() as data:
@@ -124,7 +124,7 @@ def _texels_of_bands(image: bpy.types.Image, png: LargePng, on_black: bool) -> t
                 raise UnsupportedPng
             pixels = _pixels(band)
             above = np.rint(pixels[: png.width, : png.channels] * np.float32(255.0)).astype(np.uint8).tobytes()
-            passes |= _encode(band, pixels, texels[top:bottom], on_black)
+            passes |= _encode_bytes(band, pixels, texels[top:bottom], on_black)
             data.images.remove(band)
             bottom = top
     return texels, passes
@@ -138,7 +138,7 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     return pixels.reshape(width * height, -1)
 
 
-def _encode(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> bool:
+def _encode_bytes(image: bpy.types.Image, pixels: np.ndarray, texels: np.ndarray, on_black: bool) -> bool:
     """Fill bytes (H,W,4) from the first of the pixels (N,channels), which are overwritten.
 
     Returns whether alpha is below 1 anywhere.
@@ -232,13 +232,13 @@ def _limit_floats(pixels: np.ndarray) -> float:
 
     Returns the largest absolute value.
     """
-    ends = pixels.min(), pixels.max()  # NaN if any is
-    if not np.isfinite(ends).all():
+    largest = max(-pixels.min(), pixels.max())  # NaN if any is
+    if not math.isfinite(largest):
         np.nan_to_num(pixels, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+        largest = max(-pixels.min(), pixels.max())
     alpha = pixels[:, 3]
     if alpha.min() < 0.0 or alpha.max() > 1.0:
         np.clip(alpha, 0.0, 1.0, out=alpha)
-    largest = np.abs([pixels.min(), pixels.max()]).max()
     if largest > MAX_TEXEL:
         np.clip(pixels, -MAX_TEXEL, MAX_TEXEL, out=pixels)
     return float(min(largest, MAX_TEXEL))

@@ -1,6 +1,7 @@
-// The fraction of light from wi that a diffuse surface reflects if bumps turn its normal from `smooth_normal` to n. With
-// BUMPS 1, of what is brighter than without bumps, a part near the horizon, as in Cycles before 4.5 (Chiang, Li & Burley
-// 2019); with BUMPS 2, as if microfacets of that slope shadowed each other (Estevez, Lecocq & Stein 2019).
+// The fraction of light from wi that a diffuse surface keeps if bumps turn its normal from `smooth_normal` to n.
+// BUMPS 1, as in Cycles before 4.5: where bumps brighten it, a cubic of the ratio of both cosines, which falls to 0 at the
+// horizon (Chiang, Li & Burley 2019). BUMPS 2: as if microfacets of that slope shadowed each other (Estevez, Lecocq &
+// Stein 2019).
 float bump_shadowing(vec3 n, vec3 smooth_normal, vec3 wi) {
     float turned = max(dot(n, smooth_normal), 1e-3), height = dot(smooth_normal, wi);
     if (height <= 0.0) return 0.0;

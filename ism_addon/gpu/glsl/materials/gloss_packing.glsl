@@ -47,8 +47,8 @@ uvec4 pack_reflectance(Gloss gloss) {
 
 const float BITS_10 = 1023.0, BITS_14 = 16383.0;
 
-// Bumps: 0, or the normal without them, by `pack_smooth_normal`. Of the change at grazing angles, which is at most an
-// eighteenth of `edge`, 10 bits of the fourth root are stored.
+// `bumps`: 0, or the normal without them, by `pack_smooth_normal`. Of `edge`, which changes the reflectance by a 17th of
+// it at most, 10 bits of the fourth root are stored.
 uvec4 pack_rise(Gloss gloss, uint bumps) {
     uvec3 edge = uvec3(sqrt(sqrt(clamp(gloss.edge / (7.0 * MAX_REFLECTANCE), 0.0, 1.0))) * BITS_10 + 0.5);
     return uvec4(packUnorm2x16(gloss.dielectric.xy / MAX_REFLECTANCE),

@@ -150,11 +150,10 @@ def sun_texels(sun: MapSun) -> np.ndarray:
 
 def map_size(scene: Scene) -> tuple[int, int]:
     """Columns and rows of the map."""
-    graph, rows, columns = scene.graphs[scene.world.graph[0]], light_constants(scene), [MIN_COLUMNS]
-    for (row, number), type_ in zip(graph.locations, graph.constants, strict=True):
-        if type_ == "image":
-            height, width = scene.images[int(rows[row, number])].texels.shape[:2]
-            columns += width, 2 * height
+    columns = [MIN_COLUMNS]
+    for index in scene.graphs[scene.world.graph[0]].images(light_constants(scene)):
+        height, width = scene.images[index].texels.shape[:2]
+        columns += width, 2 * height
     most = min(1 << (max(columns) - 1).bit_length(), MAX_COLUMNS)
     return most, most // 2
 

@@ -30,10 +30,8 @@ class FindGraphs(Pass):
 
     def execute(self, frame: Frame) -> None:
         frame.device.overwrite()
-        program, materials = (
-            self.tile_program(shader_records.MATERIAL, cell_size=TILE_SIZE // GRAPH_CELLS),
-            frame[MATERIAL_BUFFERS],
-        )
+        program = self.tile_program(shader_records.MATERIAL, cell_size=TILE_SIZE // GRAPH_CELLS)
+        materials = frame[MATERIAL_BUFFERS]
         bind(
             program,
             materials=materials.table,

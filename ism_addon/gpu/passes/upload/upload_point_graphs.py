@@ -110,10 +110,7 @@ def images_of(scene: Scene, indices: np.ndarray, firsts: np.ndarray) -> list[Ima
     """The images that graphs of these indices (M,) and first constants (M,) read: others need no samplers."""
     used = set[int]()
     for index, first in zip(indices[indices >= 0].tolist(), firsts[indices >= 0].tolist(), strict=True):
-        graph = scene.graphs[index]
-        for location, type_ in zip(graph.locations, graph.constants, strict=True):
-            if type_ == "image":
-                used.add(int(scene.materials.constants[first + location.row, location.first]))
+        used.update(scene.graphs[index].images(scene.materials.constants[first:]))
     return [scene.images[index] for index in sorted(used)]
 
 
