@@ -24,8 +24,12 @@ class Convergence:
         self.converged = np.zeros(shape, bool)
 
     def update(self, difference: np.ndarray) -> None:
-        """Estimate the variance from mean squared differences (rows,columns) to the image at `half_counts`."""
-        has_new_samples = self.counts > self.half_counts
+        """Estimate the variance from mean squared differences (rows,columns) to the image at `half_counts`.
+
+        Tiles that have converged since then keep their estimate: the difference of the few samples that they got is
+        noisy, and they get no others that would correct it, so their neighbours might never converge.
+        """
+        has_new_samples = (self.counts > self.half_counts) & ~self.converged
         one = np.ones_like(difference)
         expected = np.subtract(1.0 / self.half_counts, 1.0 / self.counts, where=has_new_samples, out=one)
         self.variance = np.where(has_new_samples, difference / expected, self.variance)

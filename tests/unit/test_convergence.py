@@ -49,6 +49,18 @@ def test_the_error_is_infinite_before_the_second_sample():
     assert not error.converged.any()
 
 
+def test_a_converged_tile_keeps_its_variance():
+    """Also that of its last samples, which may be few: otherwise its neighbours might never converge."""
+    error = Convergence(SHAPE)
+    error.counts, error.half_counts = np.full(SHAPE, 8.0, np.float32), np.full(SHAPE, 4.0, np.float32)
+    error.update(np.full(SHAPE, 1e-6))
+    error.stop_below(0.01)
+    error.half_counts, error.counts = error.counts, error.counts + 1.0
+    error.update(np.full(SHAPE, 1.0))
+    assert error.converged.all()
+    assert error.image_error < 0.01
+
+
 def test_a_tile_without_new_samples_keeps_its_variance():
     error, _ = estimate_and_truth(np.full(SHAPE, 8), np.full(SHAPE, 4.0))
     before, error.half_counts = error.variance.copy(), error.counts
