@@ -13,7 +13,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--rounds", type=int, default=100, help="renders, and updates of viewports, in a row (%(default)s)"
     )
     parser.addoption("--examples", type=int, default=100, help="random pictures that are drawn (%(default)s)")
-    parser.addoption("--frames", type=int, default=4, help="frames of animations, compared with Cycles (%(default)s)")
+    parser.addoption("--frames", type=int, default=8, help="frames of animations, compared with Cycles (%(default)s)")
 
 
 @pytest.fixture(scope="session")

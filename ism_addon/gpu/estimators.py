@@ -6,12 +6,13 @@ An estimator says which passes a sample needs. Estimators of the same component 
 """
 
 from collections.abc import Iterator
-from typing import Protocol
 
 from ..resources import ATLAS_BATCH, VIRTUAL_LIGHT_COUNTS
+from ..resources.world import STEADY_OCCLUSION
 from ..scene import Scene
 from ..settings import Method, Settings
 from .frame import Frame, Pass
+from .occlusion import traces_occlusion
 from .passes.direct.match_predictions import MatchPredictions
 from .passes.direct.predict_visibility import PredictVisibility
 from .passes.direct.select_faint_lights import SelectFaintLights
@@ -41,41 +42,49 @@ from .passes.shadow_maps.splat import SplatMaps
 from .passes.shadow_maps.virtual_lights import PlaceVirtualLights
 
 
-class Estimator(Protocol):
+class Estimator:
     """Estimates one component of the light."""
 
-    #: Whether its passes trace rays, which need acceleration structures.
-    traces_rays: bool
+    #: Whether its passes trace shadow rays, which need acceleration structures.
+    traces_rays = False
     #: Whether a sample with fewer tiles takes less time.
-    adaptive: bool
+    adaptive = True
     #: All passes that a sample may need.
-    pass_types: tuple[type[Pass], ...]
+    pass_types: tuple[type[Pass], ...] = ()
+    #: Those that correct the first sample after its picture.
+    corrections: tuple[type[Pass], ...] = ()
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """The passes of this sample, in order; some more than once. Each is executed before the next is requested."""
+        yield from self.pass_types
+
+    def corrects(self, frame: Frame) -> bool:
+        """Whether samples after the first picture have what it lacks."""
+        return False
 
 
-class RayTracedDirect:
+class RayTracedDirect(Estimator):
     """Direct light by shadow rays: predicted, then corrected (Heitz, Hill & McGuire 2018)."""
 
-    traces_rays = adaptive = True
-    pass_types: tuple[type[Pass], ...] = (
+    traces_rays = True
+    pass_types = (
         *(FindPortals, ProbeVisibility, RetestOccluded, PredictVisibility, MatchPredictions),
         *(SelectFaintLights, TraceShadows),
     )
+    corrections = MatchPredictions, TraceShadows
 
-    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """The prediction, then the rays that correct it."""
-        yield from self.pass_types
+    def corrects(self, frame: Frame) -> bool:
+        """Whether shadow rays or samples of gloss correct what is predicted of any light."""
+        return len(frame.scene.lights.shape) > 0 and (frame.traces_shadows or frame.scene.has_gloss)
 
 
-class ShadowMappedDirect:
+class ShadowMappedDirect(Estimator):
     """Direct light by imperfect shadow maps (Ritschel et al. 2008; Beck-Norén & Valter 2013)."""
 
-    traces_rays = adaptive = False
+    adaptive = False
     PREPARE = SamplePoints, WeighLights, PlaceVirtualLights, SelectPoints
     FOR_EACH_ATLAS = SplatMaps, FillHoles, GatherLight
-    pass_types: tuple[type[Pass], ...] = (*PREPARE, *FOR_EACH_ATLAS)
+    pass_types = (*PREPARE, *FOR_EACH_ATLAS)
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """For each batch of virtual lights that fits in an atlas: their shadow maps, and the light that these pass."""
@@ -86,50 +95,46 @@ class ShadowMappedDirect:
             yield from self.FOR_EACH_ATLAS
 
 
-class Occlusion:
+class Occlusion(Estimator):
     """Ambient occlusion."""
 
-    traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (
-        *(AmbientOcclusion, BlurOcclusion, TraceOcclusion, FilterOcclusion, SteadyOcclusion),
-    )
+    pass_types = AmbientOcclusion, BlurOcclusion, TraceOcclusion, FilterOcclusion, SteadyOcclusion
 
-    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Occlusion, from the screen or by rays, then a filter of its noise."""
-        yield from self.pass_types
+    def corrects(self, frame: Frame) -> bool:
+        """See corrects_occlusion."""
+        return corrects_occlusion(frame)
 
 
-class OcclusionPass:
+class OcclusionPass(Estimator):
     """The render pass AO."""
 
-    traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (ShadeOcclusion, AccumulateOcclusion, ResolveOcclusion)
+    pass_types = ShadeOcclusion, AccumulateOcclusion, ResolveOcclusion
+    corrections = ShadeOcclusion, AccumulateOcclusion
 
     def passes(self, frame: Frame) -> Iterator[type[Pass]]:
         """A sample, and the sums of all samples. They are resolved when the image is read back."""
-        yield from (ShadeOcclusion, AccumulateOcclusion)
+        yield from self.corrections
+
+    def corrects(self, frame: Frame) -> bool:
+        """See corrects_occlusion."""
+        return corrects_occlusion(frame)
 
 
-class SeenWorld:
+def corrects_occlusion(frame: Frame) -> bool:
+    """Whether rays correct what is filtered, or the first picture blends it with that of other views."""
+    return traces_occlusion(frame) or not frame.is_neutral(STEADY_OCCLUSION)
+
+
+class SeenWorld(Estimator):
     """The background."""
 
-    traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (ShadeBackground,)
-
-    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """What the camera sees of the world."""
-        yield from self.pass_types
+    pass_types = (ShadeBackground,)
 
 
-class SeenEmission:
+class SeenEmission(Estimator):
     """Emission that the camera sees."""
 
-    traces_rays, adaptive = False, True
-    pass_types: tuple[type[Pass], ...] = (ShadeEmission, FindEmissionEdges, FilterEmission)
-
-    def passes(self, frame: Frame) -> Iterator[type[Pass]]:
-        """Emission at the samples' positions, then through the pixel filter where it has edges."""
-        yield from self.pass_types
+    pass_types = ShadeEmission, FindEmissionEdges, FilterEmission
 
 
 DIRECT: dict[Method, Estimator] = {

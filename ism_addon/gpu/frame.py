@@ -49,9 +49,8 @@ class Schedule(Enum):
 
     def is_due(self, sample: int) -> bool:
         """Whether the pass is due in the sample of this index, from 0."""
-        return (
-            self is Schedule.EVERY or sample == 0 or (self is Schedule.DOUBLING and sample > 2 and has_doubled(sample))
-        )
+        doubling = self is Schedule.DOUBLING and sample > 2 and has_doubled(sample)
+        return self is Schedule.EVERY or sample == 0 or doubling
 
 
 class UndeclaredResourceError(RuntimeError):
@@ -67,6 +66,7 @@ class Frame:
     view: View
     settings: Settings
     sample: int
+    corrects: bool  # whether predictions are corrected: always but for the first picture
     low_latency: bool  # whether the first sample is finished earlier
     anchor: np.ndarray  # (3,) float64 world
     graph: Graph
@@ -96,8 +96,8 @@ class Frame:
     def _check(self, resource: Resource[Any], declared: bool) -> None:
         if not declared:
             raise UndeclaredResourceError(f"{self.step} has not declared {resource}")
-        if self.sample == 0 and self.step is not None and resource in self.step.feedback:
-            raise UndeclaredResourceError(f"{self.step} reads {resource} before the first sample has made it")
+        if not self.corrects and self.step is not None and resource in self.step.feedback:
+            raise UndeclaredResourceError(f"{self.step} reads {resource} before the first picture has made it")
 
     def framebuffer(self, *targets: Target) -> moderngl.Framebuffer:
         """A framebuffer of outputs of the pass; its depth may be an input. Raises UndeclaredResourceError."""
@@ -206,15 +206,15 @@ class Frame:
                 self.anchor.tobytes(),
             ),
             Change.PIXEL_GRID: (self.sample // len(self.grid.subpixel_offsets), len(self.grid.subpixel_offsets)),
-            Change.SAMPLE: self.sample,
+            Change.SAMPLE: (self.sample, self.corrects),
         }
 
 
 class Pass:
     """A pass. Its row in the profile has the name of its class; its shaders lie beside its module.
 
-    It is executed if its schedule is due and any of its inputs has changed. `feedback` are resources that the previous
-    sample made; they exist from the second sample on. `outputs` maps each output to the inputs that only it depends on.
+    It is executed if its schedule is due and any of its inputs has changed. `feedback` are resources of the previous
+    sample, or of the first picture. `outputs` maps each output to the inputs that only it depends on.
     """
 
     schedule: ClassVar[Schedule] = Schedule.EVERY

@@ -37,7 +37,7 @@ class Graph:
         self.recipes: dict[type[Pass], Recipe] = {}
         #: Identity of each resource.
         self.identities: dict[Resource[Any], int] = {}
-        #: Of each output in the latest first sample: the identities of the inputs it depends on, and its identity.
+        #: Of each output in the latest first picture: the identities of the inputs it depends on, and its identity.
         self.first_samples: dict[Resource[Any], tuple[Recipe, int]] = {}
         self.new_identities = itertools.count(1)
 
@@ -122,13 +122,13 @@ class Graph:
             related = recipe
             if unrelated:
                 related = tuple(value for index, value in enumerate(recipe) if index not in unrelated)
-            self.identify(output, related, frame.sample)
+            self.identify(output, related, is_first=not frame.corrects)
 
     def prepare(self, pass_type: type[Pass], frame: Frame) -> None:
         """Allocate a pass's targets, and neutral textures for targets that it reads but that no pass has made."""
         for target in pass_type.sized_outputs:
             self.targets.allocate(target, size_of(target, *frame.size))
-        for target in pass_type.read_targets + (pass_type.feedback_targets if frame.sample > 0 else ()):
+        for target in pass_type.read_targets + (pass_type.feedback_targets if frame.corrects else ()):
             self.targets.ensure(target)
 
     def recipe(self, pass_type: type[Pass], frame: Frame) -> Recipe:
@@ -146,9 +146,9 @@ class Graph:
             return self.contents.get(each) if each.by_value else self.identities.get(each, 0)
         return attrgetter(each)(frame.settings)
 
-    def identify(self, output: Resource[Any], recipe: Recipe, sample: int) -> None:
-        """Give an output its identity. In a first sample, the same recipe gives the same identity."""
-        if sample > 0:
+    def identify(self, output: Resource[Any], recipe: Recipe, is_first: bool) -> None:
+        """Give an output its identity. In a first picture, the same recipe gives the same identity."""
+        if not is_first:
             self.identities[output] = next(self.new_identities)
             return
         if output not in self.first_samples or self.first_samples[output][0] != recipe:

@@ -14,7 +14,13 @@ from ..render_passes import COMBINED, OCCLUSION, RenderPass
 from ..resource_types import Target
 from ..resources import BAKED_EMISSION, CONVERGENCE, TILE_SELECTION
 from ..resources.world import BAKED_WORLD
-from ..sampling.pixel_grid import PIXEL_GRIDS, PixelGrid, filter_margin, narrow_pixel_grid, pixel_grid
+from ..sampling.pixel_grid import (
+    PixelGrid,
+    filter_margin,
+    narrow_pixel_grid,
+    pixel_grid,
+    samples_per_visibility_buffer,
+)
 from ..scene import Scene, View
 from ..settings import DebugView, Settings
 from ..spaces import anchor_of, camera_position
@@ -76,9 +82,6 @@ PASSES: tuple[type[Pass], ...] = (
     *(pass_type for estimator in ALL_ESTIMATORS for pass_type in estimator.pass_types),
 )
 
-#: Maximum number of pixels of a visibility buffer: 12 bytes each, and 8 where colored surfaces are transparent.
-MAX_FINE_PIXELS = 1 << 25
-
 
 class Renderer:
     """Draws samples of images; keeps what the next sample or image can reuse."""
@@ -109,6 +112,8 @@ class Renderer:
         """
         self.submission.begin(sample, cancelled)
         run = self.graph.run
+        if sample == 1:
+            yield from self.correct_first(scene, view, settings, profile)
         frame = yield from self.uploaded(scene, view, settings, sample, profile, low_latency)
         yield from run(surfaces(scene), frame, profile)
         yield from run(SELECTION, frame, profile)
@@ -121,6 +126,14 @@ class Renderer:
         profile.counts["render_target_bytes"] = self.graph.targets.bytes
         self.last = frame, profile
         self.device.free_released()
+
+    def correct_first(self, scene: Scene, view: View, settings: Settings, profile: Profile) -> Iterator[str]:
+        """Shade the first sample, which has only predictions, again: with what corrects them."""
+        frame = self.frame(scene, view, settings, 0, profile, corrects=True)
+        correcting = [estimator for estimator in frame.estimators if estimator.corrects(frame)]
+        if correcting:
+            corrections = (pass_type for estimator in correcting for pass_type in estimator.corrections)
+            yield from self.graph.run((SelectTiles, *corrections, *FILM), frame, profile)
 
     def surfaces(
         self, scene: Scene, view: View, settings: Settings, profile: Profile, cancelled: Callable[[], bool] = never
@@ -146,9 +159,16 @@ class Renderer:
         return frame
 
     def frame(
-        self, scene: Scene, view: View, settings: Settings, sample: int, profile: Profile, low_latency: bool = False
+        self,
+        scene: Scene,
+        view: View,
+        settings: Settings,
+        sample: int,
+        profile: Profile,
+        low_latency: bool = False,
+        corrects: bool = False,
     ) -> Frame:
-        """The input of the passes for one sample.
+        """The input of the passes for one sample. `corrects`: of the first one, whether it is shaded again.
 
         Raises ValueError for an unknown debug view and for more pixels than OpenGL can draw at once, and MemoryError
         for an image that would take more memory than is free.
@@ -167,7 +187,7 @@ class Renderer:
             self.uniforms.write(frame_uniforms.frame_block(scene, view, anchor))
             self.placed = scene, view, anchor
         grid = self.grid(view, settings, sample, low_latency)
-        if sample == 0:
+        if sample == 0 and not corrects:
             pass_types, fine_pixels = (
                 (*pass_types_of(chosen), *surfaces(scene)),
                 int(grid.bounds(view.width, view.height)[1].prod()),
@@ -181,6 +201,7 @@ class Renderer:
             view=view,
             settings=settings,
             sample=sample,
+            corrects=corrects or sample > 0,
             low_latency=low_latency,
             anchor=self.placed[2],
             graph=self.graph,
@@ -206,7 +227,9 @@ class Renderer:
         """Positions of a sample in the pixels. The first is at their centres; it is finished earlier if drawn alone."""
         if filter_margin(view.filter_width) == 0:
             return narrow_pixel_grid(sample, view.filter_width)
-        count = samples_per_visibility_buffer(view, settings.quality.samples, self.device.texture_size)
+        count = samples_per_visibility_buffer(
+            view.width, view.height, settings.quality.samples, self.device.texture_size
+        )
         count = 1 if low_latency and sample == 0 else count
         return pixel_grid(sample // count, count)
 
@@ -272,12 +295,3 @@ def pass_types_of(chosen: tuple[Estimator, ...]) -> tuple[type[Pass], ...]:
 def draws_target(pass_type: type[Pass]) -> bool:
     """Whether a pass draws a target."""
     return any(isinstance(output, Target) for output in pass_type.outputs)
-
-
-def samples_per_visibility_buffer(view: View, samples: int, limit: int) -> int:
-    """How many samples share one visibility buffer, which has that many pixels per pixel of the image."""
-    for count in sorted((count for count in PIXEL_GRIDS if count <= samples), reverse=True):
-        size = pixel_grid(0, count).max_size(view.width, view.height)
-        if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:
-            return count
-    return 1

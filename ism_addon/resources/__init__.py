@@ -81,7 +81,6 @@ SEEN_LIGHTS: Resource[RecordTable | None] = Resource("seen_lights", "Those that 
 TILES: Resource[np.ndarray] = Resource("tiles", "Rows of TILE: tiles that take part in this sample")
 TILE_SELECTION: Resource[TileSelection] = Resource("tile_selection", "Probability and phase of each tile", _PICTURE)
 SAMPLES_PER_TILE: Resource[np.ndarray] = Resource("samples_per_tile", "(rows,columns): of its pixels", _PICTURE)
-TILE_SAMPLE_COUNTS = Target("tile_sample_counts", "The same as a texture", _PICTURE, format="r32f", divisor=TILE_SIZE)
 TILE_PROBABILITIES = Target(
     "tile_probabilities", "That a tile takes part; the same, 0 if it converged", format="rg32f", divisor=TILE_SIZE
 )

@@ -50,6 +50,9 @@ LATTICE_GENERATOR = 3045
 #: Texels from pixels, by the number of samples that share a grid. A texel's sides are the lattice's shortest vectors.
 PIXEL_GRIDS = {1: [[1, 0], [0, 1]], 4: [[2, 2], [-1, 1]], 16: [[5, -1], [1, 3]]}
 
+#: Maximum number of pixels of a visibility buffer: 12 bytes each, and 8 where colored surfaces are transparent.
+MAX_FINE_PIXELS = 1 << 25
+
 
 def van_der_corput(indices: np.ndarray) -> np.ndarray:
     """Elements (N,) of the sequence with these indices, in [0,1): radical inverses in base 2."""
@@ -69,6 +72,18 @@ def pixel_grid(index: int, count: int) -> PixelGrid:
     offsets = lattice(np.arange(index * count, (index + 1) * count)) - 0.5
     texels = np.rint((offsets - offsets[0]) @ fine_from_pixel.T).astype(int)
     return PixelGrid(fine_from_pixel, offsets[0], texels, offsets)
+
+
+def samples_per_visibility_buffer(width: int, height: int, samples: int, limit: int) -> int:
+    """How many samples share one visibility buffer, which has that many pixels per pixel of the image.
+
+    `limit`: the largest number of its columns and rows.
+    """
+    for count in sorted((count for count in PIXEL_GRIDS if count <= samples), reverse=True):
+        size = pixel_grid(0, count).max_size(width, height)
+        if size.max() <= limit and size.prod() <= MAX_FINE_PIXELS:
+            return count
+    return 1
 
 
 def filter_margin(radius: float) -> int:

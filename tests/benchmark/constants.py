@@ -93,7 +93,8 @@ GROUPS = {
             f"{PASSES}.direct.trace_shadows": ("MIN_RAY_PROBABILITY", "MIN_FAINT_RAY_PROBABILITY"),
             f"{PASSES}.direct.tiles_of_lights": ("CERTAIN_PROBABILITY", "MAX_CERTAIN_PROBABILITY"),
             f"{PASSES}.surfaces.select_tiles": (
-                *("UNIFORM_SAMPLES", "MIN_TILE_PROBABILITY", "ALWAYS_SAMPLED_FRACTION", "MIN_NEIGHBOUR_RATIO"),
+                *("UNIFORM_SAMPLES", "MIN_TILE_PROBABILITY", "ALWAYS_SAMPLED_FRACTION", "MIN_MEAN_PROBABILITY"),
+                "MIN_NEIGHBOUR_RATIO",
             ),
             f"{PASSES}.film.resolve": ("STRATIFICATION_EXPONENT", "SIMILARITY_SHARPNESS"),
         },

@@ -79,7 +79,7 @@ def test_a_pass_can_read_declared_resources(execute):
 
 
 def test_feedback_exists_from_the_second_sample_on(execute):
-    with pytest.raises(UndeclaredResourceError, match="Declared reads mean_luminance before the first sample"):
+    with pytest.raises(UndeclaredResourceError, match="Declared reads mean_luminance before the first picture"):
         execute(Declared, lambda frame: frame[MEAN_LUMINANCE])
     assert len(execute(Declared, lambda frame: frame.get(MEAN_LUMINANCE), sample=1)) == 1
 

@@ -15,8 +15,8 @@ def drawn_target(frame: Frame) -> Target | None:
 
 
 def occlusion_target(frame: Frame) -> Target | None:
-    """The same, or what steadies it."""
-    return drawn_target(frame) if frame.is_neutral(STEADY_OCCLUSION) else STEADY_OCCLUSION
+    """The same, or in the first picture what steadies it."""
+    return drawn_target(frame) if frame.corrects or frame.is_neutral(STEADY_OCCLUSION) else STEADY_OCCLUSION
 
 
 def occlusion_constants(target: Target | None) -> dict[str, int]:

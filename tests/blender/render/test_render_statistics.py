@@ -47,7 +47,8 @@ def test_a_final_render_has_statistics(render_with):
     assert shown_statistics == engine.statistics()
     rows = {name: numbers for name, *numbers in statistics.passes(shown_statistics)}
     assert len(statistics.COLUMNS) == 1 + len(rows["TraceShadows"])
-    assert rows["TraceShadows"][:3] == ["2", "0", "0"]
+    assert rows["GBuffer"][:3] == ["2", "0", "0"]
+    assert rows["TraceShadows"][:3] == ["3", "0", "0"], "the first sample without rays, then with them"
     assert rows["UploadUVs"][:3] == ["0", "0", "2"]
     assert "SplatMaps" not in rows, "passes of the other method are not shown"
     assert float(rows["TraceShadows"][3]) > 0.0

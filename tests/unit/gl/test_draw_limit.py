@@ -119,7 +119,7 @@ def test_a_usual_picture_is_not_split(device, draw_rays):
         draws.append({name: len(rays) for name, rays in draw_rays.items()})
         draw_rays.clear()
     assert draws[0] == draws[1]
-    assert draws[0]["TraceShadows"] == 1 + 2  # in the second sample, one for tiles with rays and one for those without
+    assert draws[0]["TraceShadows"] == 1 + 2 * 2  # after the first picture, one for tiles with rays, one for others
 
 
 def test_portions_are_as_few_as_possible():
@@ -150,14 +150,14 @@ def test_rectangles_of_large_pictures(size, rays, draws):
 
 @pytest.mark.parametrize("filter_width", [1.5, 4.4])
 def test_accumulation_with_a_wide_filter(device, monkeypatch, draw_rays, filter_width):
-    """The first sample draws only a tile's own pixels; later ones also those within the filter's margin around it."""
+    """The first sample, twice, draws only a tile's own pixels; later ones also those within the filter's margin."""
     scene, view = box_over_plane(96, 64)
     monkeypatch.setattr(draw_limit, "MAX_RAYS_PER_DRAW", 5000)
     draw(device, scene, replace(view, filter_width=filter_width), with_quality(SMALL_SETTINGS, samples=2))
     margin = filter_margin(filter_width)
     pixel_rays = rays_for((2 * margin + 1) ** 2)
     tile_rays = pixel_rays * (TILE_SIZE + 2 * margin) ** 2
-    assert len(draw_rays["Accumulate"]) == draw_count(96, pixel_rays * TILE_SIZE**2) + draw_count(96, tile_rays)
+    assert len(draw_rays["Accumulate"]) == 2 * draw_count(96, pixel_rays * TILE_SIZE**2) + draw_count(96, tile_rays)
     assert draw_rays["Accumulate"][-1] <= 5000
 
 

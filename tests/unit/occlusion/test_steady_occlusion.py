@@ -116,6 +116,19 @@ def test_another_intensity_keeps_it(device):
     assert 1.0 - half[seen] == pytest.approx(0.5 * (1.0 - left[seen]), abs=1e-3)
 
 
+@pytest.mark.parametrize("sampling", OcclusionSampling, ids=str)
+def test_samples_after_the_first_picture_are_as_in_final_renders(device, sampling):
+    scene, _, _ = boxes_on_a_floor()
+    chosen, left = with_quality(settings(SSAO(sampling=sampling)), samples=32), []
+    for low_latency in (True, False):
+        renderer = Renderer(device)
+        for sample in range(32):
+            for _ in renderer.sample(scene, orbit(0), chosen, sample, Profile(), low_latency=low_latency):
+                pass
+        left.append(renderer.images([OCCLUSION])["AO"][..., 0])
+    assert np.sqrt(((left[0] - left[1]) ** 2).mean()) < 0.002
+
+
 def test_final_renders_and_pictures_without_occlusion_have_no_such_pass(device):
     scene, _, _ = boxes_on_a_floor()
     drawn = draw(device, scene, orbit(0), settings(HEMISPHERE_SSAO))

@@ -11,8 +11,8 @@ from ism_addon.gpu.gl import depth
 from ism_addon.gpu.gl.context import open_device
 from ism_addon.gpu.gl.shader_records import directions_from_octahedron
 from ism_addon.gpu.profile import Profile
-from ism_addon.gpu.renderer import Renderer, samples_per_visibility_buffer
-from ism_addon.sampling.pixel_grid import pixel_grid
+from ism_addon.gpu.renderer import Renderer
+from ism_addon.sampling.pixel_grid import pixel_grid, samples_per_visibility_buffer
 from tests.scenes.small import sphere
 from tests.support import reference
 from tests.support.small_scenes import (
@@ -177,7 +177,7 @@ def test_the_sample_moves_the_pixels_centres(device, samples):
     settings = with_quality(SMALL_SHADOW_MAPS, samples=samples)
     for newest in {1, samples - 1}:
         drawn = draw(device, objects(), view, settings, last=newest)
-        count = samples_per_visibility_buffer(view, samples, device.texture_size)
+        count = samples_per_visibility_buffer(view.width, view.height, samples, device.texture_size)
         offset = pixel_grid(newest // count, count).subpixel_offsets[newest % count]
         shift = np.eye(4)
         shift[:2, 3] = -2.0 * offset / (48, 36)

@@ -16,7 +16,7 @@ from ism_addon.gpu.passes.surfaces.select_tiles import (
     MIN_TILE_PROBABILITY,
     UNIFORM_SAMPLES,
 )
-from ism_addon.resources import RAY_COUNTS, TILE_SAMPLE_COUNTS, TILE_SIZE
+from ism_addon.resources import RAY_COUNTS, SAMPLES_PER_TILE, TILE_SIZE
 from tests.scenes.small import box_over_plane
 from tests.support.small_scenes import (
     SMALL_SETTINGS,
@@ -26,7 +26,6 @@ from tests.support.small_scenes import (
     light,
     make_scene,
     quad,
-    read_texels,
     view_from_above,
     with_quality,
 )
@@ -39,7 +38,7 @@ FLOOR = quad((-100, -100, 0), (200, 0, 0), (0, 200, 0))
 
 def sample_counts(drawn) -> np.ndarray:
     """(rows,columns): the samples of each tile."""
-    return read_texels(drawn.renderer.graph[TILE_SAMPLE_COUNTS], drawn.renderer.last[0].tiles)[..., 0]
+    return drawn.renderer.graph[SAMPLES_PER_TILE]
 
 
 def test_the_first_samples_draw_all_tiles_and_later_ones_do_not(device):
@@ -117,6 +116,20 @@ def test_tiles_with_variance_are_drawn_most(device):
     assert sample_counts(drawn)[varies].mean() > 1.5 * sample_counts(drawn)[~varies].mean()
     assert sample_counts(drawn)[varies].max() == 64
     assert sample_counts(drawn).min() > UNIFORM_SAMPLES
+
+
+@pytest.mark.parametrize("power", [0.2, 5.0, 40.0])
+def test_a_sample_draws_at_least_a_fraction_of_the_tiles(monkeypatch, power):
+    """However few of them have nearly all of the variance. Where enough tiles are drawn anyway, nothing changes."""
+    least, means = select_tiles.MIN_MEAN_PROBABILITY, []
+    deviation, unconverged = np.random.default_rng(1).random((60, 80)) ** power, np.ones((60, 80), bool)
+    for name in ("MIN_MEAN_PROBABILITY", "MIN_NEIGHBOUR_RATIO", "MIN_TILE_PROBABILITY"):
+        monkeypatch.setattr(select_tiles, name, 1e-9)
+    for minimum in (1e-9, least):
+        monkeypatch.setattr(select_tiles, "MIN_MEAN_PROBABILITY", minimum)
+        means.append(select_tiles.allocate(deviation, 1e-30, unconverged, 1.0).mean())
+    assert means[1] == pytest.approx(max(means[0], least), rel=0.01)
+    assert (means[0] > least) == (power < 1.0)
 
 
 def test_dark_tiles_have_more_rays_than_their_change_alone_asks_for(device, monkeypatch):

@@ -27,8 +27,8 @@ class MatchPredictions(Pass):
         return self.tile_program()
 
     def needed(self, frame: Frame) -> bool:
-        """Whether there are predictions. Those of the first sample are its own, so only cached irradiance needs it."""
-        return frame.casts_shadows and (frame.sample > 0 or bool(frame.get(IRRADIANCE_CACHE)))
+        """Whether there are predictions. Those of the first picture are its own, so only cached irradiance needs it."""
+        return frame.casts_shadows and (frame.corrects or bool(frame.get(IRRADIANCE_CACHE)))
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()

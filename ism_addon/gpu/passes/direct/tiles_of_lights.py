@@ -51,7 +51,7 @@ class TilesOfLights:
         if not has_shadow:
             return self.tiles[:0], self.tiles[predicted]
         any_visible, any_occluded = frame[TILE_VISIBILITY][light].reshape(-1, 2)[index].T
-        if frame.sample == 0:
+        if not frame.corrects:
             return self.tiles[:0], self.tiles[predicted[any_visible]]
         probability = CERTAIN_PROBABILITY * influence.bound_over_mean.ravel()[index]
         probability = np.minimum(probability, MAX_CERTAIN_PROBABILITY)

@@ -102,22 +102,22 @@ class TraceShadows(Pass):
         frame.counts["lights_used"] = max(frame.counts["lights_used"], len(used))
 
     def ray_counts(self, frame: Frame) -> dict[int, moderngl.Texture]:
-        """By light, the RAY_COUNT textures of lights that rays are traced to. Cleared before the second sample."""
+        """By light, the RAY_COUNT textures of lights that rays are traced to. Cleared before the first rays."""
         previous, texture_size = frame.get(RAY_COUNTS) or {}, driver_variants.sides(frame.size)
-        if frame.sample == 0:
+        if not frame.corrects:
             return previous
         counts = {}
         for light in frame[TILE_VISIBILITY] if frame.casts_shadows else ():
             fits = light in previous and previous[light].size == texture_size
             counts[light] = previous[light] if fits else create(self.device.gl, RAY_COUNT, frame.size)
-            if not fits or frame.sample == 1:
+            if not fits or frame.sample == 0:
                 self.device.gl.framebuffer([counts[light]]).clear()
         return counts
 
     def draw_lights(self, frame: Frame) -> set[int]:
         """Draw lights that have a prediction at each pixel. Returns those that were drawn in any tile."""
-        # In the first sample, reflections are as predicted, without noise.
-        correct = int(frame.scene.has_gloss and frame.sample > 0)
+        # In the first picture, reflections are as predicted, without noise.
+        correct = int(frame.scene.has_gloss and frame.corrects)
         traced_draws, used = [], set()
         surfaces, programs, tiles = self.surfaces(frame), set[moderngl.Program](), TilesOfLights(frame)
         shared, caches = self.shared_uniforms(frame), frame.get(IRRADIANCE_CACHE) or {}
@@ -222,7 +222,7 @@ class TraceShadows(Pass):
             draws.setdefault((targets_of(frame, light), *variant.items()), []).append(light)
         for (targets, *_), drawn in draws.items():
             variant, variant_tiles = variants[drawn[0]], tiles[np.isin(tiles["light"], drawn)]
-            if frame.sample == 0:  # by the programs of other lights, as a first picture waits for all programs
+            if not frame.corrects:  # by the programs of other lights, as a first picture waits for all programs
                 program, target = self.prediction_program(variant, 0, OPAQUE), frame.framebuffer(targets[0])
                 bind(program, **self.shared_uniforms(frame), prediction=self.all_visible)
             else:
@@ -233,7 +233,7 @@ class TraceShadows(Pass):
         return set(lights)
 
     def faint_program(self, frame: Frame, variant: dict[str, Any]) -> moderngl.Program:
-        """The program that draws faint lights of a variant in samples after the first, with its uniforms."""
+        """The program that draws faint lights of a variant after the first picture, with its uniforms."""
         rays, correct = int(frame.casts_shadows), int(frame.scene.has_gloss)
         surfaces, offsets = self.surfaces(frame) if rays else OPAQUE, len(frame.grid.subpixel_offsets)
         constants = shader_constants(variant, rays, correct, offsets, MIN_FAINT_RAY_PROBABILITY)

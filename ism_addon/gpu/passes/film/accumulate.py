@@ -102,7 +102,7 @@ class Accumulate(Pass):
         samples: dict[str, Any] = self.samplers(frame) | {"tile_probabilities": frame[TILE_PROBABILITIES]}
         filtered = samples.pop("filtered_emission", None) if is_wide else samples.get("filtered_emission")
         constants: dict[str, Any] = {
-            "has_residual": int("sample_residual" in samples and not is_first),  # the first one has only predictions
+            "has_residual": int("sample_residual" in samples and frame.corrects),
             "emission": int("sample_emission" in samples),
         }
         if not is_wide:

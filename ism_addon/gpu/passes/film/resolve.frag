@@ -4,7 +4,6 @@ uniform sampler2D sum_color;
 uniform sampler2D sum_residual;
 uniform sampler2D sum_weights;
 uniform sampler2D sum_headroom;
-uniform sampler2D tile_sample_counts;
 uniform float min_light;          // minimum luminance
 uniform sampler2D neighbour_mean; // see resolve_neighbours.frag
 uniform sampler2D signal_and_noise;
@@ -17,12 +16,9 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
     image = fetch(sum_color, at) / fetch(sum_weights, at).y;
 #if HAS_RESIDUAL
-    // A loop of no rows instead of an "if": some drivers execute both branches, but skip empty loops.
-    bool has_residual = fetch(tile_sample_counts, at / TILE_SIZE).x > 1.0;
-    int last_row = has_residual ? 2 : -3;
     vec4 signal_sum = vec4(0.0);
     vec2 texel = texel_size(signal_and_noise);
-    for (int y = -2; y <= last_row; ++y) {
+    for (int y = -2; y <= 2; ++y) {
         for (int x = -2; x <= 2; ++x)
             signal_sum += fetch(signal_and_noise, clamp(at + ivec2(x, y), ivec2(0), last), texel);
     }
@@ -33,6 +29,6 @@ void main() {
     float amount = luminance(change), weight_sum = fetch(sum_weights, at).y;
     float max_change = amount > 0.0 ? fetch(sum_headroom, at).x / weight_sum : fetch(sum_weights, at).w / mean.a;
     change *= min(max_change / max(abs(amount), 1e-37), 1.0);
-    if (has_residual) image.rgb = max(image.rgb + change, min(image.rgb, min_light));
+    image.rgb = max(image.rgb + change, min(image.rgb, min_light));
 #endif
 }

@@ -20,7 +20,6 @@ from ....resources import (
     SUM_HEADROOM,
     SUM_RESIDUAL,
     SUM_WEIGHTS,
-    TILE_SAMPLE_COUNTS,
     TILE_SIZE,
 )
 from ....resources.world import (
@@ -49,7 +48,7 @@ class Resolve(Pass):
 
     SUMS: ClassVar[tuple[Target, ...]] = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM
     RESULT: ClassVar[Target] = IMAGE
-    inputs = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM, TILE_SAMPLE_COUNTS, Change.SAMPLE
+    inputs = SUM_COLOR, SUM_RESIDUAL, SUM_WEIGHTS, SUM_HEADROOM, Change.SAMPLE
     outputs = outputs(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE, IMAGE)
 
     @cached_property
@@ -76,7 +75,6 @@ class Resolve(Pass):
             "sum_color": frame[color],
             "sum_residual": frame[residual],
             "sum_weights": frame[weights],
-            "tile_sample_counts": frame[TILE_SAMPLE_COUNTS],
         }
         if frame.sample > 0:  # the first one has no residual
             # The neighbours' mean residual; squares of it and of the difference from it, with their noise.
@@ -99,7 +97,7 @@ class ResolveOcclusion(Resolve):
 
     SUMS = SUM_OCCLUSION, SUM_OCCLUSION_RESIDUAL, SUM_OCCLUSION_WEIGHTS, SUM_OCCLUSION_HEADROOM
     RESULT = OCCLUSION_IMAGE
-    inputs = *SUMS, TILE_SAMPLE_COUNTS, Change.SAMPLE
+    inputs = *SUMS, Change.SAMPLE
     outputs = outputs(NEIGHBOUR_MEAN, SIGNAL_AND_NOISE, OCCLUSION_IMAGE)
 
 

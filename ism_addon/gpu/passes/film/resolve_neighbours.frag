@@ -3,15 +3,8 @@
 uniform sampler2D sum_color; // as predicted
 uniform sampler2D sum_residual; // in alpha, the squares of their weighted norms
 uniform sampler2D sum_weights;
-uniform sampler2D tile_sample_counts;
 layout(location = 0) out vec4 neighbour_mean;   // mean residual; in alpha, the weight of the pixel's own residuals
 layout(location = 1) out vec4 signal_and_noise; // squared norm and variance of the difference, and of the mean
-
-// Sum of the weights of residuals: all samples but the first have one.
-float residual_weight(ivec2 at, float weight, vec2 texel) {
-    float count = fetch(tile_sample_counts, at / TILE_SIZE, texel).x;
-    return max(weight * (count - 1.0) / count, 1e-30);
-}
 
 // Similarity of two luminances: 1 if they are equal, small if one is twice the other. Lights can be negative.
 float luminance_similarity(float a, float b) {
@@ -23,15 +16,15 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = last_pixel();
     vec4 own_sums = fetch(sum_weights, at);
     float own_luminance = luminance(fetch(sum_color, at).rgb) / own_sums.y;
-    vec2 texel = texel_size(sum_color), texel_of_counts = texel_size(tile_sample_counts);
+    vec2 texel = texel_size(sum_color);
     float weight_sum = 0.0, square_sum = 0.0, uncertain_sum = 0.0;
-    float own_weight = residual_weight(at, own_sums.y, texel_of_counts);
+    float own_weight = max(own_sums.y, 1e-30);
     neighbour_mean = vec4(0.0);
     for (int k = 0; k < 9; ++k) {
         ivec2 other = clamp(at + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last);
         vec2 sums = fetch(sum_weights, other, texel).yw;
         float similarity = luminance_similarity(own_luminance, luminance(fetch(sum_color, other, texel).rgb) / sums.x);
-        float weight = residual_weight(other, sums.x, texel_of_counts);
+        float weight = max(sums.x, 1e-30);
         neighbour_mean += similarity * fetch(sum_residual, other, texel);
         weight_sum += similarity * weight;
         uncertain_sum += similarity * sums.y;
