@@ -59,7 +59,7 @@ class Estimator:
         yield from self.pass_types
 
     def corrects(self, frame: Frame) -> bool:
-        """Whether samples after the first picture have what it lacks."""
+        """Whether samples after the first picture have corrections, which it lacks."""
         return False
 
 

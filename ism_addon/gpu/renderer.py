@@ -128,7 +128,7 @@ class Renderer:
         self.device.free_released()
 
     def correct_first(self, scene: Scene, view: View, settings: Settings, profile: Profile) -> Iterator[str]:
-        """Shade the first sample, which has only predictions, again: with what corrects them."""
+        """Shade the first sample again: its picture had only predictions, now these are corrected."""
         frame = self.frame(scene, view, settings, 0, profile, corrects=True)
         correcting = [estimator for estimator in frame.estimators if estimator.corrects(frame)]
         if correcting:

@@ -274,7 +274,7 @@ SUM_WEIGHTS = Target(
     "sum_weights", "Of squared luminances, samples, norms of residuals, uncertain luminances", _PICTURE
 )
 SUM_HEADROOM = Target("sum_headroom", "Of sample_headroom", _PICTURE, format="r32f")
-NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of a pixel's neighbourhood; in alpha the pixel's own weight")
+NEIGHBOUR_MEAN = Target("neighbour_mean", "Mean residual of a pixel's neighbourhood")
 SIGNAL_AND_NOISE = Target(
     "signal_and_noise", "Square and noise of a pixel's difference from neighbour_mean; of neighbour_mean, likewise"
 )

@@ -20,7 +20,6 @@ from ....resources import (
     SUM_HEADROOM,
     SUM_RESIDUAL,
     SUM_WEIGHTS,
-    TILE_SIZE,
 )
 from ....resources.world import (
     OCCLUSION_IMAGE,
@@ -55,18 +54,17 @@ class Resolve(Pass):
     def neighbours(self) -> moderngl.VertexArray:
         return self.full_screen_program(
             suffix="neighbours",
-            tile_size=TILE_SIZE,
             stratification_exponent=STRATIFICATION_EXPONENT,
             similarity_sharpness=SIMILARITY_SHARPNESS,
         )
 
     @cached_property
     def without_residual(self) -> moderngl.VertexArray:
-        return self.full_screen_program(tile_size=TILE_SIZE, has_residual=0)
+        return self.full_screen_program(has_residual=0)
 
     @cached_property
     def with_residual(self) -> moderngl.VertexArray:
-        return self.full_screen_program(tile_size=TILE_SIZE, has_residual=1)
+        return self.full_screen_program(has_residual=1)
 
     def execute(self, frame: Frame) -> None:
         self.device.overwrite()

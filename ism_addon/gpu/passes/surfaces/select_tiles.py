@@ -42,9 +42,9 @@ UNIFORM_SAMPLES = 2
 MIN_TILE_PROBABILITY = 0.06
 ALWAYS_SAMPLED_FRACTION = 0.05
 
-#: The least mean probability of all tiles. Where a few have nearly all of the variance, others would be drawn so rarely
-#: that a sample's fixed costs are most of its time. 16 samples of the benchmark's court draw a third more tiles for 0.8
-#: of the error, and 0.45 of it relative to each pixel.
+#: Minimum mean probability of all tiles. Where a few have nearly all of the variance, others would have hardly more
+#: than the uniform samples. 16 samples of the benchmark's court draw a third more tiles, for 0.8 of the RMSE and 0.45
+#: of the relative MSE.
 MIN_MEAN_PROBABILITY = 0.25
 
 #: Lights of a tile, on average, up to which that fraction of tiles has probability 1. With more lights the fraction
