@@ -163,6 +163,17 @@ def image_memory_table() -> str:
     return f"{error_report.table(rows)}\n\nGB. {record.sentence(recorded)}"
 
 
+def large_map_table() -> str:
+    """Seconds until a large map lights a scene."""
+    recorded = record.read("large_map")
+    rows = [["part", "seconds, median", "least", "most"]]
+    for name, seconds in recorded["seconds"].items():
+        times = [each[name] for each in recorded["rounds"]]
+        rows.append([name, *(f"{value:.2f}" for value in (seconds, min(times), max(times)))])
+    width = recorded["width"]
+    return f"{error_report.table(rows)}\n\n{width}×{width // 2} pixels, OpenEXR. {record.sentence(recorded)}"
+
+
 def pass_table() -> str:
     """Milliseconds of each pass in the atrium's render of median time."""
     recorded = record.read("atrium")
@@ -238,6 +249,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "passes": pass_table,
     "small meshes": small_meshes_table,
     "image memory": image_memory_table,
+    "large map": large_map_table,
     "gpu": gpu_table,
     "constants": constants_table,
     "draws": draws_table,

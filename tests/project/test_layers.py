@@ -36,6 +36,7 @@ FOLDERS = sorted({Path(name).parent.as_posix() for name in SOURCES if name.start
 PURE = (
     "atomic_files",
     "color",
+    "half_floats",
     "shading",
     "settings",
     "render_passes",

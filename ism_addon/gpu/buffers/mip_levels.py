@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from ...color import linear_from_srgb, srgb_from_linear
+from ...half_floats import floats, halves
 from ...parallel import parallel_results
 from ...scene import Encoding, Image
 
@@ -95,7 +96,7 @@ def weights(values: np.ndarray) -> np.ndarray:
 def decoded(texels: np.ndarray, image: Image) -> np.ndarray:
     """(H,W,4) float32: linear values and alpha of texels, colours weighted by straight alpha."""
     if image.encoding is Encoding.FLOAT:
-        return texels.astype(np.float32)
+        return floats(texels)
     linear = linear_values(image.encoding)[texels]
     linear[..., 3] = texels[..., 3] / np.float32(255.0)
     if image.straight_alpha:
@@ -106,7 +107,7 @@ def decoded(texels: np.ndarray, image: Image) -> np.ndarray:
 def encoded(linear: np.ndarray, image: Image) -> np.ndarray:
     """Texels of such values (H,W,4). sRGB is encoded by a look-up table with 16-bit indices."""
     if image.encoding is Encoding.FLOAT:
-        return linear.astype(np.float16)
+        return halves(linear)
     color = linear[..., :3]
     if image.straight_alpha:
         color = np.minimum(color / weights(linear), np.float32(1.0))
@@ -132,7 +133,10 @@ def srgb_bytes() -> np.ndarray:
 
 
 def halved(image: np.ndarray) -> np.ndarray:
-    """Averages of pairs of rows, then of columns, as far as there are two; of the last three, if the number is odd."""
+    """Averages of pairs of rows of an image (H,W,4), then of columns, as far as there are two.
+
+    Of the last three, if the number is odd.
+    """
     for axis in (0, 1):
         if image.shape[axis] > 1:
             image = halved_along(image, axis)
@@ -141,9 +145,17 @@ def halved(image: np.ndarray) -> np.ndarray:
 
 def halved_along(image: np.ndarray, axis: int) -> np.ndarray:
     """Averages of pairs along an axis."""
-    image = np.moveaxis(image, axis, 0)
+    half = np.empty([size // 2 if each == axis else size for each, size in enumerate(image.shape)], np.float32)
+    image, averages = np.moveaxis(image, axis, 0), np.moveaxis(half, axis, 0)
     pairs = len(image) // 2 * 2
-    half = (image[0:pairs:2] + image[1:pairs:2]) * np.float32(0.5)
+    first, second = image[0:pairs:2], image[1:pairs:2]
+    if axis == 0:
+        np.add(first, second, out=averages)
+    else:  # two channels as a complex number, of all columns at once: numpy adds four channels column by column
+        a, b, sums = (each.view(np.complex64) for each in (first, second, averages))
+        for two in (0, 1):
+            np.add(a[..., two], b[..., two], out=sums[..., two])
+    half *= np.float32(0.5)
     if len(image) > pairs:
-        half[-1] = (image[pairs - 2] + image[pairs - 1] + image[pairs]) / np.float32(3.0)
-    return np.moveaxis(half, 0, axis)
+        averages[-1] = (image[-3] + image[-2] + image[-1]) / np.float32(3.0)
+    return half

@@ -48,8 +48,13 @@ def reduced(radiance: np.ndarray, width: int) -> np.ndarray:
     if factor == 1 or height == 0:
         return radiance
     latitude = (np.arange(height * factor) + 0.5) / (height * factor) * np.pi
-    weight = np.sin(latitude).astype(radiance.dtype).reshape(height, factor, 1)
-    rows = (radiance[: height * factor, : columns * factor].reshape(height, factor, -1) * weight).sum(1)
-    rows /= factor * weight.sum(1)
-    result: np.ndarray = rows.reshape(height, columns, factor, 3).sum(2)
+    weight = np.sin(latitude).reshape(height, factor)
+    weight = (weight / (factor * weight.sum(1, keepdims=True))).astype(radiance.dtype)
+    rows = np.zeros((height, columns * factor, 3), radiance.dtype)
+    for k in range(factor):
+        rows += radiance[k : height * factor : factor, : columns * factor] * weight[:, k, None, None]
+    result = np.zeros((height, columns, 3), radiance.dtype)
+    for k in range(factor):
+        for channel in range(3):  # numpy adds one of all columns at once, but three channels column by column
+            result[..., channel] += rows[:, k::factor, channel]
     return result

@@ -13,7 +13,6 @@ from typing import Self
 
 import numpy as np
 
-from ...parallel import parallel_map
 from ..gl.shader_records import directions_from_octahedron, octahedron_from_directions
 from .equirectangular import coordinates, interpolated, reduced, texel_directions
 
@@ -55,7 +54,7 @@ class MapTables:
     @classmethod
     def of(cls, radiance: np.ndarray, luminance: np.ndarray) -> Self:
         """Of a map (H,W,3); `luminance` (3,) of the working space's primaries."""
-        radiance = reduced(radiance.astype(np.float32), SUMMED_COLUMNS)
+        radiance = reduced(radiance.astype(np.float32, copy=False), SUMMED_COLUMNS)
         colors, middles = sums_of_cells(radiance, luminance.astype(np.float32))
         irradiance = irradiance_table(colors, middles)
         peak = max(float((irradiance @ luminance).max()) / np.pi, 1e-30)
@@ -160,17 +159,18 @@ def irradiance_of(normals: np.ndarray, colors: np.ndarray, middles: np.ndarray) 
     The horizon cuts cells. So the cosines of a cell's directions count as evenly distributed around that of its middle.
     """
     widths = np.sqrt(np.maximum(1.5 * (1.0 - (middles * middles).sum(1)), 1e-12)).astype(np.float32)
-
-    def of_some(first: int) -> np.ndarray:
+    per_width, irradiance = 1.0 / (4.0 * widths), []
+    # One after the other: with several threads, each of these short steps would wait for another's to end.
+    for first in range(0, len(normals), NORMALS_AT_ONCE):
         cosines = normals[first : first + NORMALS_AT_ONCE] @ middles.T
-        beyond = np.maximum(widths - np.abs(cosines), 0.0)
+        beyond = widths - np.abs(cosines)
+        np.maximum(beyond, 0.0, out=beyond)
+        beyond *= beyond
+        beyond *= per_width
         np.maximum(cosines, 0.0, out=cosines)
-        cosines += beyond * beyond / (4.0 * widths)
-        result: np.ndarray = cosines @ colors
-        return result
-
-    firsts = range(0, len(normals), NORMALS_AT_ONCE)
-    return np.concatenate(parallel_map(of_some, firsts, len(normals) * len(middles)))
+        cosines += beyond
+        irradiance.append(cosines @ colors)
+    return np.concatenate(irradiance)
 
 
 def middles_of(count: int) -> np.ndarray:
@@ -187,8 +187,8 @@ def unit_vectors(positions: np.ndarray) -> np.ndarray:
 def halved(sums: np.ndarray, times: int = 1) -> np.ndarray:
     """(K,S,S) sums of squares of cells, with half as many cells along each side, as often."""
     for _ in range(times):
-        count, side = len(sums), sums.shape[1] // 2
-        sums = sums.reshape(count, side, 2, side, 2).sum((2, 4))
+        rows = sums[:, 0::2] + sums[:, 1::2]
+        sums = rows[..., 0::2] + rows[..., 1::2]
     return sums
 
 

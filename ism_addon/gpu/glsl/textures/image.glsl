@@ -53,9 +53,13 @@ vec4 texel(Image image, MipLevel level, ivec2 texel) {
 
 // Linear values. Cycles decodes after it has interpolated.
 vec4 decoded(Image image, vec4 stored) {
+    vec3 linear = stored.rgb * image.scale;
+#if HAS_BYTE_TEXELS
     vec3 bright = pow((max(stored.rgb, 0.04045) + 0.055) / 1.055, vec3(2.4));
-    vec3 linear = mix(stored.rgb / 12.92, bright, greaterThan(stored.rgb, vec3(0.04045)));
-    return vec4(image.encoding == SRGB_BYTES ? linear : stored.rgb * image.scale, stored.a);
+    vec3 of_srgb = mix(stored.rgb / 12.92, bright, greaterThan(stored.rgb, vec3(0.04045)));
+    if (image.encoding == SRGB_BYTES) linear = of_srgb;
+#endif
+    return vec4(linear, stored.a);
 }
 
 // The part of a texture coordinate that is within the image, or less than a texel beside it.

@@ -114,11 +114,12 @@ class BakeWorld(Pass):
             **(texels.samplers if reads_images else {}),
         )
         draw_pixels(frame, self.device.gl.framebuffer([target]), shader)
-        radiance = np.frombuffer(target.read(), np.float32).reshape(size[1], size[0], 4)[..., :3]
+        radiance = np.empty((size[1], size[0], 4), np.float32)
+        target.read_into(radiance)
         if -radiance.min() > MAX_NEGATIVE * radiance.max():
             issue = "The world lights nothing where its radiance is negative"
             frame.warnings.add(issue)
-        return np.maximum(radiance, 0.0)
+        return np.maximum(radiance, 0.0, out=radiance)[..., :3]
 
 
 def map_uniforms(
