@@ -237,6 +237,13 @@ def test_texels_are_encoded_as_images_store_them(add):
     assert images.read(new_image(pixels=grey)).texels[0, 0, 0] == round(0.18 * 255)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_channel_without_any_number_is_black(add, value):
+    image = new_image(pixels=[(value, 2.0, 0.5, 1)] * 4, float_buffer=True)
+    assert images.read(image).texels.tolist() == [[[0.0, 2.0, 0.5, 1.0]] * 2] * 2
+
+
 def test_colours_are_premultiplied_unless_the_alpha_is_linked(surface, read_scene):
     material, node = surface()
     image_node = texture(material, node.inputs["Base Color"], new_image(pixels=[(1, 0.5, 0, 0.5)] * 4))

@@ -238,7 +238,7 @@ def _limit_floats(pixels: np.ndarray) -> float:
     Returns the largest absolute value.
     """
     low, high = _extremes(pixels)
-    if not np.isfinite(low - high).all():
+    if not np.isfinite((low, high)).all():
         np.nan_to_num(pixels, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
         low, high = _extremes(pixels)
     largest = max(-low.min(), high.max())
