@@ -28,7 +28,7 @@ from tests.docs import record
 from tests.scenes.worlds.closed_occlusion import CLOSED_FORMS
 from tests.support import reference
 
-SCENE, SIZE = "figures", (320, 180)
+SCENE, SIZE = "figures", (640, 360)
 #: As in the requirement: m, with attenuation.
 LOOK = SSAO(radius=0.5, cone_angle=math.pi, attenuation=1.0)
 SAMPLES, CLOSED_SAMPLES = (1, 16, 64), 256
