@@ -11,14 +11,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-#: The largest.
+#: The largest 16-bit float.
 MAX_HALF = 65504.0
 
 SCALE = np.float32(2.0**-112)
-MORE_BITS, ROUND = np.uint32(13), np.uint32(1 << 12)
+#: Bits by which the mantissa is longer, and half of the last bit that is kept.
+MORE_BITS = 13
+HALF_BIT = np.uint32(1 << MORE_BITS - 1)
+#: Of 16 and of 32 bits.
 SIGN, SIGN_OF_FLOAT = np.uint16(1 << 15), np.uint32(1 << 31)
 
-#: Values that are converted at a time.
+#: Values that are converted at a time: threads seldom wait for one another between such steps.
 VALUES_AT_A_TIME = 1 << 19
 
 
@@ -27,7 +30,7 @@ def halves(values: np.ndarray) -> np.ndarray:
     result = np.empty(values.shape, np.uint16)
     for some, out in portions(values, result):
         bits = (some * SCALE).view(np.uint32)
-        bits += ROUND
+        bits += HALF_BIT
         np.right_shift(bits, MORE_BITS, out=out, casting="unsafe")
         if bits.max() >= SIGN_OF_FLOAT:
             out |= (bits >> np.uint32(16)).astype(np.uint16) & SIGN
@@ -38,7 +41,7 @@ def floats(values: np.ndarray) -> np.ndarray:
     """float32 of finite float16 values."""
     result = np.empty(values.shape, np.float32)
     for some, out in portions(values.view(np.int16), result.view(np.int32)):
-        np.left_shift(some, 13, out=out, dtype=np.int32)
+        np.left_shift(some, MORE_BITS, out=out, dtype=np.int32)
         if some.min() < 0:
             out &= np.int32(-0x70000001)  # of the sign, which the shift has repeated, only the highest bit
         out.view(np.float32)[:] /= SCALE

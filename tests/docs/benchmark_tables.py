@@ -166,10 +166,11 @@ def image_memory_table() -> str:
 def large_map_table() -> str:
     """Seconds until a large map lights a scene."""
     recorded = record.read("large_map")
-    rows = [["part", "seconds, median", "least", "most"]]
-    for name, seconds in recorded["seconds"].items():
-        times = [each[name] for each in recorded["rounds"]]
-        rows.append([name, *(f"{value:.2f}" for value in (seconds, min(times), max(times)))])
+    rounds = recorded["rounds"]
+    rows = [["seconds, median (least to most)", *rounds]]
+    for part in next(iter(rounds.values()))[0]:
+        by_condition = [[each[part] for each in measured] for measured in rounds.values()]
+        rows.append([part, *(f"{median(each):.2f} ({min(each):.2f} to {max(each):.2f})" for each in by_condition)])
     width = recorded["width"]
     return f"{error_report.table(rows)}\n\n{width}×{width // 2} pixels, OpenEXR. {record.sentence(recorded)}"
 
