@@ -25,16 +25,19 @@ SIGN, SIGN_OF_FLOAT = np.uint16(1 << 15), np.uint32(1 << 31)
 VALUES_AT_A_TIME = 1 << 19
 
 
-def halves(values: np.ndarray) -> np.ndarray:
-    """float16 nearest to float32 values, of at most MAX_HALF in absolute value; of two as near, the larger."""
-    result = np.empty(values.shape, np.uint16)
-    for some, out in portions(values, result):
+def halves(values: np.ndarray, result: np.ndarray | None = None) -> np.ndarray:
+    """float16 nearest to float32 values, of at most MAX_HALF in absolute value; of two as near, the larger.
+
+    `result`: a contiguous float16 array that is filled, instead of a new one.
+    """
+    result = np.empty(values.shape, np.float16) if result is None else result
+    for some, out in portions(values, result.view(np.uint16)):
         bits = (some * SCALE).view(np.uint32)
         bits += HALF_BIT
         np.right_shift(bits, MORE_BITS, out=out, casting="unsafe")
         if bits.max() >= SIGN_OF_FLOAT:
             out |= (bits >> np.uint32(16)).astype(np.uint16) & SIGN
-    return result.view(np.float16)
+    return result
 
 
 def floats(values: np.ndarray) -> np.ndarray:
@@ -44,7 +47,7 @@ def floats(values: np.ndarray) -> np.ndarray:
         np.left_shift(some, MORE_BITS, out=out, dtype=np.int32)
         if some.min() < 0:
             out &= np.int32(-0x70000001)  # of the sign, which the shift has repeated, only the highest bit
-        out.view(np.float32)[:] /= SCALE
+        out.view(np.float32)[:] *= np.float32(1.0) / SCALE
     return result
 
 

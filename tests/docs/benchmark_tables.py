@@ -228,15 +228,20 @@ def occlusion_tables() -> str:
         [name, *(f"{errors[each]:.3f}" for each in ("darkening", *(str(each) for each in names)))]
         for name, errors in closed.items()
     ]
-    counts = list(rays[str(names[0])]["errors"])
-    beside = [["sampling", *(f"{count} samples" for count in counts), "ms a sample"]]
+    counts = list(next(iter(rays.values()))[str(names[0])]["errors"])
+    beside = [["scene", "darkening", "sampling", *(f"{count} samples" for count in counts), "ms a sample"]]
     beside += [
-        [each.label, *(f"{rays[str(each)]['errors'][count]:.3f}" for count in counts), f"{rays[str(each)]['ms']:.0f}"]
+        [
+            *(scene, f"{errors['darkening']:.3f}", each.label),
+            *(f"{errors[str(each)]['errors'][count]:.3f}" for count in counts),
+            f"{errors[str(each)]['ms']:.0f}",
+        ]
+        for scene, errors in rays.items()
         for each in names
     ]
     width, height = recorded["size"]
-    about = f"{recorded['scene']}, {width}×{height} pixels, darkened by {rays['darkening']:.3f}"
-    return f"{error_report.table(rows)}\n\n{error_report.table(beside)}\n\n{about}. {record.sentence(recorded)}"
+    sizes = f"{width}×{height} pixels. {record.sentence(recorded)}"
+    return f"{error_report.table(rows)}\n\n{error_report.table(beside)}\n\n{sizes}"
 
 
 #: Generators of the parts between markers of a name; and of whole files, by their paths from the root.

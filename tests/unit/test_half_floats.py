@@ -32,3 +32,9 @@ def test_portions_are_the_same_as_all_at_once(monkeypatch):
     assert np.array_equal(halves(values), expected)
     assert np.array_equal(floats(expected), expected.astype(np.float32))
     assert halves(values[:0]).shape == (0, 7, 4)
+
+
+def test_an_array_is_filled():
+    values, result = np.linspace(-2.0, 2.0, 77, dtype=np.float32).reshape(7, 11), np.empty((7, 11), np.float16)
+    assert halves(values, result) is result
+    assert np.array_equal(result, halves(values))

@@ -50,11 +50,10 @@ def reduced(radiance: np.ndarray, width: int) -> np.ndarray:
     latitude = (np.arange(height * factor) + 0.5) / (height * factor) * np.pi
     weight = np.sin(latitude).reshape(height, factor)
     weight = (weight / (factor * weight.sum(1, keepdims=True))).astype(radiance.dtype)
-    rows = np.zeros((height, columns * factor, 3), radiance.dtype)
-    for k in range(factor):
-        rows += radiance[k : height * factor : factor, : columns * factor] * weight[:, k, None, None]
     result = np.zeros((height, columns, 3), radiance.dtype)
-    for k in range(factor):
-        for channel in range(3):  # numpy adds one of all columns at once, but three channels column by column
-            result[..., channel] += rows[:, k::factor, channel]
+    for channel in range(3):  # numpy adds one of all texels at once, but three channels texel by texel
+        texels = radiance[: height * factor, : columns * factor, channel]
+        rows = sum(texels[k::factor] * weight[:, k, None] for k in range(factor))
+        for k in range(factor):
+            result[..., channel] += rows[:, k::factor]
     return result

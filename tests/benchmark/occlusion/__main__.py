@@ -12,9 +12,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import bpy
 import numpy as np
 
 from ism_addon import addon
+from ism_addon.blender.sync import camera, scene_reader
 from ism_addon.choices import OcclusionSampling
 from ism_addon.gpu.gl.context import Device, open_device
 from ism_addon.gpu.profile import Profile
@@ -25,10 +27,13 @@ from ism_addon.settings import SSAO, Settings, Shadow
 from tests.benchmark.error.benchmark_scene import open_scene
 from tests.benchmark.error.ism import ALL_SAMPLES
 from tests.docs import record
+from tests.scenes.worlds import figures
 from tests.scenes.worlds.closed_occlusion import CLOSED_FORMS
 from tests.support import reference
 
 SCENE, SIZE = "figures", (640, 360)
+#: The scene without all but its statues and the ground.
+STATUES = "statues on a plane"
 #: As in the requirement: m, with attenuation.
 LOOK = SSAO(radius=0.5, cone_angle=math.pi, attenuation=1.0)
 SAMPLES, CLOSED_SAMPLES = (1, 16, 64), 256
@@ -76,19 +81,25 @@ def closed_forms(device: Device) -> dict[str, dict[str, float]]:
     return errors
 
 
-def beside_rays(device: Device, truth_samples: int) -> dict[str, object]:
+def scenes(folder: Path) -> Iterator[tuple[str, Scene, View]]:
+    """By name, what is measured beside rays."""
+    opened = open_scene(SCENE, 0, SIZE, folder)
+    yield SCENE, opened.scene, opened.view
+    figures.keep_statues()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    yield STATUES, scene_reader.scene(depsgraph), camera.final_view(depsgraph)
+
+
+def beside_rays(device: Device, scene: Scene, view: View, truth_samples: int) -> dict[str, object]:
     """RMS errors after each of SAMPLES, and ms of a sample, by sampling; truth: rays of many samples."""
-    with tempfile.TemporaryDirectory() as folder:
-        opened = open_scene(SCENE, 0, SIZE, Path(folder))
-        exact = replace(LOOK, sampling=OcclusionSampling.TRACED)
-        ((truth, _),) = pictures(device, opened.scene, opened.view, exact, [truth_samples])
-        seen, results = truth > 0.0, dict[str, object]()
-        results["darkening"] = rms(1.0 - truth[seen])
-        for sampling in OcclusionSampling:
-            ssao = replace(LOOK, sampling=sampling)
-            measured = list(pictures(device, opened.scene, opened.view, ssao, SAMPLES))
-            errors = {str(count): rms((left - truth)[seen]) for count, (left, _) in zip(SAMPLES, measured, strict=True)}
-            results[sampling] = {"errors": errors, "ms": measured[-1][1]}
+    exact = replace(LOOK, sampling=OcclusionSampling.TRACED)
+    ((truth, _),) = pictures(device, scene, view, exact, [truth_samples])
+    seen, results = truth > 0.0, dict[str, object]()
+    results["darkening"] = rms(1.0 - truth[seen])
+    for sampling in OcclusionSampling:
+        measured = list(pictures(device, scene, view, replace(LOOK, sampling=sampling), SAMPLES))
+        errors = {str(count): rms((left - truth)[seen]) for count, (left, _) in zip(SAMPLES, measured, strict=True)}
+        results[sampling] = {"errors": errors, "ms": measured[-1][1]}
     return results
 
 
@@ -101,11 +112,13 @@ def main() -> int:
     device = open_device()
     addon.register()
     try:
-        results = {"closed forms": closed_forms(device), "rays": beside_rays(device, options.truth)}
+        with tempfile.TemporaryDirectory() as folder:
+            rays = {name: beside_rays(device, *case, options.truth) for name, *case in scenes(Path(folder))}
+        results = {"closed forms": closed_forms(device), "rays": rays}
     finally:
         addon.unregister()
     print(results)
-    print(record.write(options.output, "occlusion", device.name, {"size": SIZE, "scene": SCENE, **results}))
+    print(record.write(options.output, "occlusion", device.name, {"size": SIZE, **results}))
     return 0
 
 

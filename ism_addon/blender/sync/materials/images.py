@@ -23,6 +23,9 @@ LINEAR = ("Linear Rec.709", "Non-Color", "Raw")
 #: The largest texel: with larger ones, those around 1 would be rounded visibly.
 MAX_TEXEL = MAX_HALF * 2.0**15
 
+#: As integers, the bits of the largest texel and of alpha.
+BITS_OF_MAX_TEXEL, BITS_OF_1 = np.array([MAX_TEXEL, 1.0], np.float32).view(np.uint32)
+
 #: Texels that are converted at a time: few enough for the processor's cache, and so many that threads seldom wait for
 #: one another between numpy's steps.
 TEXELS_AT_A_TIME = 1 << 17
@@ -170,7 +173,7 @@ def _encode_floats(pixels: np.ndarray, texels: np.ndarray) -> float:
         if scale != 1.0:
             values[:, :3] /= np.float32(scale)
         if largest <= MAX_HALF * scale:
-            rows[batch] = halves(values)
+            halves(values, rows[batch])
         return largest
 
     largest, scale = max(parallel_map(fill, batches, len(rows))), 1.0
@@ -237,10 +240,13 @@ def _limit_floats(pixels: np.ndarray) -> float:
 
     Returns the largest absolute value.
     """
-    low, high = _extremes(pixels)
+    bits = _greatest(pixels.view(np.uint32))  # as integers, positive floats are in order, all others above them
+    if bits.max() <= BITS_OF_MAX_TEXEL and bits[3] <= BITS_OF_1:
+        return float(bits.max().view(np.float32))
+    low, high = -_greatest(-pixels), _greatest(pixels)
     if not np.isfinite((low, high)).all():
         np.nan_to_num(pixels, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
-        low, high = _extremes(pixels)
+        low, high = -_greatest(-pixels), _greatest(pixels)
     largest = max(-low.min(), high.max())
     if low[3] < 0.0 or high[3] > 1.0:
         np.clip(pixels[:, 3], 0.0, 1.0, out=pixels[:, 3])
@@ -249,10 +255,11 @@ def _limit_floats(pixels: np.ndarray) -> float:
     return float(min(largest, MAX_TEXEL))
 
 
-def _extremes(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(4,) least and largest values of pixels (N,4); NaN where any is. Of long rows first, which numpy does at once."""
-    rows = pixels.reshape(-1, 4 * math.gcd(len(pixels), ROW_TEXELS))
-    return rows.min(0).reshape(-1, 4).min(0), rows.max(0).reshape(-1, 4).max(0)
+def _greatest(values: np.ndarray) -> np.ndarray:
+    """(4,) greatest of values (N,4); NaN where any is. Of long rows first, which numpy compares at once."""
+    rows = values.reshape(-1, 4 * math.gcd(len(values), ROW_TEXELS))
+    greatest: np.ndarray = rows.max(0).reshape(-1, 4).max(0)
+    return greatest
 
 
 def _encoded(pixels: np.ndarray, multiplies: bool, space: str, working: str) -> np.ndarray:

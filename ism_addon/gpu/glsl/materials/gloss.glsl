@@ -110,3 +110,19 @@ mat3 cosine_from_anchor(Gloss gloss, vec3 n, vec3 wo) {
     vec4 m = ltc_inverse_of(gloss.ltc, max(gloss.roughness, MIN_ROUGHNESS), dot(n, wo));
     return mat3(m.x, 0.0, m.z, 0.0, 1.0, 0.0, m.y, 0.0, m.w) * transpose(camera_frame(n, wo));
 }
+
+#if RARE_LOBES
+// From the lobe of anisotropic microfacets to that of isotropic ones of their mean roughness: slopes of microfacets are
+// stretched along the axes of their frame, and the lobe in proportion around the mirror direction. Lobes of large
+// roughness end at the surface; they are stretched less.
+mat3 isotropic_from_anisotropic(Gloss gloss, Microfacets facets, float aspect, vec3 wo) {
+    const float MIN_COSINE = 0.01; // at grazing angles, slopes across the view would not change directions
+    float stretch = pow(aspect, 1.0 - 0.5 * gloss.roughness * gloss.roughness);
+    vec3 n = facets.frame[2];
+    float cosine = max(dot(n, wo), MIN_COSINE);
+    vec3 by_x = dot(facets.frame[0], wo) * n + cosine * facets.frame[0]; // changes of the reflected direction by slopes
+    vec3 by_y = dot(facets.frame[1], wo) * n + cosine * facets.frame[1];
+    vec3 mirror = reflect(-wo, n);
+    return mat3(stretch * by_x, by_y / stretch, mirror) * inverse(mat3(by_x, by_y, mirror));
+}
+#endif

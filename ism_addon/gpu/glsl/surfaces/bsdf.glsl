@@ -114,6 +114,10 @@ LobePrediction predict_lobes(Surface surface, Lobes lobes, Light light, float ir
     bool everywhere = prediction.even == EVERYWHERE;
     if (everywhere && !reflected_fraction_is_exact(lobes)) prediction.even = 0.0;
     prediction.transform = cosine_from_anchor(lobes.gloss, n, lobes.wo);
+#if RARE_LOBES
+    if (lobes.rare.aspect < 1.0)
+        prediction.transform *= isotropic_from_anisotropic(lobes.gloss, lobes.facets, lobes.rare.aspect, lobes.wo);
+#endif
     prediction.reflectance = vec3(0.0);
     if (is_glossy(lobes.gloss)) {
         prediction.reflectance = mean_reflectance(lobes.gloss, n, lobes.wo, p, light, from.wi, everywhere);

@@ -126,7 +126,7 @@ def map_uniforms(
     device: Device, records: SceneRecords, radiance: np.ndarray, tables: MapTables, sun: MapSun | None = None
 ) -> dict[str, Any]:
     """Upload a map (H,W,3), its tables, and the sun that was taken out: uniforms of lights/world/*.glsl."""
-    texels = with_mip_levels(radiance / np.float32(tables.peak))
+    texels = with_mip_levels(radiance, tables.peak)
     texture = device.gl.texture((texels.shape[1], texels.shape[0]), 4, texels, dtype="f2")
     driver_variants.never_filtered(texture)
     irradiance = np.pad(tables.irradiance, ((0, 0), (0, 1)))
