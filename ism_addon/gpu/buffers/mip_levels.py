@@ -137,25 +137,26 @@ def halved(image: np.ndarray) -> np.ndarray:
 
     Of the last three, if the number is odd.
     """
+    texels = 1
     for axis in (0, 1):
         if image.shape[axis] > 1:
-            image = halved_along(image, axis)
+            image, texels = sums_of_pairs(image, axis), 2 * texels
+    image *= np.float32(1.0 / texels)
     return image
 
 
-def halved_along(image: np.ndarray, axis: int) -> np.ndarray:
-    """Averages of pairs along an axis."""
-    half = np.empty([size // 2 if each == axis else size for each, size in enumerate(image.shape)], np.float32)
-    image, averages = np.moveaxis(image, axis, 0), np.moveaxis(half, axis, 0)
+def sums_of_pairs(image: np.ndarray, axis: int) -> np.ndarray:
+    """Sums of pairs along an axis; of the last three if the number is odd, two thirds."""
+    result = np.empty([size // 2 if each == axis else size for each, size in enumerate(image.shape)], np.float32)
+    image, sums = np.moveaxis(image, axis, 0), np.moveaxis(result, axis, 0)
     pairs = len(image) // 2 * 2
     first, second = image[0:pairs:2], image[1:pairs:2]
     if axis == 0:
-        np.add(first, second, out=averages)
+        np.add(first, second, out=sums)
     else:  # two channels as a complex number, of all columns at once: numpy adds four channels column by column
-        a, b, sums = (each.view(np.complex64) for each in (first, second, averages))
+        a, b, complex_sums = (each.view(np.complex64) for each in (first, second, sums))
         for two in (0, 1):
-            np.add(a[..., two], b[..., two], out=sums[..., two])
-    half *= np.float32(0.5)
+            np.add(a[..., two], b[..., two], out=complex_sums[..., two])
     if len(image) > pairs:
-        averages[-1] = (image[-3] + image[-2] + image[-1]) / np.float32(3.0)
-    return half
+        sums[-1] = (image[-3] + image[-2] + image[-1]) / np.float32(1.5)
+    return result
