@@ -2,12 +2,13 @@
 """Evaluates a GLSL function for many operands, one pixel each."""
 
 from collections.abc import Sequence
+from types import MappingProxyType
 
 import moderngl
 import numpy as np
 
 from ism_addon.gpu.gl.context import Device
-from ism_addon.gpu.gl.shader_compiler import Include, bind, compile_program
+from ism_addon.gpu.gl.shader_compiler import Constants, Include, bind, compile_program
 
 #: Columns of the picture, so that it is within OpenGL's limits.
 COLUMNS = 512
@@ -15,10 +16,17 @@ COLUMNS = 512
 FILE = "function.frag"
 
 
-def evaluate(device: Device, include: str, call: str, operands: Sequence[np.ndarray], **uniforms: object) -> np.ndarray:
+def evaluate(
+    device: Device,
+    include: str,
+    call: str,
+    operands: Sequence[np.ndarray],
+    constants: Constants = MappingProxyType({}),
+    **uniforms: object,
+) -> np.ndarray:
     """(N,4) float32: the results of a call, in which a0, a1, … stand for the operands, (N,) or (N,2 to 4) each.
 
-    Results of fewer components are padded by zeros. `include`: the file of the function.
+    Results of fewer components are padded by zeros. `include`: the file of the function, with these constants.
     """
     count = len(operands[0])
     rows = np.zeros((count, len(operands), 4), np.float32)
@@ -43,7 +51,7 @@ void main() {{
     result = padded({call});
 }}
 """
-    program = compile_program(device, "glsl/full_screen.vert", f"glsl/{FILE}", Include(FILE, text))
+    program = compile_program(device, "glsl/full_screen.vert", f"glsl/{FILE}", Include(FILE, text), **constants)
     height = -(-count // COLUMNS)
     texture = device.gl.texture((COLUMNS, height), 4, dtype="f4")
     framebuffer = device.gl.framebuffer([texture])

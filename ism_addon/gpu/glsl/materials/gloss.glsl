@@ -112,17 +112,22 @@ mat3 cosine_from_anchor(Gloss gloss, vec3 n, vec3 wo) {
 }
 
 #if RARE_LOBES
-// From the lobe of anisotropic microfacets to that of isotropic ones of their mean roughness: slopes of microfacets are
-// stretched along the axes of their frame, and the lobe in proportion around the mirror direction. Lobes of large
-// roughness end at the surface; they are stretched less.
+// From the lobe of anisotropic microfacets to that of isotropic ones of their mean roughness. Slopes of microfacets are
+// stretched along the axes of their frame, and the lobe along changes of the mirror direction: of smooth surfaces by the
+// slopes' derivative; of rough ones by the axes seen from the mirror direction, and less. Of some combinations, these have
+// the least error on spheres under a rectangle and a sun.
 mat3 isotropic_from_anisotropic(Gloss gloss, Microfacets facets, float aspect, vec3 wo) {
-    const float MIN_COSINE = 0.01; // at grazing angles, slopes across the view would not change directions
-    float stretch = pow(aspect, 1.0 - 0.5 * gloss.roughness * gloss.roughness);
+    const float MIN_COSINE = 0.1; // at grazing angles, both axes would have nearly the same change
+    float alpha = gloss.roughness * gloss.roughness, stretch = pow(aspect, 1.0 - 0.75 * alpha);
     vec3 n = facets.frame[2];
-    float cosine = max(dot(n, wo), MIN_COSINE);
-    vec3 by_x = dot(facets.frame[0], wo) * n + cosine * facets.frame[0]; // changes of the reflected direction by slopes
-    vec3 by_y = dot(facets.frame[1], wo) * n + cosine * facets.frame[1];
+    wo = normalize(wo + max(MIN_COSINE - dot(n, wo), 0.0) * n);
     vec3 mirror = reflect(-wo, n);
-    return mat3(stretch * by_x, by_y / stretch, mirror) * inverse(mat3(by_x, by_y, mirror));
+    mat2x3 axes;
+    for (int k = 0; k < 2; ++k) {
+        vec3 axis = facets.frame[k];
+        vec3 derivative = dot(n, wo) * axis + dot(axis, wo) * n, projection = axis + dot(axis, wo) * mirror;
+        axes[k] = mix(derivative, projection, min(10.0 * alpha, 1.0));
+    }
+    return mat3(stretch * axes[0], axes[1] / stretch, mirror) * inverse(mat3(axes[0], axes[1], mirror));
 }
 #endif
