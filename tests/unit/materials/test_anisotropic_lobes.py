@@ -6,7 +6,7 @@ import pytest
 
 from tests.unit.shading.glsl_functions import evaluate
 
-#: Of a direction; a0: roughness, a1: aspect, a2: the direction to the camera, a3: the direction.
+#: A transformed direction. a0: roughness, a1: aspect, a2: the direction to the camera, a3: the direction.
 CALL = """isotropic_from_anisotropic(
     Gloss(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 1.5, a0, 1.0, 0.0, vec4(0.0)),
     Microfacets(mat3(1.0), vec2(1.0), false), a1, a2) * a3"""
@@ -36,21 +36,18 @@ def test_the_mirror_direction_stays_the_same(device):
 
 
 def test_lobes_of_a_smooth_surface_that_the_camera_faces_are_stretched_along_the_axes(device):
-    directions = unit_vectors(50)
-    to_camera = np.tile((0.0, 0.0, 1.0), (50, 1))
-    assert transformed(device, 0.01, 0.5, to_camera, directions) == pytest.approx(
-        directions * (0.5, 2.0, 1.0), abs=1e-3
-    )
+    directions, to_camera = unit_vectors(50), np.tile((0.0, 0.0, 1.0), (50, 1))
+    result = transformed(device, 0.01, 0.5, to_camera, directions)
+    assert result == pytest.approx(directions * (0.5, 2.0, 1.0), abs=1e-3)
 
 
 @pytest.mark.parametrize("roughness", [0.01, 0.2, 0.5, 1.0])
-def test_at_grazing_angles_and_beyond_the_transform_is_no_degenerate_one(device, roughness):
-    """As where the smooth normal of a silhouette is turned away: one sample would make its pixels black for good."""
+def test_at_grazing_angles_and_beyond_the_transform_is_not_singular(device, roughness):
+    """Also where a silhouette's smooth normal faces away. A singular one makes one correction so large that it stays."""
     to_camera = unit_vectors(500) * (1.0, 1.0, 0.1)
     to_camera /= np.linalg.norm(to_camera, axis=1, keepdims=True)
     axes = [transformed(device, roughness, 0.4, to_camera, np.tile(axis, (500, 1))) for axis in np.eye(3)]
     matrices = np.stack(axes, 2)
-    assert np.linalg.det(matrices) == pytest.approx(
-        1.0, abs=1e-2
-    )  # what is stretched along one axis shrinks along another
+    # What is stretched along one axis shrinks along the other.
+    assert np.linalg.det(matrices) == pytest.approx(1.0, abs=1e-2)
     assert np.abs(matrices).max() < 20.0

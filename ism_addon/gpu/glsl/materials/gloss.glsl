@@ -112,12 +112,12 @@ mat3 cosine_from_anchor(Gloss gloss, vec3 n, vec3 wo) {
 }
 
 #if RARE_LOBES
-// From the lobe of anisotropic microfacets to that of isotropic ones of their mean roughness. Slopes of microfacets are
-// stretched along the axes of their frame, and the lobe along changes of the mirror direction: of smooth surfaces by the
-// slopes' derivative; of rough ones by the axes seen from the mirror direction, and less. Of some combinations, these have
-// the least error on spheres under a rectangle and a sun.
+// From the lobe of anisotropic microfacets to that of isotropic ones of their mean roughness. The slopes of anisotropic
+// ones are stretched along the axes of their frame. The lobe is stretched about the mirror direction: on smooth surfaces
+// along the derivatives of the mirror direction by the slopes; on rough ones along the axes' projections perpendicular to
+// it, and less. The numbers were chosen by the error on spheres under a rectangle and a sun.
 mat3 isotropic_from_anisotropic(Gloss gloss, Microfacets facets, float aspect, vec3 wo) {
-    const float MIN_COSINE = 0.1; // at grazing angles, both axes would have nearly the same change
+    const float MIN_COSINE = 0.1; // at grazing angles the axes would be nearly parallel
     float alpha = gloss.roughness * gloss.roughness, stretch = pow(aspect, 1.0 - 0.75 * alpha);
     vec3 n = facets.frame[2];
     wo = normalize(wo + max(MIN_COSINE - dot(n, wo), 0.0) * n);
