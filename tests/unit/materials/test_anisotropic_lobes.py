@@ -43,7 +43,7 @@ def test_lobes_of_a_smooth_surface_that_the_camera_faces_are_stretched_along_the
 
 @pytest.mark.parametrize("roughness", [0.01, 0.2, 0.5, 1.0])
 def test_at_grazing_angles_and_beyond_the_transform_is_not_singular(device, roughness):
-    """Also where a silhouette's smooth normal faces away. A singular one makes one correction so large that it stays."""
+    """Also where a silhouette's smooth normal faces away. A singular one makes corrections that stay visible."""
     to_camera = unit_vectors(500) * (1.0, 1.0, 0.1)
     to_camera /= np.linalg.norm(to_camera, axis=1, keepdims=True)
     axes = [transformed(device, roughness, 0.4, to_camera, np.tile(axis, (500, 1))) for axis in np.eye(3)]
