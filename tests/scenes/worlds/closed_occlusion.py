@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes whose ambient occlusion has a closed form: a corner, a ball on a plane, and a groove."""
+"""Scenes whose ambient occlusion has a closed form: a corner, a ball on a plane, a groove and a bowl."""
 
 import math
 from collections.abc import Callable
@@ -14,6 +14,7 @@ from tests.support.small_scenes import look_at, make_scene, quad
 
 CORNER_RADIUS, BALL_RADIUS = 0.5, 0.5
 GROOVE_WIDTH, GROOVE_DEPTH, GROOVE_RADIUS = 1.0, 0.6, 1.0
+BOWL_RADIUS, BOWL_REACH = 1.0, 0.8
 #: m. Beyond all of the ball that a point in the picture sees.
 FAR = 4.0
 
@@ -81,8 +82,24 @@ def groove() -> ClosedForm:
     return ClosedForm(make_scene([floor, left, right], world=1.0), view, GROOVE_RADIUS, open_at)
 
 
+def bowl() -> ClosedForm:
+    """The inside of a sphere of radius R. Within r, it hides directions up to the elevation arcsin(r / 2R), everywhere.
+
+    Their part of a cosine-weighted hemisphere is the square of the elevation's sine.
+    """
+    view = look_at((0.0, 0.0, 0.3), (0.0, 0.01, -1.0), (96, 96), math.radians(90.0))
+    open_part = 1.0 - (BOWL_REACH / (2.0 * BOWL_RADIUS)) ** 2
+
+    def open_at(position: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return np.where(np.hypot(position[:, 0], position[:, 1]) < 0.25, open_part, np.nan)  # their radius is seen
+
+    scene = make_scene([sphere((0.0, 0.0, 0.0), BOWL_RADIUS, 192, 96)], world=1.0)
+    return ClosedForm(scene, view, BOWL_REACH, open_at)
+
+
 CLOSED_FORMS: dict[str, Callable[[], ClosedForm]] = {
     "corner": corner,
     "ball on a plane": ball_on_plane,
     "groove": groove,
+    "bowl": bowl,
 }

@@ -64,12 +64,13 @@ vec2 angles_of(Slice slice, vec3 front, vec4 occluder, float step) {
     float slope = -dot(n, slice.across) / max(dot(n, to_camera), MIN_COSINE);
     vec3 half_part = 0.5 * step * (slice.across + slope * to_camera);
     vec3 ends[3] = vec3[3](front - half_part, front + half_part, front - slice.depth * slice.to_camera);
-    vec2 angles = vec2(PI, -PI);
-    for (int k = 0; k < 3; ++k) {
-        float angle = atan(dot(ends[k], slice.across), dot(ends[k], slice.to_camera));
-        angles = vec2(min(angles.x, angle), max(angles.y, angle));
+    vec2 direction = vec2(dot(front, slice.across), dot(front, slice.to_camera)), turns = vec2(0.0);
+    for (int k = 0; k < 3; ++k) { // as turns from the direction to `front`: a part that reaches below the receiver wraps
+        vec2 end = vec2(dot(ends[k], slice.across), dot(ends[k], slice.to_camera));
+        float turn = atan(end.x * direction.y - end.y * direction.x, dot(end, direction));
+        turns = vec2(min(turns.x, turn), max(turns.y, turn));
     }
-    return angles;
+    return atan(direction.x, direction.y) + turns;
 }
 
 void main() {
@@ -106,7 +107,7 @@ void main() {
         vec3 front = occluder.xyz - p;
         float distance = length(front);
         // Surfaces in the pixel's plane occlude nothing, nor do those further away than the radius.
-        if (occluder.w == 0.0 || distance > radius || dot(front, geometric_normal) <= 0.02 * distance) continue;
+        if (occluder.w == 0.0 || distance > radius || dot(front, geometric_normal) <= 0.05 * distance) continue;
         vec2 angles = angles_of(slice, front, occluder, step);
         uint bits = bits_between(slice, angles.x, angles.y) & ~mask;
         mask |= bits;
