@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parallel work on all processor cores, for numpy functions, which release the GIL.
 
-There are as many threads as cores. With more they wait for one another's steps in Python: mip levels take a fifth
-longer.
+There are as many threads as cores. More wait for one another's steps in Python: mip levels then take a fifth longer.
 Constants …_AT_A_TIME are sizes of portions of such work, chosen so that their arrays fit in a core's cache.
 """
 

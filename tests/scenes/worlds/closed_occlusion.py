@@ -87,13 +87,14 @@ def bowl() -> ClosedForm:
 
     Their part of a cosine-weighted hemisphere is the square of the elevation's sine.
     """
-    view = look_at((0.0, 0.0, 0.3), (0.0, 0.01, -1.0), (96, 96), math.radians(90.0))
+    view = look_at((0.0, 0.0, 0.3), (0.0, 0.01, -1.0), (160, 160), math.radians(90.0))
     open_part = 1.0 - (BOWL_REACH / (2.0 * BOWL_RADIUS)) ** 2
 
     def open_at(position: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        return np.where(np.hypot(position[:, 0], position[:, 1]) < 0.25, open_part, np.nan)  # their radius is seen
+        in_middle = np.hypot(position[:, 0], position[:, 1]) < 0.25  # all within r of these points is in the picture
+        return np.where(in_middle, open_part, np.nan)
 
-    scene = make_scene([sphere((0.0, 0.0, 0.0), BOWL_RADIUS, 192, 96)], world=1.0)
+    scene = make_scene([sphere((0.0, 0.0, 0.0), BOWL_RADIUS, 64, 32)], world=1.0)
     return ClosedForm(scene, view, BOWL_REACH, open_at)
 
 

@@ -25,6 +25,9 @@ const float BITS = 32.0;
 // The least cosine of a surface to the camera: what is seen at grazing angles would have no end.
 const float MIN_COSINE = 0.04;
 
+// The least sine of an occluder's elevation above the pixel's plane: facets of smooth surfaces are not quite in it.
+const float MIN_ELEVATION_SINE = 0.05;
+
 // The directions of a slice by their angle from the direction to the camera; n: that of the normal in the slice.
 // `depth`: of surfaces along the direction to the camera, m.
 struct Slice { vec3 to_camera; vec3 across; float n; float low; float high; float before_low; float all; float depth; };
@@ -65,7 +68,8 @@ vec2 angles_of(Slice slice, vec3 front, vec4 occluder, float step) {
     vec3 half_part = 0.5 * step * (slice.across + slope * to_camera);
     vec3 ends[3] = vec3[3](front - half_part, front + half_part, front - slice.depth * slice.to_camera);
     vec2 direction = vec2(dot(front, slice.across), dot(front, slice.to_camera)), turns = vec2(0.0);
-    for (int k = 0; k < 3; ++k) { // as turns from the direction to `front`: a part that reaches below the receiver wraps
+    // Relative to the direction to `front`: angles from the camera's direction jump by 2 PI below the receiver.
+    for (int k = 0; k < 3; ++k) {
         vec2 end = vec2(dot(ends[k], slice.across), dot(ends[k], slice.to_camera));
         float turn = atan(end.x * direction.y - end.y * direction.x, dot(end, direction));
         turns = vec2(min(turns.x, turn), max(turns.y, turn));
@@ -107,7 +111,8 @@ void main() {
         vec3 front = occluder.xyz - p;
         float distance = length(front);
         // Surfaces in the pixel's plane occlude nothing, nor do those further away than the radius.
-        if (occluder.w == 0.0 || distance > radius || dot(front, geometric_normal) <= 0.05 * distance) continue;
+        bool is_above = dot(front, geometric_normal) > MIN_ELEVATION_SINE * distance;
+        if (occluder.w == 0.0 || distance > radius || !is_above) continue;
         vec2 angles = angles_of(slice, front, occluder, step);
         uint bits = bits_between(slice, angles.x, angles.y) & ~mask;
         mask |= bits;
